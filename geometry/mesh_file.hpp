@@ -1,0 +1,17 @@
+#pragma once
+// Reading and writing tetrahedral meshes: Gmsh .msh 2.2 and 4.1 (ASCII and binary), legacy .vtk and .vtu, Medit .mesh.
+// Nodes keep their order in the file, counted from 0. Errors: InputError naming file and line.
+
+#include <filesystem>
+
+#include "geometry/tet_mesh.hpp"
+
+namespace forefeel {
+
+// Reads by extension; does not check quality (see check_and_orient).
+TetMesh read_mesh(const std::filesystem::path& file);
+
+// Gmsh 2.2 ASCII, written to a temporary name and renamed; groups become physical node groups.
+void write_msh(const std::filesystem::path& file, const TetMesh& mesh);
+
+}  // namespace forefeel

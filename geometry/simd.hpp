@@ -1,0 +1,11 @@
+#pragma once
+// FOREFEEL_CLONES before a function compiles it for SSE2, AVX2+FMA and AVX-512 and lets the loader pick one, so
+// that one binary serves old and new processors. Only for leaf loops over raw pointers; callees must be inlined.
+// With FOREFEEL_NATIVE, under a sanitizer (ifunc resolvers run before its runtime) or another compiler: one version.
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(FOREFEEL_NATIVE) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define FOREFEEL_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#else
+#define FOREFEEL_CLONES
+#endif

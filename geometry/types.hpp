@@ -1,0 +1,26 @@
+#pragma once
+// Small types that every folder shares. SI units: lengths in m, forces in N.
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace forefeel {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;  // column-major in memory; every file format writes it row by row
+
+enum class Axis : std::uint8_t { x, y, z };
+
+// Axis-aligned box, low <= high per axis [m].
+struct Box {
+  Vec3 low = Vec3::Zero();
+  Vec3 high = Vec3::Zero();
+
+  bool contains(const Vec3& q) const {
+    return (q.array() >= low.array()).all() && (q.array() <= high.array()).all();
+  }
+  Vec3 size() const { return high - low; }
+  Vec3 centre() const { return 0.5 * (low + high); }
+};
+
+}  // namespace forefeel

@@ -1,0 +1,126 @@
+#pragma once
+// A headless haptic session: workers solve states, the planner decides and updates models, a 1 kHz loop renders.
+// Both clocks run the same Planner and the same RenderLoop; only who calls them when differs.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "approx/force_switch.hpp"
+#include "approx/updater.hpp"
+#include "geometry/state_file.hpp"
+#include "scheduling/device.hpp"
+#include "scheduling/policy.hpp"
+#include "solver/solver.hpp"
+
+namespace forefeel {
+
+enum class Clock { real, virtual_time };
+
+struct SessionOptions {
+  Clock clock = Clock::real;
+  double seconds = 20;
+  std::string device = "path:press,speed=0.06";
+  std::string policy = "coverage";
+  int workers = 2;                         // solver workers, simulated ones under the virtual clock
+  int threads = 0;                         // real threads; never changes a virtual run's result
+  SwitchOptions switching;
+  ModelOptions model;
+  double update_travel = 0.25;             // HIP travel that triggers an update, in spacings
+  std::string cost = "constant:0.01";      // virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded, paper
+  double latency = 0;                      // per message [s]
+  std::optional<std::filesystem::path> arrivals;   // CSV t,x,y,z: states become known at given times
+  std::optional<std::filesystem::path> replay;     // a run folder: HIP and arrivals as recorded there
+  bool preempt = true;
+  std::uint64_t seed = 0;
+  double frame = 1e-3;                     // [s]
+  double error_floor = 0.05;               // f0 [N]
+  double reference_step = 0.002;           // HIP travel between reference samples [m]
+  double force_limit = 3.3;                // safety clamp [N] (Touch/Omni)
+  double slew_limit = 1000;                // [N/s]
+  double ramp_seconds = 0.1;               // start-up
+  double stale_seconds = 0.5;              // watchdog: no sign of the planner for so long fades the force out
+};
+
+struct SessionInput {
+  std::shared_ptr<const Body> body;
+  BodyIdentity identity;
+  StateSpaceOptions space;
+  bool displacements = false;
+  std::vector<State> known;                        // states at the start
+  std::optional<std::filesystem::path> state_file; // where new states are appended
+  std::filesystem::path cache_folder;              // tight reference solves of this body; empty: none
+  std::filesystem::path scene_folder;
+  Vec3 inward = -Vec3::UnitZ();
+};
+
+struct FrameRecord {
+  double t = 0;
+  Vec3 at = Vec3::Zero(), force = Vec3::Zero(), undamped = Vec3::Zero();
+  Label label = Label::blank;
+  std::uint32_t model = 0, known = 0;
+  double switch_change = 0, switch_bound = 0, motion_change = 0;   // [N]
+  double cost_us = unknown, lateness_us = unknown;                 // real clock
+  Vec3 reference = Vec3::Constant(unknown);                        // where sampled
+  double error = unknown, approximation = unknown, switching = unknown, staleness = unknown;
+  bool first_visit = false;
+};
+
+struct DispatchRecord {
+  std::uint32_t id = 0;
+  Vec3 at = Vec3::Zero();
+  Label label = Label::blank;
+  double priority = 0;
+  double requested = unknown, started = unknown, finished = unknown, first_used = unknown;   // [s]
+  std::string status;            // solved, failed, preempted, arrived, running (at the end)
+  int worker = -1;
+  std::int64_t parent = -1;      // id of the state it started from, -1: rest
+};
+
+struct SwitchRecord {
+  double t = 0;
+  std::uint32_t model = 0;
+  std::string cause;             // "states", "travel", "first"
+  Label label = Label::blank;
+  std::uint32_t n = 0, replaced = 0;
+  double jump_undamped = 0;      // [N]
+  double fit_us = unknown;       // real clock only
+};
+
+struct Quantiles { double p50 = unknown, p95 = unknown, p99 = unknown, max = unknown; };
+struct ErrorSummary { std::size_t samples = 0; double p50 = unknown, p95 = unknown, max = unknown, within_jnd = unknown; };
+
+struct SessionResult {
+  std::vector<FrameRecord> frames;
+  std::vector<DispatchRecord> dispatch;
+  std::vector<SwitchRecord> switches;
+  std::vector<State> states;                 // all known at the end, those of the start first
+  double wall_seconds = 0;
+  bool realtime_priority = false, memory_locked = false;
+  std::vector<std::string> notes;            // what the system did not permit, what failed
+  // Everything that summary.json holds but provenance is derived from the above in run_files.hpp.
+  std::array<std::size_t, 3> start_solved_failed{};
+  std::size_t preempted = 0;
+  double generated_energy = 0, work = 0;     // energy observer [J]
+  std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
+  std::vector<double> solve_seconds;
+};
+
+struct SessionProgress {
+  double t = 0, seconds = 0;
+  std::size_t known = 0, solved = 0;
+  Label label = Label::blank;
+  double force = 0;
+  std::string phase;             // "session", "labels", "references"
+};
+
+SessionResult run_session(const SessionInput& input, const SessionOptions& options,
+                          const std::function<void(const SessionProgress&)>& progress = {});
+
+}  // namespace forefeel

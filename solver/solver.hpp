@@ -1,0 +1,79 @@
+#pragma once
+// Static equilibrium of a body whose contact is held at x: find u with r(u) = dW/du = 0 on the free nodes,
+// u = 0 on the clamp, u = x on the contact. Force f = -sum of dW/du over the contact nodes; condensed stiffness
+// K = -df/dx = H_cc - H_cf H_ff^{-1} H_fc. Residual reported: |r| / max(|f|, 1e-12 E L^2).
+
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "geometry/state.hpp"
+#include "solver/body.hpp"
+
+namespace forefeel {
+
+// A converged solution that later solves can start from; immutable, shared between threads.
+struct Equilibrium {
+  Vec3 at = Vec3::Zero();
+  std::vector<double> displacements;     // #V x 3 row by row [m]
+  std::vector<double> tangent;           // du/dx, (#V x 3) x 3 row by row; may be empty
+};
+
+struct SolveOptions {
+  double tolerance = 1e-10;              // on the relative residual
+  int max_iterations = 60;               // Newton iterations in all
+  double max_step = 0;                   // continuation step [m]; 0: the whole way at once, halved where it fails
+  bool want_displacements = false;
+};
+
+struct SolveOutcome {
+  State state;                                        // status says how it ended; never throws for divergence
+  std::shared_ptr<const Equilibrium> equilibrium;     // null unless converged
+  std::vector<std::string> warnings;
+};
+
+// Keeps the pattern, symbolic factorisation and work space of one body; one per thread. Results depend on the
+// arguments alone, not on what was solved before.
+class Solver {
+ public:
+  explicit Solver(std::shared_ptr<const Body> body);
+  ~Solver();
+  Solver(Solver&&) noexcept;
+  Solver& operator=(Solver&&) noexcept;
+
+  const Body& body() const;
+  std::shared_ptr<const Equilibrium> rest() const;
+  // From rest straight to x in steps <= spacing, each tight: the reference branch.
+  SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});
+  // From a known equilibrium, directly; falls back to smaller steps. stop is looked at between iterations.
+  SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options, std::stop_token stop = {});
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// True where f = -K x exactly, so that three solves give the whole state space.
+bool is_linear(const Body& body);
+
+struct GenerateOptions {
+  double spacing = 0.006;
+  Box box;
+  int threads = 0;                       // 0: all
+  double tolerance = 1e-6;               // force, relative
+  bool want_displacements = false;
+  std::stop_token stop;
+};
+struct GenerateReport {
+  std::size_t solved = 0, failed = 0, resumed = 0;
+  double seconds = 0;
+  int threads = 0;
+};
+// Fills the lattice outward from rest. known: states already there (skipped, failed ones not retried). sink is
+// called from one thread at a time with each new state, failed ones included; progress(done, total) likewise.
+GenerateReport generate_lattice(std::shared_ptr<const Body> body, const GenerateOptions& options,
+                                const std::vector<State>& known, const std::function<void(State)>& sink,
+                                const std::function<void(std::size_t, std::size_t)>& progress);
+
+}  // namespace forefeel
