@@ -1,0 +1,34 @@
+#pragma once
+// A scene (TOML): body, material, clamp, contact, state space, model, session. Unknown keys are errors that suggest
+// the nearest known one; every error names file, key and what was expected.
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scheduling/session.hpp"
+
+namespace forefeel {
+
+struct Scene {
+  std::filesystem::path file;
+  std::shared_ptr<const Body> body;        // checked: it can be solved
+  BodyIdentity identity;                   // mesh, material, clamp, contact -> hash
+  StateSpaceOptions space;
+  bool displacements = false;
+  ModelOptions model;
+  SessionOptions session;                  // .model is the same as above
+  Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
+  std::string hash;                        // of the scene as overridden, without comments
+  std::vector<std::string> warnings;
+};
+
+// overrides: "key.path=value" as given to --set; value is TOML, or a bare string.
+Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+// $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
+std::filesystem::path cache_folder();
+
+}  // namespace forefeel
