@@ -1,0 +1,14 @@
+#pragma once
+// What made a result: command line, version, commit, libraries, machine.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace forefeel {
+
+void remember_command(int argc, const char* const* argv);        // called once by main()
+const std::string& command_line();                               // as typed, quoted for a shell
+nlohmann::ordered_json provenance(const std::string& scene_hash);   // {command, version, commit, scene_hash, libraries{}, machine}
+std::string version_text();                                      // what --version prints
+
+}  // namespace forefeel

@@ -1,0 +1,17 @@
+#pragma once
+// The report of a run: one self-contained HTML file (inline SVG by gnuplot, nothing loaded from outside).
+
+#include <filesystem>
+
+#include "apps/command.hpp"
+#include "apps/scene.hpp"
+
+namespace forefeel {
+
+// Writes run_folder/report.html from summary.json, frames.csv, dispatch.csv and switches.csv there (all must exist;
+// summary.json may hold "notes": ["…"], shown as they are). States in the pictures: run_folder/states.csv where it
+// exists, otherwise the solved and arrived rows of dispatch.csv. Without gnuplot the report is written without
+// plots and says so. Throws InputError for a folder that is no run or cannot be written.
+void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals& globals);
+
+}  // namespace forefeel
