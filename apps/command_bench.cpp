@@ -1,0 +1,49 @@
+// forefeel bench approx|solver|coverage|switch [SCENE]: speed against error, ratios to named baselines of the
+// same run.
+
+#include <memory>
+
+#include "apps/command.hpp"
+#include "geometry/error.hpp"
+
+namespace forefeel {
+namespace {
+
+struct BenchOptions {
+  std::string what;
+  std::string scene;
+};
+
+int run_bench(const Globals& globals, const BenchOptions& options) {
+#ifdef FOREFEEL_HAS_BENCH_COVERAGE
+  if (options.what == "coverage") {
+    if (!options.scene.empty())
+      throw InputError("bench coverage", "takes no scene, got '" + options.scene + "'");
+    return bench_coverage(globals);
+  }
+#endif
+#ifdef FOREFEEL_HAS_BENCH_SOLVER
+  if (options.what == "solver") return bench_solver(globals, options.scene);
+#endif
+#ifdef FOREFEEL_HAS_BENCH_APPROX
+  if (options.what == "approx") return bench_approx(globals, options.scene);
+#endif
+  (void)globals;
+  throw InputError("bench " + options.what, "not in this build");
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Commands& commands) {
+  const auto options = std::make_shared<BenchOptions>();
+  CLI::App& sub =
+      add_command(app, commands, "bench", "Speed against error, beside named baselines of the same run",
+                  [&commands, options] { return run_bench(commands.globals, *options); });
+  sub.add_option("WHAT", options->what, "approx, solver, coverage or switch")
+      ->required()
+      ->check(CLI::IsMember({"approx", "solver", "coverage", "switch"}));
+  sub.add_option("SCENE", options->scene,
+                 "Scene to take states from; default: the built-in one of each bench");
+}
+
+}  // namespace forefeel

@@ -1,0 +1,161 @@
+// forefeel <command> …: parses, runs the chosen command, and maps what happened to an exit code.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+#include "apps/command.hpp"
+#include "apps/provenance.hpp"
+#include "apps/suggest.hpp"
+#include "geometry/error.hpp"
+
+namespace forefeel {
+namespace {
+
+// Commands of the contract that this build does not have.
+const std::vector<std::string> not_in_this_build{
+    "study",    "reproduce",
+#ifndef FOREFEEL_HAS_MESH
+    "mesh",
+#endif
+#ifndef FOREFEEL_HAS_STATES
+    "import",   "export",    "info",
+#endif
+#ifndef FOREFEEL_HAS_SOLVE
+    "solve",
+#endif
+#ifndef FOREFEEL_HAS_GENERATE
+    "generate",
+#endif
+#ifndef FOREFEEL_HAS_CLASSIFY
+    "classify",
+#endif
+#ifndef FOREFEEL_HAS_EVALUATE
+    "evaluate",
+#endif
+#ifndef FOREFEEL_HAS_SESSION
+    "session",
+#endif
+};
+
+void add_commands(CLI::App& app, Commands& commands) {
+#ifdef FOREFEEL_HAS_MESH
+  add_mesh(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_SOLVE
+  add_solve(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_GENERATE
+  add_generate(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_STATES
+  add_import(app, commands);
+  add_export(app, commands);
+  add_info(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_CLASSIFY
+  add_classify(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_EVALUATE
+  add_evaluate(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_SESSION
+  add_session(app, commands);
+#endif
+  add_bench(app, commands);
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
+// The first word must be a command: said here, because CLI11 would only call it an unexpected argument.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<std::string> names = command_names(app);
+  if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
+  const std::string word = argv[1];
+  if (word.starts_with("-") || std::ranges::find(names, word) != names.end()) return;
+  if (std::ranges::find(not_in_this_build, word) != not_in_this_build.end())
+    throw InputError("command '" + word + "'", "not in this build, which has " + listed(names));
+  throw InputError("command '" + word + "'", fmt::format("unknown, did you mean '{}'? Expected one of {}",
+                                                         nearest_word(word, names), listed(names)));
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+// CLI11 speaks in several lines and forms; this makes one line of it, with a suggestion for a mistyped
+// option.
+InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App& sub = chosen.empty() ? app : *chosen.front();
+  const std::string where = chosen.empty() ? "options" : sub.get_name();
+  if (const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    std::vector<std::string> left = app.remaining(true);
+    if (left.empty()) return {where, extras->what()};
+    const std::string word = left.front().substr(0, left.front().find('='));
+    if (!word.starts_with("-"))
+      return {where, fmt::format("unexpected argument '{}', see forefeel {} --help", word, where)};
+    return {where, fmt::format("unknown option '{}', did you mean '{}'?", word,
+                               nearest_word(word, option_names(sub)))};
+  }
+  std::string text = error.what();
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
+  while (text.ends_with("; ")) text.resize(text.size() - 2);
+  return {where, text + fmt::format(" (see forefeel {}--help)", chosen.empty() ? "" : where + " ")};
+}
+
+int run(int argc, const char* const* argv) {
+  remember_command(argc, argv);
+  CLI::App app{"Haptic rendering of soft bodies from states solved ahead", "forefeel"};
+  app.set_version_flag(
+      "--version", [] { return version_text(); }, "Version, also of the libraries");
+  Commands commands;
+  add_commands(app, commands);
+  app.require_subcommand(0, 1);
+  check_command(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {  // --help, --version
+    return app.exit(done);
+  } catch (const CLI::ParseError& error) {
+    throw usage_error(app, error);
+  }
+  if (!commands.chosen)
+    throw InputError("command", "none given, expected one of " + listed(command_names(app)));
+  const int code = commands.chosen();
+  flush_warnings();
+  return code;
+}
+
+int complain(const std::string& text, int code) {
+  std::cerr << "forefeel: " << text << '\n';
+  return code;
+}
+
+}  // namespace
+}  // namespace forefeel
+
+int main(int argc, char** argv) {
+  using namespace forefeel;
+  try {
+    return run(argc, argv);
+  } catch (const InputError& error) {
+    return complain(error.what(), 2);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return complain(fmt::format("{}: {}", error.path1().string(), error.code().message()), 2);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", 1);
+  } catch (const std::exception& error) {
+    return complain(std::string("internal error: ") + error.what(), 1);
+  }
+}
