@@ -93,21 +93,29 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
+// A mistyped option is found before parsing, or its value would pass for a positional argument.
+void check_options(const CLI::App& app, int argc, const char* const* argv) {
+  const std::string first = argv[1];
+  const CLI::App& chosen = first.starts_with("-") ? app : *app.get_subcommand(first);
+  const std::vector<std::string> names = option_names(chosen);
+  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    if (!word.starts_with("--") || std::ranges::find(names, word) != names.end()) continue;
+    throw InputError(&chosen == &app ? "options" : first,
+                     fmt::format("unknown option '{}', did you mean '{}'? See forefeel {}--help", word,
+                                 nearest_word(word, names), &chosen == &app ? "" : first + " "));
+  }
+}
+
 // CLI11 speaks in several lines and forms; this makes one line of it, with a suggestion for a mistyped
 // option.
 InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   const CLI::App& sub = chosen.empty() ? app : *chosen.front();
   const std::string where = chosen.empty() ? "options" : sub.get_name();
-  if (const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error)) {
-    std::vector<std::string> left = app.remaining(true);
-    if (left.empty()) return {where, extras->what()};
-    const std::string word = left.front().substr(0, left.front().find('='));
-    if (!word.starts_with("-"))
-      return {where, fmt::format("unexpected argument '{}', see forefeel {} --help", word, where)};
-    return {where, fmt::format("unknown option '{}', did you mean '{}'?", word,
-                               nearest_word(word, option_names(sub)))};
-  }
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty())
+    return {where, fmt::format("unexpected argument '{}', see forefeel {} --help",
+                               app.remaining(true).front(), where)};
   std::string text = error.what();
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
   while (text.ends_with("; ")) text.resize(text.size() - 2);
@@ -123,6 +131,7 @@ int run(int argc, const char* const* argv) {
   add_commands(app, commands);
   app.require_subcommand(0, 1);
   check_command(app, argc, argv);
+  check_options(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {  // --help, --version

@@ -65,7 +65,8 @@ nlohmann::ordered_json provenance(const std::string& scene_hash) {
 std::string version_text() {
   std::string text =
       fmt::format("forefeel {} ({}, {})\n", build_info::version, build_info::commit, build_info::flags);
-  for (const auto& [library, version] : libraries().items())
+  const nlohmann::ordered_json versions = libraries();
+  for (const auto& [library, version] : versions.items())
     text += fmt::format("{} {}\n", library, version.get<std::string>());
   return text + "GPL-3.0-or-later; linked with TetGen (AGPL-3.0), this binary is under AGPL-3.0.";
 }
