@@ -1,8 +1,12 @@
 #pragma once
 // Simulated haptic devices: where the HIP is at time t, and (for a hand) how it answers the force.
-//   path:NAME[,speed=0.06][,amplitude=…][,tremor=…][,noise=…]   NAME: press line circle lissajous reach palpation
-//   trace:FILE[,scale=…][,offset=x/y/z]
-// tremor [m RMS, 8 to 12 Hz] and noise [m RMS, white] are seeded.
+//   path:NAME[,speed=0.06][,amplitude=A][,tremor=S][,noise=S]
+//     NAME: press line circle lissajous reach palpation tour mower. A path is a curve scaled to the box (or so that
+//     its farthest point is A [m] from rest), run at `speed` [m/s] with rounded corners, where it is slower, as a
+//     hand is; it starts at rest, x(0) = 0, and repeats for ever.
+//   trace:FILE[,scale=F][,offset=X/Y/Z]
+//     rows t,x,y,z; x(t) = F row + offset by cubic interpolation, held after the end.
+// tremor [m RMS per axis, 8 to 12 Hz] and noise [m RMS per axis, white] are seeded.
 
 #include <cstdint>
 #include <filesystem>
@@ -31,5 +35,15 @@ struct DeviceContext {
 
 // spec as on the command line ("path:press,speed=0.06"). InputError on anything unknown.
 std::unique_ptr<Device> make_device(const std::string& spec, const DeviceContext& context);
+std::vector<std::string> path_names();
+
+// A motion given by samples: times growing, the first 0 [s]; positions [m]. Also what --replay runs.
+std::unique_ptr<Device> make_trace_device(std::vector<double> times, std::vector<Vec3> positions);
+// t,x,y,z; the first time becomes 0. InputError(file:line) for short rows, what is not finite, time going back, no rows.
+struct Trace {
+  std::vector<double> times;        // [s]
+  std::vector<Vec3> positions;      // [m]
+};
+Trace read_trace(const std::filesystem::path& file);
 
 }  // namespace forefeel

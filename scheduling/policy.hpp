@@ -40,15 +40,19 @@ struct PlannerView {
 struct Candidate {
   Vec3 at = Vec3::Zero();            // where a state would be solved [m]
   Label region = Label::blank;       // label of the region it lies in
-  double requested = 0;              // when it first became a candidate [s]
+  double requested = 0;              // when the HIP or its predicted path first came near; infinite until then [s]
+  double delta = 0;                  // distance to the nearest known state; infinite while none is known [m]
+  std::uint32_t order = 0;           // outward from rest
 };
 
 class Policy {
  public:
   virtual ~Policy() = default;
   virtual std::string_view name() const = 0;
-  // Finite; larger is sooner. Called for every candidate at each planning step.
+  // The worth of solving the candidate next: finite, not negative, larger is sooner. Preemption compares ratios.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
+  // All candidates of a planning step at once; override where they share work. Writes #candidates values.
+  virtual void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const;
 };
 
 struct PolicyOptions {
@@ -58,5 +62,13 @@ using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyOptions&
 void register_policy(std::string name, PolicyFactory factory);
 std::vector<std::string> policy_names();
 std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions& options);  // InputError lists names
+// True for the policy whose predictions are the motion itself, as far as the session knows it.
+bool knows_the_future(const std::string& name);
+
+// Soonest time at which the predicted path is within reach of a position: min over the path of
+// horizon + distance / speed, the speed no less than a spacing per solve [s].
+double time_to_reach(const Vec3& at, const PlannerView& view);
+// Distance from a position to the predicted path [m].
+double distance_to_path(const Vec3& at, const PlannerView& view);
 
 }  // namespace forefeel
