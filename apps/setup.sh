@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that are missing: `setup.sh` what builds and runs forefeel, `setup.sh tests` also
+# what its tests compare with, `setup.sh sanitizers` also clang for the thread sanitizer. Safe to repeat; needs root,
+# or sudo, only when something is missing.
+set -euo pipefail
+
+packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libtet1.5-dev libsqlite3-dev libcli11-dev
+          libtomlplusplus-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libnanoflann-dev catch2 gnuplot-nox)
+case "${1:-}" in
+  "") ;;
+  tests) packages+=(python3 python3-numpy python3-scipy python3-vtk9 calculix-ccx) ;;
+  sanitizers) packages+=(clang libomp-dev) ;;
+  *) echo "setup.sh: '$1' is unknown, expected nothing, tests or sanitizers" >&2; exit 2 ;;
+esac
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "setup.sh: this is not Debian; please install the equivalents of: ${packages[*]}" >&2
+  exit 1
+fi
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
+  [ "$status" = "install ok installed" ] || missing+=("$package")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+if [ "$(id -u)" -eq 0 ]; then
+  as_root=()
+elif command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then
+  as_root=(sudo)
+else
+  echo "setup.sh: missing packages, and no right to install them. An administrator can:" >&2
+  echo "  apt-get update && apt-get install --no-install-recommends ${missing[*]}" >&2
+  exit 1
+fi
+echo "Installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
