@@ -15,6 +15,12 @@ enum class Law { linear, st_venant_kirchhoff, neo_hookean, stable_neo_hookean, m
 std::string_view name(Law law);                              // "neo-hookean", …
 std::vector<std::string> law_names();                        // those this build solves
 
+// linear: four-node tetrahedra, one point. quadratic: ten-node tetrahedra (straight edges, four points) on the same
+// mesh, which do not lock above nu = 0.45.
+enum class Element { linear, quadratic };
+std::string_view name(Element element);                      // "linear", "quadratic"
+std::vector<std::string> element_names();
+
 struct Material {
   Law law = Law::neo_hookean;
   double young = 5000;       // E [Pa], > 0
@@ -26,6 +32,7 @@ struct Body {
   Material material;
   std::vector<NodeIndex> clamp;      // sorted, not empty
   std::vector<NodeIndex> contact;    // sorted, not empty, disjoint from clamp
+  Element element = Element::linear;
 };
 
 // Throws InputError(where.key, …) for what cannot be solved: empty or out-of-range node sets, contact on a clamped

@@ -1,0 +1,30 @@
+#pragma once
+// Factor of H = d2W/du2 with the free nodes (f) eliminated and the contact (c) last:
+//   H = [H_ff H_fc; H_cf H_cc] = U^T U but for the last 3 x 3 corner, in which
+//   K = H_cc - H_cf H_ff^{-1} H_fc     the condensed stiffness [N/m]
+// is left, symmetric by construction. The tangent du/dx = -H_ff^{-1} H_fc needs a backward substitution only.
+
+#include <memory>
+
+#include "solver/discretisation.hpp"
+
+namespace forefeel {
+
+class Factorisation {
+ public:
+  explicit Factorisation(const Discretisation& discretisation);   // must outlive this; the analysis is done here
+  ~Factorisation();
+  Factorisation(Factorisation&&) noexcept;
+
+  // blocks as in Discretisation::pattern. False unless H_ff is positive definite (then nothing below may be called).
+  bool compute(const double* blocks);
+  void solve(double* b) const;              // free part (n x 3) of b replaced by H_ff^{-1} b
+  Mat3 stiffness() const;                   // K [N/m]
+  void tangent(double* v) const;            // (n+2) x 3 local nodes by 3 directions, row by row; contact = I, clamp = 0
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,54 @@
+#pragma once
+// The loops that take the time, compiled once per instruction set (SSE2, AVX2, AVX-512) and chosen at run time.
+// This header and the kernel files include nothing with inline functions of others: what is compiled for a newer
+// processor must stay in its own file.
+//
+// Shapes. Local nodes are numbered 0 .. n-1 free (in elimination order), n the contact (all contact nodes move as
+// one), n+1 the clamp. A vector is (n+2) x 3; eight vectors side by side ("lanes") are (n+2) x 3 x 8.
+// Elements come in groups of eight; the last group is padded with elements of no volume.
+
+#include <cstdint>
+
+namespace forefeel {
+
+inline constexpr int lane_count = 8;
+
+// Constants of a law, derived from E and nu [Pa]; a is a pure number.
+struct LawConstants {
+  double mu = 0, lambda = 0;
+  double m = 0, l = 0, a = 0;        // stable neo-Hookean
+  double c1 = 0, c2 = 0;             // Mooney-Rivlin
+};
+
+struct ElementView {
+  std::int64_t groups = 0;
+  int nodes_per_element = 4;                 // 4 linear, 10 quadratic
+  const std::int32_t* node = nullptr;        // groups x nodes x 8, local node numbers
+  const double* gradient = nullptr;          // groups x 12 x 8: gradients of the four barycentric coordinates [1/m]
+  const double* volume = nullptr;            // groups x 8 [m^3]
+  const std::int32_t* block = nullptr;       // groups x pairs x 8: block of the pair (a <= b), or the dummy block
+  const std::int8_t* block_kind = nullptr;   // 0 as it is, 1 transposed, 2 both (a pair within the contact)
+  LawConstants constants;
+};
+
+struct FieldSummary {
+  double energy = 0;         // sum V psi [J]
+  double min_jacobian = 0;   // least det F
+};
+
+struct ElementKernels {
+  // r += dW/du; energy and least det F.
+  FieldSummary (*gradient)(const ElementView&, const double* u, double* r);
+  // blocks (3 x 3, row-major) += d2W/du2.
+  void (*hessian)(const ElementView&, const double* u, double* blocks);
+  // r += dW/du for eight displacement fields at once; energy and min_jacobian are [8].
+  void (*gradient_lanes)(const ElementView&, const double* u, double* r, double* energy, double* min_jacobian);
+  // y_c += (d2W/du2)(u) d_c for three directions, c = 0..2, of each of eight fields; d_c and y_c are `stride` apart.
+  void (*product_lanes)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
+};
+
+// law: its number in enum Law. The best version that this processor runs.
+const ElementKernels& element_kernels(int law);
+const char* instruction_set();
+
+}  // namespace forefeel

@@ -1,0 +1,48 @@
+#pragma once
+// Static Newton at a held contact: r_f(u) = 0, u_c = x. Steps d = -H_ff^{-1} r_f, halved until J > 0 (where the law
+// needs it) and the energy or the residual falls; where H_ff is not positive definite, a multiple of the stiffness
+// at rest is added. An equilibrium counts as converged only if H_ff is positive definite there: it is stable.
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "geometry/state.hpp"
+#include "solver/factorisation.hpp"
+
+namespace forefeel {
+
+struct NewtonReport {
+  SolveStatus status = SolveStatus::stalled;
+  int iterations = 0;
+  double residual = 0;          // |r_f| / max(|f|, floor)
+  double energy = 0;            // [J]
+  double min_jacobian = 0;
+  Vec3 force = Vec3::Zero();    // of the body on the HIP [N]
+};
+
+// Work space of one body for one thread.
+class NewtonSolver {
+ public:
+  explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
+
+  // u, a local vector with the contact already at x, becomes the equilibrium; on success `factor()` is of H(u) itself.
+  NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations, const std::stop_token& stop);
+  const Factorisation& factor() const { return factor_; }
+  bool factorise(const std::vector<double>& u);       // H(u); false unless positive definite
+
+  const Discretisation& discretisation() const { return *d_; }
+
+ private:
+  double residual() const;
+  void evaluate(const std::vector<double>& u, NewtonReport& report);
+  bool factorise_shifted(const std::vector<double>& u);
+  bool line_search(std::vector<double>& u, NewtonReport& report);
+
+  std::shared_ptr<const Discretisation> d_;
+  Factorisation factor_;
+  std::vector<double> gradient_, step_, trial_, trial_gradient_, blocks_, rest_blocks_;
+  double shift_ = 0;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,57 @@
+// References that others computed: FEniCSx on a beam, where the folder with them exists.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "geometry/mesh_file.hpp"
+#include "solver/law.hpp"
+#include "solver/solver.hpp"
+
+using namespace forefeel;
+
+TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
+  const std::filesystem::path folder = FOREFEEL_SOURCE_DIR "/../shared/data/beam";
+  if (!std::filesystem::exists(folder / "beam.msh")) {
+    WARN("no reference data at " << folder << ": skipped");
+    return;
+  }
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".json") continue;
+    INFO(entry.path().filename());
+    ++files;
+    const auto document = nlohmann::json::parse(std::ifstream(entry.path()));
+    auto body = std::make_shared<Body>();
+    body->mesh = read_mesh(folder / "beam.msh");
+    const std::string law = document["law"];
+    for (const Law candidate : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
+                                Law::mooney_rivlin})
+      if (name(candidate) == law) body->material.law = candidate;
+    REQUIRE(name(body->material.law) == law);
+    body->material.young = document["material"]["E"];
+    body->material.poisson = document["material"]["nu"];
+    body->clamp = document["fixed_nodes"].get<std::vector<NodeIndex>>();
+    body->contact = document["driven_nodes"].get<std::vector<NodeIndex>>();
+    std::sort(body->clamp.begin(), body->clamp.end());
+    std::sort(body->contact.begin(), body->contact.end());
+    double rest_energy = 0;   // theirs counts sum V psi(F); psi(I) of the stable law is not zero
+    if (body->material.law == Law::stable_neo_hookean) {
+      const LawConstants c = law_constants(body->material);
+      rest_energy = quality(body->mesh).volume * (0.5 * c.l * (1 - c.a) * (1 - c.a) - 0.5 * c.m * std::log(4.0));
+    }
+    Solver solver(body);
+    for (const auto& state : document["states"]) {
+      const Vec3 x(state["at"][0], state["at"][1], state["at"][2]);
+      const Vec3 force(state["force"][0], state["force"][1], state["force"][2]);
+      const SolveOutcome outcome = solver.reference(x, 0.006);
+      REQUIRE(outcome.state.status == SolveStatus::converged);
+      INFO(x.transpose() << ": " << outcome.state.force.transpose() << ", theirs " << force.transpose());
+      CHECK((outcome.state.force - force).norm() < 1e-9 * force.norm());
+      const double energy = state["energy"].get<double>() - rest_energy;
+      CHECK(std::abs(outcome.state.energy - energy) < 1e-9 * std::abs(energy) + 1e-14 * std::abs(rest_energy));
+    }
+  }
+  CHECK(files > 0);
+}
