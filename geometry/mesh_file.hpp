@@ -8,6 +8,8 @@
 
 namespace forefeel {
 
+bool is_mesh_file(const std::filesystem::path& file);   // by extension: .msh .vtk .vtu .mesh
+
 // Reads by extension; does not check quality (see check_and_orient).
 TetMesh read_mesh(const std::filesystem::path& file);
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct StateId {
 
 enum class SolveStatus : std::uint8_t { converged, diverged, stalled, inverted, cancelled, measured };
 std::string_view name(SolveStatus status);
+std::optional<SolveStatus> solve_status(std::string_view name);   // the inverse of name()
 
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 

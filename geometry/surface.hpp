@@ -19,6 +19,10 @@ struct Surface {
 // .obj .off .stl (ASCII and binary) .ply (ASCII and binary). InputError names file and line.
 Surface read_surface(const std::filesystem::path& file);
 
+Surface boundary_surface(const TetMesh& mesh);   // outward; nodes renumbered, in the order of the mesh
+double enclosed_volume(const Surface& surface);  // [m^3], positive where the triangles face outward
+Box bounding_box(const Surface& surface);
+
 struct RepairReport {
   std::size_t self_intersections = 0;     // pairs of triangles in the input
   std::size_t holes = 0;

@@ -1,0 +1,31 @@
+#pragma once
+// A file that appears whole or not at all: written under a temporary name in the same folder, synced, renamed by
+// commit(). Without commit() nothing is left behind. Devices and pipes (/dev/stdout) are written directly.
+
+#include <filesystem>
+#include <string_view>
+
+namespace forefeel {
+
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path file);     // InputError where it cannot be written
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(std::string_view bytes);                  // InputError on a full disk
+  void commit();                                       // durable and visible on return
+
+ private:
+  [[noreturn]] void fail(int error);
+  void discard();
+
+  std::filesystem::path file_, temporary_;             // temporary_ empty: written directly
+  int descriptor_ = -1;
+};
+
+// Throws InputError unless a file of that name could be made (folder there and writable); makes nothing.
+void check_writable(const std::filesystem::path& file);
+
+}  // namespace forefeel

@@ -1,0 +1,79 @@
+#pragma once
+// Reads text and binary values out of one file held in memory, and knows where it is: every failure is an
+// InputError naming file and line (or byte, within binary data). Shared by the readers of meshes, surfaces, CSV.
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace forefeel {
+
+// Whole content; InputError if missing, a folder, unreadable or empty.
+std::string read_file(const std::filesystem::path& file);
+std::string lower_case(std::string_view text);
+std::string_view trim(std::string_view text);
+bool parse_real(std::string_view text, double& value);            // whole text is one number (nan, inf allowed)
+bool parse_integer(std::string_view text, std::int64_t& value);
+
+template <class T>
+T byte_swapped(T value) {
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof(T));
+  for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
+
+class Scanner {
+ public:
+  Scanner(std::string content, std::string name) : content_(std::move(content)), name_(std::move(name)) {}
+
+  // Text. Tokens are separated by white space; comment(c): from c to the end of line is skipped.
+  void comment(char mark) { comment_ = mark; }
+  bool at_end();                                     // only white space and comments are left
+  std::string_view token(const char* expected);      // InputError "ends where <expected> was expected"
+  std::string_view peek();                           // next token without taking it; empty at the end
+  double real(const char* expected);
+  std::int64_t integer(const char* expected);
+  std::int64_t integer(const char* expected, std::int64_t low, std::int64_t high);
+  // A count of items that take at least bytes_each: more than the file can hold is an error, before any allocation.
+  std::size_t count(const char* expected, std::size_t bytes_each);
+  bool line(std::string_view& out);                  // rest of this line without its end; false at the end
+  bool skip_to(std::string_view word);               // past the next occurrence of word; false if there is none
+  bool skip_past_line(std::string_view word);        // the same for a line that begins with word
+
+  // Binary, at the byte after what was read last.
+  void swap_bytes(bool on) { swap_ = on; }
+  bool swaps_bytes() const { return swap_; }
+  std::size_t remaining() const { return content_.size() - position_; }
+  std::string_view bytes(std::size_t n, const char* expected);
+  template <class T>
+  T raw(const char* expected) {
+    T value;
+    std::memcpy(&value, bytes(sizeof(T), expected).data(), sizeof(T));
+    return swap_ ? byte_swapped(value) : value;
+  }
+  void check_count(std::uint64_t n, std::size_t bytes_each, const char* what);
+
+  std::size_t position() const { return position_; }
+  void seek(std::size_t position) { position_ = position; }
+  const std::string& name() const { return name_; }
+  std::string_view content() const { return content_; }
+  std::string where() const;                         // "file:line"
+  [[noreturn]] void fail(const std::string& problem) const;          // at the token read last
+  [[noreturn]] void fail_binary(const std::string& problem) const;   // at this byte
+
+ private:
+  void skip_space();
+
+  std::string content_, name_;
+  std::size_t position_ = 0, token_ = 0;             // token_: start of the token read last
+  char comment_ = 0;
+  bool swap_ = false;
+};
+
+}  // namespace forefeel
