@@ -42,8 +42,9 @@ class StateSpace {
   Insertion insert(State state);          // state.usable()
 
   Coverage coverage(const Vec3& q) const;                                   // label and its measures at q
+  Label label(const Vec3& q) const;                                         // the same label, cheaper
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;     // by distance, ties by id
-  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
+  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;            // the same order
   StateId find(const Vec3& q) const;      // the state within merge_distance of q, or an invalid id
 
   const DelaunayIndex& delaunay() const;

@@ -1,0 +1,273 @@
+#include "geometry/delaunay_index.hpp"
+
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Delaunay_triangulation_cell_base_3.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_cell_base_with_info_3.h>
+#include <CGAL/Triangulation_vertex_base_with_info_3.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+struct CellNote {
+  std::int32_t watches = -1;   // head of a list in Impl::links
+};
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>;
+using CellBase =
+    CGAL::Triangulation_cell_base_with_info_3<CellNote, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
+using Tds = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
+using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Tds>;
+using Point = Kernel::Point_3;
+using CellHandle = Triangulation::Cell_handle;
+using VertexHandle = Triangulation::Vertex_handle;
+
+constexpr double flat = 1e-7;        // relative height of cells that count as coplanar
+constexpr double on_face = 1e-9;     // weights below are zero: q lies on a facet, edge or vertex
+
+Vec3 vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
+Point point(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+// Corners relative to q, and the barycentric weights of q; false where the cell is flat.
+struct Simplex {
+  std::array<Vec3, 4> at;
+  std::array<double, 4> weight;
+  double lowest = 0;
+
+  bool set(CellHandle cell, const Vec3& q) {
+    for (int i = 0; i < 4; ++i) at[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point()) - q;
+    const Vec3 a = at[1] - at[0], b = at[2] - at[0], c = at[3] - at[0];
+    const double volume = a.dot(b.cross(c));
+    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
+    if (volume <= flat * longest * std::sqrt(longest)) return false;
+    const Vec3 bc = at[2].cross(at[3]);
+    weight[0] = at[1].dot(bc) / volume;
+    weight[1] = -at[0].dot(bc) / volume;
+    const Vec3 ab = at[0].cross(at[1]);
+    weight[2] = at[3].dot(ab) / volume;
+    weight[3] = -at[2].dot(ab) / volume;
+    lowest = std::min({weight[0], weight[1], weight[2], weight[3]});
+    return true;
+  }
+  void clamp() {
+    double sum = 0;
+    for (double& w : weight) sum += w = std::max(w, 0.0);
+    for (double& w : weight) w /= sum;
+  }
+  double spread() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += weight[i] * at[i].squaredNorm();
+    return std::sqrt(sum);
+  }
+};
+
+double circumradius(CellHandle cell) {
+  const Vec3 o = vec(cell->vertex(0)->point());
+  const Vec3 a = vec(cell->vertex(1)->point()) - o, b = vec(cell->vertex(2)->point()) - o,
+             c = vec(cell->vertex(3)->point()) - o;
+  const Vec3 top = a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b);
+  const double volume = 2 * a.dot(b.cross(c));
+  return volume == 0 ? std::numeric_limits<double>::infinity() : top.norm() / std::abs(volume);
+}
+
+}  // namespace
+
+struct DelaunayIndex::Impl {
+  Triangulation triangulation;
+  std::vector<VertexHandle> vertex;   // by id
+  struct Link {
+    std::uint32_t token;
+    std::int32_t next;
+  };
+  std::vector<Link> links;
+  std::int32_t free_link = -1;
+  std::vector<std::uint32_t> disturbed;
+  std::vector<CellHandle> conflict;
+
+  CellHandle start(StateId near) const {
+    if (near.valid() && near.value < vertex.size() && vertex[near.value] != VertexHandle())
+      return vertex[near.value]->cell();
+    return {};
+  }
+  CellHandle locate(const Point& p, StateId near) const {
+    return triangulation.locate(p, start(near));
+  }
+  void release_watches(CellHandle cell);
+  VertexHandle insert_in_space(const Point& p, StateId near);
+  CellHandle solid_cell(const Vec3& q, StateId near, Simplex& simplex) const;
+  CellHandle solid_neighbour(CellHandle cell, const Vec3& q, Simplex& simplex) const;
+  double least_circumradius(CellHandle cell, const Simplex& simplex) const;
+};
+
+void DelaunayIndex::Impl::release_watches(CellHandle cell) {
+  for (std::int32_t link = cell->info().watches; link >= 0;) {
+    Link& here = links[static_cast<std::size_t>(link)];
+    disturbed.push_back(here.token);
+    const std::int32_t next = here.next;
+    here.next = free_link;
+    free_link = link;
+    link = next;
+  }
+  cell->info().watches = -1;
+}
+
+// Insertion into a triangulation of dimension 3, with the conflict region in hand.
+VertexHandle DelaunayIndex::Impl::insert_in_space(const Point& p, StateId near) {
+  Triangulation::Locate_type type;
+  int i = 0, j = 0;
+  const CellHandle cell = triangulation.locate(p, type, i, j, start(near));
+  if (type == Triangulation::VERTEX) return cell->vertex(i);
+  conflict.clear();
+  Triangulation::Facet facet;
+  triangulation.find_conflicts(p, cell, CGAL::Oneset_iterator<Triangulation::Facet>(facet),
+                               std::back_inserter(conflict));
+  for (const CellHandle gone : conflict) release_watches(gone);
+  return triangulation.insert_in_hole(p, conflict.begin(), conflict.end(), facet.first, facet.second);
+}
+
+// The neighbour of a flat cell that is not flat and contains q best.
+CellHandle DelaunayIndex::Impl::solid_neighbour(CellHandle cell, const Vec3& q, Simplex& simplex) const {
+  CellHandle best;
+  Simplex trial;
+  for (int i = 0; i < 4; ++i) {
+    const CellHandle next = cell->neighbor(i);
+    if (triangulation.is_infinite(next) || !trial.set(next, q)) continue;
+    if (best == CellHandle() || trial.lowest > simplex.lowest) {
+      simplex = trial;
+      best = next;
+    }
+  }
+  return best != CellHandle() && simplex.lowest > -1e-5 ? best : CellHandle();
+}
+
+// A cell that contains q and is not flat; q may lie outside the hull by rounding (1e-9 of the facet's longest edge).
+CellHandle DelaunayIndex::Impl::solid_cell(const Vec3& q, StateId near, Simplex& simplex) const {
+  if (triangulation.dimension() < 3) return {};
+  CellHandle cell = locate(point(q), near);
+  for (int attempt = 0; triangulation.is_infinite(cell); ++attempt) {
+    if (attempt == 1) return {};
+    const int far = cell->index(triangulation.infinite_vertex());
+    const Vec3 a = vec(cell->vertex((far + 1) & 3)->point()), b = vec(cell->vertex((far + 2) & 3)->point()),
+               c = vec(cell->vertex((far + 3) & 3)->point());
+    Vec3 normal = (b - a).cross(c - a);
+    const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()}));
+    const CellHandle mirror = cell->neighbor(far);
+    const Vec3 inner = vec(mirror->vertex(mirror->index(cell))->point());
+    normal.normalize();
+    if (normal.dot(inner - a) > 0) normal = -normal;
+    const double height = normal.dot(q - a);
+    if (!(height <= on_face * longest)) return {};
+    cell = locate(point(q - normal * (std::max(height, 0.0) + on_face * longest)), near);
+  }
+  if (simplex.set(cell, q)) return cell;
+  return solid_neighbour(cell, q, simplex);
+}
+
+// Over all cells that contain q: those at the vertex, edge or facet where q lies.
+double DelaunayIndex::Impl::least_circumradius(CellHandle cell, const Simplex& simplex) const {
+  double least = circumradius(cell);
+  const auto take = [&](CellHandle other) {
+    if (!triangulation.is_infinite(other)) least = std::min(least, circumradius(other));
+  };
+  std::array<int, 4> on{}, off{};
+  std::size_t carried = 0, zero = 0;
+  for (int i = 0; i < 4; ++i) {
+    if (simplex.weight[static_cast<std::size_t>(i)] > on_face)
+      on[carried++] = i;
+    else
+      off[zero++] = i;
+  }
+  if (carried == 3) take(cell->neighbor(off[0]));
+  if (carried == 2) {
+    auto around = triangulation.incident_cells(cell, on[0], on[1]);
+    const auto first = around;
+    do take(around);
+    while (++around != first);
+  }
+  if (carried == 1) {
+    std::vector<CellHandle> incident;
+    triangulation.finite_incident_cells(cell->vertex(on[0]), std::back_inserter(incident));
+    for (const CellHandle other : incident) take(other);
+  }
+  return least;
+}
+
+DelaunayIndex::DelaunayIndex() : impl_(std::make_unique<Impl>()) {}
+DelaunayIndex::~DelaunayIndex() = default;
+DelaunayIndex::DelaunayIndex(DelaunayIndex&&) noexcept = default;
+DelaunayIndex& DelaunayIndex::operator=(DelaunayIndex&&) noexcept = default;
+
+std::size_t DelaunayIndex::size() const { return impl_->triangulation.number_of_vertices(); }
+int DelaunayIndex::dimension() const { return impl_->triangulation.dimension(); }
+std::size_t DelaunayIndex::cell_count() const { return impl_->triangulation.number_of_finite_cells(); }
+std::span<const std::uint32_t> DelaunayIndex::disturbed() const { return impl_->disturbed; }
+
+StateId DelaunayIndex::insert(StateId id, const Vec3& at, StateId near) {
+  Impl& my = *impl_;
+  my.disturbed.clear();
+  const std::size_t before = my.triangulation.number_of_vertices();
+  VertexHandle vertex;
+  if (my.triangulation.dimension() == 3) {
+    vertex = my.insert_in_space(point(at), near);
+  } else {
+    vertex = my.triangulation.insert(point(at));
+  }
+  if (my.triangulation.number_of_vertices() == before) return {vertex->info()};
+  vertex->info() = id.value;
+  if (my.vertex.size() <= id.value) my.vertex.resize(std::max<std::size_t>(id.value + 1, 2 * my.vertex.size()));
+  my.vertex[id.value] = vertex;
+  return id;
+}
+
+Spread DelaunayIndex::spread(const Vec3& q, StateId near, bool with_alpha) const {
+  Spread result;
+  Simplex simplex;
+  const CellHandle cell = impl_->solid_cell(q, near, simplex);
+  if (cell == CellHandle()) return result;
+  simplex.clamp();
+  result.inside = true;
+  result.spread = simplex.spread();
+  result.weights = simplex.weight;
+  for (int i = 0; i < 4; ++i) {
+    result.states[static_cast<std::size_t>(i)] = {cell->vertex(i)->info()};
+    result.at[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point());
+  }
+  if (with_alpha) result.alpha = impl_->least_circumradius(cell, simplex);
+  return result;
+}
+
+bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
+  Impl& my = *impl_;
+  Simplex simplex;
+  const CellHandle cell = my.solid_cell(q, near, simplex);
+  if (cell == CellHandle()) return false;
+  std::int32_t link = my.free_link;
+  if (link >= 0) {
+    my.free_link = my.links[static_cast<std::size_t>(link)].next;
+  } else {
+    link = static_cast<std::int32_t>(my.links.size());
+    my.links.emplace_back();
+  }
+  my.links[static_cast<std::size_t>(link)] = {token, cell->info().watches};
+  cell->info().watches = link;
+  return true;
+}
+
+std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {
+  std::vector<Cell> result;
+  if (dimension() < 3) return result;
+  result.reserve(cell_count());
+  for (const CellHandle cell : impl_->triangulation.finite_cell_handles()) {
+    Cell out;
+    for (int i = 0; i < 4; ++i) out.states[static_cast<std::size_t>(i)] = {cell->vertex(i)->info()};
+    out.circumradius = circumradius(cell);
+    result.push_back(out);
+  }
+  return result;
+}
+
+}  // namespace forefeel
