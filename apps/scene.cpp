@@ -171,6 +171,9 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   if (std::ranges::find(policies, session.policy) == policies.end())
     throw table.wrong("policy", fmt::format("one of {} (nearest: '{}')", listed(policies),
                                             nearest_word(session.policy, policies)));
+  session.predictor =
+      table.word<std::string>("predictor", {{"kalman", "kalman"}, {"constant-velocity", "constant-velocity"}})
+          .value_or(session.predictor);
   session.workers = static_cast<int>(table.integer("workers", 1, 4096).value_or(session.workers));
   read_switch(table, session.switching);
   session.update_travel = table.number("update_travel", positive()).value_or(session.update_travel);
@@ -211,10 +214,10 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides) {
   const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements"});
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
   const SceneTable session =
-      root.sub("session", {"device", "clock", "seconds", "workers", "policy", "switch", "select",
+      root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select",
                            "update_travel", "cost", "latency", "arrivals", "preempt", "seed", "error_floor",
                            "reference_step", "jnd", "limits"});
-  const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length"}),
+  const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),
                               root.sub("material", {"law", "young", "poisson"}),
                               root.sub("clamp", {"nodes", "group", "below"}),
                               root.sub("contact", {"node", "nodes", "nearest", "group", "radius"})};
@@ -225,10 +228,10 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides) {
     throw session.wrong("select", "only one of model.select and session.select");
   scene.model.select = session.word("select", select_words).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
-  scene.session.model = scene.model;
-
   Body body = read_body(sections, file.parent_path(), file.string(), scene.warnings);
   read_state_space(space, body.mesh, sections.body.has("phantom"), scene);
+  scene.model.length = scene.space.spacing;
+  scene.session.model = scene.model;
   scene.inward = inward_direction(body);
   scene.identity = identity_of(body);
   scene.hash = hash_of(table, scene.identity);

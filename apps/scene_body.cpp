@@ -52,10 +52,6 @@ Material read_material(const SceneTable& table, bool defaults) {
     for (const Law law : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
                           Law::mooney_rivlin})
       if (name(law) == law_name) words.emplace_back(law_name, law);
-  for (const Law law : {Law::stable_neo_hookean, Law::mooney_rivlin})
-    if (table.has("law") && table.text("law") == name(law) &&
-        std::ranges::find(words, law, [](const auto& w) { return w.second; }) == words.end())
-      throw InputError(table.where("law"), fmt::format("'{}' is not in this build", name(law)));
   if (!defaults)
     for (const std::string key : {"law", "young", "poisson"})
       if (!table.has(key)) throw table.wrong(key, key == "law" ? "a material law" : "a number");
@@ -147,6 +143,9 @@ Body read_body(const BodySections& sections, const fs::path& folder, const std::
   Body body;
   body.material = read_material(sections.material, is_phantom);  // cheap checks before a mesh is made
   const std::optional<double> length = sections.body.number("length", positive());
+  body.element =
+      sections.body.word<Element>("element", {{"linear", Element::linear}, {"quadratic", Element::quadratic}})
+          .value_or(body.element);
   body.mesh = is_phantom ? make_phantom(sections.body) : read_volume_or_surface(sections.body, folder);
   const std::string mesh_where =
       is_phantom ? file + ": body.phantom" : (folder / *sections.body.text("mesh")).string();

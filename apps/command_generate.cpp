@@ -1,0 +1,128 @@
+// forefeel generate SCENE -o S.states: fills the lattice outward from rest. What was solved is kept through a kill,
+// and the next call goes on from there.
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <optional>
+
+#include "apps/command.hpp"
+#include "apps/provenance.hpp"
+#include "apps/scene.hpp"
+#include "geometry/error.hpp"
+#include "geometry/output_file.hpp"
+#include "geometry/state_file.hpp"
+#include "solver/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+struct GenerateArguments {
+  std::string scene, output;
+  std::optional<double> error;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+extern "C" void forefeel_generate_interrupt(int) { interrupted = 1; }
+
+nlohmann::ordered_json to_json(const GenerateReport& report, std::size_t states, std::size_t failed) {
+  nlohmann::ordered_json document;
+  document["states"] = states;
+  document["solved"] = report.solved;
+  document["failed"] = failed;
+  document["resumed"] = report.resumed;
+  document["seconds"] = number(report.seconds);
+  document["states_per_second"] =
+      number(report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0);
+  document["threads"] = report.threads;
+  document["error_estimate"] = nullptr;
+  return document;
+}
+
+StateFileHeader header_of(const Scene& scene) {
+  StateFileHeader header;
+  header.identity = scene.identity;
+  header.spacing = scene.space.spacing;
+  header.box = scene.space.box;
+  header.notes["scene"] = scene.file.string();
+  header.notes["provenance"] = provenance(scene.hash).dump();
+  return header;
+}
+
+int run_generate(const Globals& globals, const GenerateArguments& arguments) {
+  if (arguments.error) throw InputError("--error", "not in this build, which fills the lattice of the scene");
+  check_writable(arguments.output);
+  const Scene scene = load_scene(arguments.scene, globals.set);
+  for (const std::string& warning : scene.warnings) warn(globals, warning);
+  StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
+  const std::vector<State> known = file.read_all();
+
+  std::stop_source stop;
+  GenerateOptions options;
+  options.spacing = scene.space.spacing;
+  options.box = scene.space.box;
+  options.threads = globals.threads;
+  options.want_displacements = scene.displacements;
+  options.stop = stop.get_token();
+  std::size_t usable = 0, known_failed = 0;
+  for (const State& state : known) (state.usable() ? usable : known_failed) += 1;
+
+  GenerateReport report;
+  {
+    StateWriter writer(std::move(file));
+    Progress progress(globals, "generate");
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t before = known.size();
+    std::size_t fresh = 0;
+    std::signal(SIGINT, forefeel_generate_interrupt);
+    std::signal(SIGTERM, forefeel_generate_interrupt);
+    report = generate_lattice(
+        scene.body, options, known,
+        [&](State state) {
+          ++fresh;
+          writer.push(std::move(state));
+        },
+        [&](std::size_t done, std::size_t total) {
+          if (interrupted != 0) stop.request_stop();
+          const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          progress.show(static_cast<double>(done) / static_cast<double>(total),
+                        fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, before,
+                                    seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
+        });
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    writer.flush();
+  }
+
+  const std::size_t failed = report.failed + known_failed;
+  if (globals.json) print_json(to_json(report, usable + report.solved, failed));
+  say(globals, fmt::format("{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
+                           arguments.output, usable + report.solved, report.solved, report.seconds,
+                           report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0,
+                           report.threads, report.resumed, failed));
+  if (interrupted != 0) {
+    warn(globals, "interrupted; the same command goes on from here");
+    return 1;
+  }
+  if (failed == 0) return 0;
+  warn(globals, fmt::format("{} states did not converge; forefeel export names them and why", failed));
+  return 1;
+}
+
+}  // namespace
+
+void add_generate(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<GenerateArguments>();
+  CLI::App& sub = add_command(app, commands, "generate", "Fill the lattice of a scene, outward from rest; resumes",
+                              [&commands, arguments] { return run_generate(commands.globals, *arguments); });
+  sub.add_option("SCENE", arguments->scene, "Scene (TOML)")->required();
+  sub.add_option("-o,--output", arguments->output, "State file; gone on with where it exists")
+      ->required()
+      ->type_name("S.states");
+  sub.add_option("--error", arguments->error, "Place as few states as hold this estimated error")->type_name("E");
+}
+
+}  // namespace forefeel

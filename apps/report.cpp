@@ -1,0 +1,270 @@
+#include "apps/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "apps/plot.hpp"
+#include "apps/report_figures.hpp"
+#include "geometry/error.hpp"
+#include "geometry/output_file.hpp"
+#include "geometry/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+// ---- reading a run
+// ------------------------------------------------------------------------------------------------
+
+Json read_summary(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const Json summary = Json::parse(in, nullptr, false);
+  if (!in || summary.is_discarded() || !summary.is_object())
+    throw InputError(file.string(), "cannot be read, expected the summary of a run");
+  return summary;
+}
+
+Run read_run(const std::filesystem::path& folder) {
+  Run run{RunTable::read(folder / "frames.csv"),
+          RunTable::read(folder / "dispatch.csv"),
+          RunTable::read(folder / "switches.csv"),
+          read_summary(folder / "summary.json"),
+          {}};
+  for (std::size_t row = 0; row < run.dispatch.rows(); ++row) {
+    const std::string& status = run.dispatch.text(row, "status");
+    const double finished = run.dispatch.number(row, "finished");
+    if ((status != "solved" && status != "arrived") || !std::isfinite(finished)) continue;
+    State state;
+    state.at = {run.dispatch.number(row, "x"), run.dispatch.number(row, "y"), run.dispatch.number(row, "z")};
+    run.states.emplace_back(finished, state);
+  }
+  const std::filesystem::path start = folder / "states.csv";
+  if (std::filesystem::exists(start)) {
+    const auto dispatched = [&, solved = run.states](const State& state) {
+      return std::ranges::any_of(
+          solved, [&](const auto& known) { return (known.second.at - state.at).norm() < 1e-9; });
+    };
+    for (const State& state : read_states_csv(start))
+      if (!dispatched(state)) run.states.emplace_back(0.0, state);
+  }
+  std::ranges::stable_sort(run.states, {}, [](const auto& known) { return known.first; });
+  return run;
+}
+
+// ---- numbers for people
+// -------------------------------------------------------------------------------------------
+
+const Json& at_path(const Json& summary, std::initializer_list<const char*> keys) {
+  static const Json none;
+  const Json* here = &summary;
+  for (const char* key : keys) {
+    if (!here->is_object() || !here->contains(key)) return none;
+    here = &here->at(key);
+  }
+  return *here;
+}
+
+std::string shown(const Json& value) {
+  if (value.is_null()) return "–";
+  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+  if (value.is_array()) {
+    std::string text;
+    for (const Json& element : value) text += (text.empty() ? "" : ", ") + shown(element);
+    return text;
+  }
+  return escaped(value.dump());
+}
+
+std::string percent(const Json& share) {
+  return share.is_number() ? fmt::format("{:.1f} %", 100 * share.get<double>()) : "–";
+}
+std::string with_unit(const Json& value, const std::string& unit) {
+  return value.is_null() ? "–" : shown(value) + " " + unit;
+}
+
+std::string tile(const std::string& value, const std::string& what) {
+  return fmt::format("<div class=\"tile\"><b>{}</b><span>{}</span></div>\n", value, what);
+}
+
+std::string tiles(const Json& s) {
+  std::string html = "<div class=\"tiles\">\n";
+  html += tile(percent(at_path(s, {"error", "within_jnd"})),
+               "of sampled frames within the just noticeable difference");
+  html += tile(percent(at_path(s, {"error", "first_visit", "within_jnd"})), "of first visits within it");
+  html += tile(percent(at_path(s, {"error", "p95"})), "error, 95th percentile");
+  html +=
+      tile(shown(at_path(s, {"switch", "frames_over_jnd"})), "frames in which a switch exceeded its bound");
+  html += tile(with_unit(at_path(s, {"switch", "max_jump"}), "N"),
+               "largest change by a switch in one frame; " +
+                   with_unit(at_path(s, {"switch", "max_jump_undamped"}), "N") + " undamped");
+  html += tile(percent(at_path(s, {"time_in", "safe"})), "of the time in safe regions");
+  html += tile(shown(at_path(s, {"states", "solved"})),
+               "states solved; " + shown(at_path(s, {"states", "used"})) + " used by a model");
+  if (at_path(s, {"clock"}) == "real")
+    html += tile(shown(at_path(s, {"deadline", "missed"})),
+                 "deadlines missed of " + shown(at_path(s, {"frames"})) + " frames; a frame costs " +
+                     with_unit(at_path(s, {"deadline", "cost_us", "p50"}), "µs"));
+  return html + "</div>\n";
+}
+
+// ---- sections
+// -----------------------------------------------------------------------------------------------------
+
+std::string legend(const Json& summary) {
+  std::string html = "<p class=\"legend\">";
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank}) {
+    const std::string key(name(label));
+    html += fmt::format("<span><i style=\"background:{}\"></i>{} {}</span>", colour(label), key,
+                        percent(at_path(summary, {"time_in", key.c_str()})));
+  }
+  return html + "<span class=\"muted\">share of the time</span></p>\n";
+}
+
+std::string figure(const Figure& f) {
+  const std::optional<std::string> svg = draw_svg(f.name, f.width, f.height, f.script);
+  if (!svg)
+    return fmt::format("<p class=\"note\">The picture \"{}\" could not be drawn by gnuplot.</p>\n", f.name);
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
+}
+
+std::string pictures(const Run& run, const Scene& scene) {
+  if (!have_gnuplot())
+    return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
+  std::string html =
+      "<h2>Force, coverage and error over time</h2>\n" + legend(run.summary) + figure(time_figure(run));
+  html += "<h2>What was known where</h2>\n" + figure(slice_figure(run, scene.space));
+  if (has_deadlines(run)) html += "<h2>Deadlines</h2>\n" + figure(deadline_figure(run));
+  return html;
+}
+
+std::string by_label_table(const Json& summary) {
+  const Json& by_label = at_path(summary, {"error", "by_label"});
+  if (!by_label.is_object() || by_label.empty()) return "";
+  std::string html = "<h2>Error by label</h2>\n<table><tr><th>label</th>";
+  const Json& first = by_label.front();
+  if (!first.is_object()) return "";
+  for (const auto& [key, value] : first.items()) html += "<th>" + escaped(key) + "</th>";
+  html += "</tr>\n";
+  for (const auto& [label, row] : by_label.items()) {
+    html += "<tr><td>" + escaped(label) + "</td>";
+    for (const auto& [key, value] : row.items())
+      html += "<td class=\"n\">" + (key == "within_jnd" ? percent(value) : shown(value)) + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+void rows_of(const Json& value, const std::string& path, std::string& html) {
+  if (value.is_object()) {
+    for (const auto& [key, child] : value.items())
+      rows_of(child, path.empty() ? key : path + "." + key, html);
+  } else {
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", escaped(path), shown(value));
+  }
+}
+
+std::string all_numbers(const Json& summary) {
+  std::string html =
+      "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
+  std::string single;
+  for (const auto& [key, value] : summary.items()) {
+    if (key == "provenance" || key == "notes") continue;
+    if (!value.is_object()) {
+      rows_of(value, key, single);
+      continue;
+    }
+    std::string rows;
+    rows_of(value, "", rows);
+    html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
+  }
+  return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div></details>\n";
+}
+
+std::string notes(const Json& summary, const Scene& scene) {
+  std::vector<std::string> lines = scene.warnings;
+  if (const Json& given = at_path(summary, {"notes"}); given.is_array())
+    for (const Json& line : given)
+      if (line.is_string()) lines.push_back(line.get<std::string>());
+  if (lines.empty()) return "";
+  std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
+  for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+std::string provenance_section(const Json& summary) {
+  std::string rows;
+  rows_of(at_path(summary, {"provenance"}), "", rows);
+  return "<h2>Provenance</h2>\n<table class=\"wide\">\n" + rows + "</table>\n";
+}
+
+constexpr const char* style = R"(
+body{margin:0;background:#faf8f4;color:#1b1b1b;font:15px/1.5 system-ui,-apple-system,"Segoe UI",Helvetica,Arial,sans-serif}
+main{max-width:1000px;margin:0 auto;padding:28px 24px 60px}
+h1{font-size:26px;margin:0 0 2px}h2{font-size:18px;margin:34px 0 8px}
+.muted,.sub,figcaption{color:#5a5a5a}.sub{margin:0 0 18px}
+.tiles{display:grid;grid-template-columns:repeat(4,1fr);gap:10px}
+.tile{background:#fff;border:1px solid #e4e1da;border-radius:8px;padding:10px 12px}
+.tile b{display:block;font-size:22px;font-variant-numeric:tabular-nums}.tile span{font-size:12.5px;color:#5a5a5a;line-height:1.35;display:block}
+figure{margin:0;background:#fff;border:1px solid #e4e1da;border-radius:8px;padding:10px}figure svg{width:100%;height:auto;display:block}
+figcaption{font-size:13px;padding:4px 6px 2px}
+.legend span{margin-right:18px}.legend i{display:inline-block;width:13px;height:13px;border:1px solid #8a8a8a;border-radius:3px;margin-right:6px;vertical-align:-2px}
+.note{background:#fff7e0;border:1px solid #ecd9a0;border-radius:8px;padding:8px 14px}ul.note{padding-left:32px}
+table{border-collapse:collapse;background:#fff;font-size:13px;margin:0 0 12px;break-inside:avoid;width:100%}
+td,th{border:1px solid #e4e1da;padding:2px 8px;text-align:left}th{background:#f2efe8}td.n{text-align:right;font-variant-numeric:tabular-nums}
+.columns{columns:3;column-gap:14px}.wide td.n{text-align:left;word-break:break-word}summary{cursor:pointer;font-size:18px;font-weight:600;margin:30px 0 8px}
+@media(max-width:760px){.tiles{grid-template-columns:repeat(2,1fr)}.columns{columns:1}}
+)";
+
+}  // namespace
+
+void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals&) {
+  const Run run = read_run(run_folder);
+  const Json& s = run.summary;
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width\">\n";
+  html += fmt::format("<title>Forefeel: {}</title>\n<style>{}</style></head><body><main>\n",
+                      escaped(scene.file.filename().string()), style);
+  html += fmt::format(
+      "<h1>{}</h1>\n<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
+      "seed {}; {} tetrahedra, {}</p>\n",
+      escaped(scene.file.stem().string()), shown(at_path(s, {"seconds"})), shown(at_path(s, {"clock"})),
+      shown(at_path(s, {"policy"})), shown(at_path(s, {"switch", "rule"})), shown(at_path(s, {"workers"})),
+      shown(at_path(s, {"select"})), shown(at_path(s, {"seed"})), scene.body->mesh.tets.size(),
+      name(scene.body->material.law));
+  html += tiles(s) + notes(s, scene) + pictures(run, scene) + by_label_table(s) + all_numbers(s) +
+          provenance_section(s);
+  OutputFile file(run_folder / "report.html");
+  file.write(html + "</main></body></html>\n");
+  file.commit();
+}
+
+}  // namespace forefeel
