@@ -18,16 +18,22 @@ bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& file) {
+std::string read_file(const std::filesystem::path& file) { return read_start(file, std::string::npos); }
+
+std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) throw InputError(file.string(), "is a folder, expected a file");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
   if (!stream) throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
   std::string content;
   const auto size = std::filesystem::file_size(file, error);
-  if (!error) content.reserve(size + 1);
+  if (!error) content.reserve(std::min<std::size_t>(size, bytes) + 1);
   char block[1 << 16];
-  while (const std::size_t n = std::fread(block, 1, sizeof block, stream.get())) content.append(block, n);
+  while (content.size() < bytes) {
+    const std::size_t n = std::fread(block, 1, std::min(sizeof block, bytes - content.size()), stream.get());
+    if (n == 0) break;
+    content.append(block, n);
+  }
   if (std::ferror(stream.get())) throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
   if (content.empty()) throw InputError(file.string(), "is empty");
   return content;

@@ -14,6 +14,7 @@ namespace forefeel {
 
 // Whole content; InputError if missing, a folder, unreadable or empty.
 std::string read_file(const std::filesystem::path& file);
+std::string read_start(const std::filesystem::path& file, std::size_t bytes);   // the first bytes, the same errors
 std::string lower_case(std::string_view text);
 std::string_view trim(std::string_view text);
 bool parse_real(std::string_view text, double& value);            // whole text is one number (nan, inf allowed)

@@ -1,7 +1,24 @@
 #pragma once
-// State file (.states): SQLite, plain columns, WAL. The body's identity is an opaque key -> hash map that the
-// caller fills; a file of another body is refused with the keys that differ. A state appended is on disk within
-// 100 ms, and nothing committed is lost by a kill.
+// State file (.states): a SQLite database with plain columns, in WAL mode. The body's identity is an opaque
+// key -> hash map that the caller fills; a file of another body is refused with the keys that differ.
+//
+//   identity(key, value)   what the states belong to: mesh, material, clamp, contact
+//   header(key, value)     spacing [m], box_low_x … box_high_z [m]
+//   notes(key, value)      provenance, free text
+//   states(id, x, y, z,                         position of the HIP from rest [m]; id in order of insertion
+//          fx, fy, fz,                          force of the body on the HIP [N]
+//          k11, k12, … k33,                     stiffness -df_i/dx_j [N/m]
+//          energy,                              [J]
+//          h,                                   target spacing of an adaptive lattice here [m]
+//          status,                              converged, diverged, stalled, inverted, cancelled, measured
+//          multivalued, iterations, residual, seconds, min_jacobian, parent_x, parent_y, parent_z,
+//          displacements)                       BLOB of #V x 3 doubles [m], NULL unless the scene asks
+//   Unknown values are NULL. application_id is 0x46465331, user_version 1.
+//
+// Durability: synchronous = FULL, so append() returns once the log is flushed to the device. What was appended
+// survives a kill of the process, and loss of power as far as the device keeps what it has confirmed. A transaction
+// in flight is there whole or not at all.
+// Processes: one writer at a time (the second gets an InputError), any number of readers beside it.
 
 #include <filesystem>
 #include <map>
@@ -44,12 +61,15 @@ class StateFile {
   std::unique_ptr<Impl> impl_;
 };
 
-// A queue in front of a StateFile: push() never blocks on the disk; a thread of its own commits every 50 ms and
-// at destruction.
+// A queue in front of a StateFile: push() never blocks on the disk; a thread of its own commits what has waited for
+// 50 ms at most, and at destruction. Safe to push from many threads. If the disk fails, the next push() or flush()
+// throws the InputError, and nothing more is written.
 class StateWriter {
  public:
   explicit StateWriter(StateFile file);
   ~StateWriter();
+  StateWriter(StateWriter&&) noexcept;
+  StateWriter& operator=(StateWriter&&) noexcept;
   void push(State state);
   void flush();                                        // returns when all pushed so far is durable
 
@@ -58,10 +78,16 @@ class StateWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// CSV states x,y,z,fx,fy,fz[,k11,…,k33][,h] with a header line; points x,y,z. InputError names file and line.
+// CSV with a header line that names the columns, in any order: states x,y,z,fx,fy,fz[,k11,…,k33][,h][,energy], points
+// x,y,z. Columns of other names are passed over, but `status` and `converged` are heeded: failed rows stay failed.
+// Blank lines and lines that begin with # are skipped. InputError names file and line.
 std::vector<State> read_states_csv(const std::filesystem::path& file);
+// Usable states only; columns k, h and energy where at least one state has them.
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states);
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file);
+// For ParaView: one vertex a state, with force, stiffness, energy, status and the rest as point data.
+void write_states_vtu(const std::filesystem::path& file, std::span<const State> states);
+
 // .states or .csv by content; spacing unknown for a CSV without column h.
 struct LoadedStates {
   StateFileHeader header;
