@@ -40,7 +40,7 @@ struct PlannerView {
 struct Candidate {
   Vec3 at = Vec3::Zero();            // where a state would be solved [m]
   Label region = Label::blank;       // label of the region it lies in
-  double requested = 0;              // when the HIP or its predicted path first came near; infinite until then [s]
+  double requested = 0;              // when the HIP first came within 2.5 spacings; infinite until then [s]
   double delta = 0;                  // distance to the nearest known state; infinite while none is known [m]
   std::uint32_t order = 0;           // outward from rest
 };

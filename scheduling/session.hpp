@@ -38,11 +38,12 @@ struct SessionOptions {
   std::optional<std::filesystem::path> arrivals;   // CSV t,x,y,z: states become known at given times
   std::optional<std::filesystem::path> replay;     // a run folder: HIP and arrivals as recorded there
   bool preempt = true;
+  std::string predictor = "kalman";        // or constant-velocity
   std::uint64_t seed = 0;
   double frame = 1e-3;                     // [s]
   double error_floor = 0.05;               // f0 [N]
   double reference_step = 0.002;           // HIP travel between reference samples [m]
-  double force_limit = 3.3;                // safety clamp [N] (Touch/Omni)
+  double force_limit = 12;                 // safety clamp [N]: that of an omega.3; paths have no device profile
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up
   double stale_seconds = 0.5;              // watchdog: no sign of the planner for so long fades the force out
@@ -62,14 +63,19 @@ struct SessionInput {
 
 struct FrameRecord {
   double t = 0;
-  Vec3 at = Vec3::Zero(), force = Vec3::Zero(), undamped = Vec3::Zero();
+  // force: as rendered by the switch; sent: after safety, what the device gets; undamped: of the newest model.
+  Vec3 at = Vec3::Zero(), force = Vec3::Zero(), sent = Vec3::Zero(), undamped = Vec3::Zero();
   Label label = Label::blank;
   std::uint32_t model = 0, known = 0;
-  double switch_change = 0, switch_bound = 0, motion_change = 0;   // [N]
+  bool took_model = false;
+  Vec3 switch_delta = Vec3::Zero();                                // dF [N]
+  double switch_change = 0, switch_bound = 0, motion_change = 0;   // |dF|, its bound, |change - dF| [N]
+  double undamped_jump = 0;                                        // |f~' - f~| where a model is taken [N]
   double cost_us = unknown, lateness_us = unknown;                 // real clock
   Vec3 reference = Vec3::Constant(unknown);                        // where sampled
   double error = unknown, approximation = unknown, switching = unknown, staleness = unknown;
-  bool first_visit = false;
+  bool first_visit = false;                                        // of a lattice cell
+  bool sampled = false;                                            // by arc length
 };
 
 struct DispatchRecord {
@@ -78,15 +84,16 @@ struct DispatchRecord {
   Label label = Label::blank;
   double priority = 0;
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;   // [s]
-  std::string status;            // solved, failed, preempted, arrived, running (at the end)
+  double known = unknown;        // when the planner had it: finished and a message [s]
+  std::string status = {};       // solved, failed, preempted, arrived, running (at the end)
   int worker = -1;
-  std::int64_t parent = -1;      // id of the state it started from, -1: rest
+  std::int64_t parent = -1;      // id of the row whose state it started from, -1: rest or a state of the start
 };
 
 struct SwitchRecord {
   double t = 0;
   std::uint32_t model = 0;
-  std::string cause;             // "states", "travel", "first"
+  std::string cause = {};        // "states", "travel", "first"
   Label label = Label::blank;
   std::uint32_t n = 0, replaced = 0;
   double jump_undamped = 0;      // [N]
@@ -109,7 +116,8 @@ struct SessionResult {
   std::size_t preempted = 0;
   double generated_energy = 0, work = 0;     // energy observer [J]
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
-  std::vector<double> solve_seconds;
+  std::vector<double> solve_seconds;         // of each solve of the session, virtual or real
+  int workers = 0;                           // that took part
 };
 
 struct SessionProgress {

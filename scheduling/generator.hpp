@@ -1,0 +1,34 @@
+#pragma once
+// Who solves states: the planner hands jobs to idle workers and may cancel them; results come back to the planner's
+// receive(). Implemented by threads (real clock) and by simulated workers (virtual clock).
+
+#include <cstdint>
+#include <memory>
+
+#include "solver/solver.hpp"
+
+namespace forefeel {
+
+struct Job {
+  std::uint32_t dispatch = 0;                    // row of dispatch.csv
+  Vec3 at = Vec3::Zero();                        // [m]
+  std::shared_ptr<const Equilibrium> start;      // nearest known solution; null: rest
+};
+
+struct JobResult {
+  std::uint32_t dispatch = 0;
+  int worker = 0;
+  double started = unknown, finished = unknown;  // session time [s]
+  State state;                                   // status cancelled: nothing but the worker is given back
+  std::shared_ptr<const Equilibrium> equilibrium;
+};
+
+class Generator {
+ public:
+  virtual ~Generator() = default;
+  virtual int workers() const = 0;               // ready to take jobs; may grow
+  virtual void dispatch(int worker, Job job) = 0;   // the worker is idle
+  virtual void cancel(int worker) = 0;           // its result still comes: cancelled, or solved if it was too late
+};
+
+}  // namespace forefeel

@@ -1,0 +1,312 @@
+#include "scheduling/planner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace forefeel {
+namespace {
+
+std::vector<State> failed_of(const std::vector<State>& states) {
+  std::vector<State> failed;
+  for (const State& state : states)
+    if (!state.usable()) failed.push_back(state);
+  return failed;
+}
+
+}  // namespace
+
+Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
+                 Hooks hooks)
+    : options_(options), generator_(generator), link_(link), hooks_(std::move(hooks)), space_(input.space) {
+  for (const State& state : input.known) {
+    if (!state.usable() || !space_.insert(state).is_new) continue;
+    dispatch_of_.push_back(-1);
+    if (state.displacements) {
+      auto known = std::make_shared<Equilibrium>();
+      known->at = state.at;
+      known->displacements = *state.displacements;
+      remember_start(state.at, -1, std::move(known));
+    }
+  }
+  start_ = space_.size();
+  link_.known.store(static_cast<std::uint32_t>(start_), std::memory_order_release);
+  dirty_ = start_ > 0;
+  candidates_ = std::make_unique<Candidates>(space_, failed_of(input.known));
+  policy_ = make_policy(options.policy, {.seed = options.seed});
+  predictor_ = make_predictor(options.predictor);
+  updater_ = std::make_unique<ModelUpdater>(space_, options.model);
+  // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
+  start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
+}
+
+bool Planner::insert(const State& state, std::int64_t dispatch) {
+  if (!space_.insert(state).is_new) return false;
+  dispatch_of_.push_back(dispatch);
+  candidates_->learn(state.at);
+  dirty_ = true;
+  link_.known.store(static_cast<std::uint32_t>(space_.size()), std::memory_order_release);
+  return true;
+}
+
+void Planner::receive(JobResult result, double now) {
+  DispatchRecord& record = dispatches_[result.dispatch];
+  Slot& slot = slots_[static_cast<std::size_t>(result.worker)];
+  slot.busy = slot.cancelling = false;
+  record.started = result.started;
+  record.finished = result.finished;
+  record.known = now;
+  if (result.state.status == SolveStatus::cancelled) {
+    record.status = "preempted";
+    ++preempted_;
+    ++preemptions_[slot.candidate.order];
+    candidates_->put_back(slot.candidate);
+    return;
+  }
+  note_cost(result.finished - result.started);
+  if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
+  if (hooks_.on_state) hooks_.on_state(result.state);
+  if (!result.state.usable()) {
+    record.status = "failed";
+    ++failed_;
+    notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(), result.state.at.y(),
+                                 result.state.at.z(), name(result.state.status)));
+    return;
+  }
+  record.status = "solved";
+  ++solved_;
+  insert(result.state, result.dispatch);
+  remember_start(result.state.at, result.dispatch, std::move(result.equilibrium));
+}
+
+void Planner::arrive(State state, double now) {
+  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = label_};
+  record.requested = record.finished = record.known = now;
+  record.status = state.usable() ? "arrived" : "failed";
+  const std::int64_t row = record.id;
+  dispatches_.push_back(record);
+  if (hooks_.on_state) hooks_.on_state(state);
+  if (!state.usable())
+    ++failed_;
+  else if (insert(state, row))
+    ++solved_;
+}
+
+void Planner::observe(const HipSample& sample) {
+  hip_ = sample;
+  predictor_->observe(sample);
+}
+
+void Planner::note_cost(double seconds) {
+  costs_.push_back(seconds);
+  if (recent_costs_.size() == 31) recent_costs_.erase(recent_costs_.begin());
+  recent_costs_.push_back(seconds);
+  std::vector<double> sorted = recent_costs_;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  solve_seconds_ = std::max(sorted[sorted.size() / 2], 1e-6);
+}
+
+void Planner::remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium) {
+  if (starts_.size() >= start_limit_) {   // forget the one farthest from the HIP
+    const auto far = std::max_element(starts_.begin(), starts_.end(), [&](const Start& a, const Start& b) {
+      return (a.at - hip_.at).squaredNorm() < (b.at - hip_.at).squaredNorm();
+    });
+    *far = {at, dispatch, std::move(equilibrium)};
+  } else {
+    starts_.push_back({at, dispatch, std::move(equilibrium)});
+  }
+}
+
+const Planner::Start* Planner::nearest_start(const Vec3& x) const {
+  const Start* best = nullptr;
+  double distance = x.squaredNorm();   // rest is always known
+  for (const Start& start : starts_) {
+    const double d = (start.at - x).squaredNorm();
+    if (d < distance) {
+      distance = d;
+      best = &start;
+    }
+  }
+  return best;
+}
+
+void Planner::predict(double now) {
+  const bool truth = hooks_.future && knows_the_future(options_.policy);
+  const double longest = std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
+  const int steps = truth ? 16 : 8;
+  predicted_.clear();
+  for (int i = 0; i <= steps; ++i) {
+    const double horizon = longest * i / steps;
+    Prediction p = truth ? Prediction{.horizon = horizon, .at = hooks_.future(now + horizon), .deviation = 0}
+                         : predictor_->predict(horizon);
+    p.horizon = horizon;
+    if (!p.at.allFinite()) p.at = hip_.at;
+    predicted_.push_back(p);
+  }
+}
+
+PlannerView Planner::view(double now) const {
+  return {.space = space_,
+          .now = now,
+          .hip = hip_,
+          .predicted = predicted_,
+          .solve_seconds = solve_seconds_,
+          .workers = generator_.workers()};
+}
+
+// Best first; equal priorities by the lattice's own order, so that the result depends on nothing else.
+void Planner::rank(double now) {
+  candidates_->refresh();
+  candidates_->request_near(hip_.at, now);
+  predict(now);
+  const auto open = candidates_->open();
+  priorities_.resize(open.size());
+  policy_->prioritise(open, view(now), priorities_);
+  for (double& p : priorities_)
+    if (!std::isfinite(p)) p = std::numeric_limits<double>::lowest();
+  ranking_.resize(open.size());
+  std::iota(ranking_.begin(), ranking_.end(), std::size_t{0});
+}
+
+void Planner::plan(double now) {
+  slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
+  const auto idle = static_cast<std::size_t>(std::count_if(slots_.begin(), slots_.end(), [](const Slot& s) { return !s.busy; }));
+  if (candidates_->empty() || slots_.empty()) return;
+  if (idle == 0) return consider_preemption(now);
+
+  rank(now);
+  const auto open = candidates_->open();
+  const std::size_t count = std::min(idle, open.size());
+  const auto better = [&](std::size_t a, std::size_t b) {
+    return priorities_[a] != priorities_[b] ? priorities_[a] > priorities_[b] : open[a].order < open[b].order;
+  };
+  std::partial_sort(ranking_.begin(), ranking_.begin() + static_cast<std::ptrdiff_t>(count), ranking_.end(), better);
+  // Taking moves the last candidate: remember who was chosen by value first.
+  std::vector<std::pair<Candidate, double>> chosen;
+  std::vector<std::size_t> places(ranking_.begin(), ranking_.begin() + static_cast<std::ptrdiff_t>(count));
+  for (const std::size_t i : places) chosen.emplace_back(open[i], priorities_[i]);
+  std::sort(places.begin(), places.end(), std::greater<>());
+  for (const std::size_t i : places) candidates_->take(i);
+
+  std::size_t next = 0;
+  for (std::size_t worker = 0; worker < slots_.size() && next < count; ++worker) {
+    if (slots_[worker].busy) continue;
+    const auto& [candidate, priority] = chosen[next++];
+    dispatch(static_cast<int>(worker), candidate, priority, now);
+  }
+}
+
+void Planner::dispatch(int worker, const Candidate& candidate, double priority, double now) {
+  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()),
+                        .at = candidate.at,
+                        .label = candidate.region,
+                        .priority = priority};
+  record.requested = std::isfinite(candidate.requested) ? candidate.requested : now;
+  record.status = "running";
+  record.worker = worker;
+  const Start* start = nearest_start(candidate.at);
+  record.parent = start ? start->dispatch : -1;
+  dispatches_.push_back(record);
+  slots_[static_cast<std::size_t>(worker)] = {
+      .busy = true, .cancelling = false, .dispatch = record.id, .candidate = candidate, .since = now};
+  generator_.dispatch(worker, {.dispatch = record.id, .at = candidate.at, .start = start ? start->equilibrium : nullptr});
+}
+
+// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twice as much.
+// No candidate is cancelled more than twice, so that every one is solved in the end.
+void Planner::consider_preemption(double now) {
+  if (!options_.preempt || now - preemption_checked_ < std::max(0.005, 0.25 * solve_seconds_)) return;
+  preemption_checked_ = now;
+  rank(now);
+  const double best = *std::max_element(priorities_.begin(), priorities_.end());
+  const PlannerView seen = view(now);
+  Slot* weakest = nullptr;
+  double least = 0.5 * best;
+  for (Slot& slot : slots_) {
+    const auto before = preemptions_.find(slot.candidate.order);
+    if (slot.cancelling || (before != preemptions_.end() && before->second >= 2)) continue;
+    const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
+    const double worth = policy_->priority(candidates_->refreshed(slot.candidate), seen) / left;
+    if (worth < least) {
+      least = worth;
+      weakest = &slot;
+    }
+  }
+  if (!weakest) return;
+  weakest->cancelling = true;
+  generator_.cancel(static_cast<int>(weakest - slots_.data()));
+}
+
+Model* Planner::free_model() {
+  while (const auto returned = link_.returned.pop()) free_.push_back(const_cast<Model*>(*returned));
+  if (free_.empty() && models_.size() < 6) {   // two in the loop, one published, one filled, two on their way back
+    models_.push_back(std::make_unique<Model>());
+    free_.push_back(models_.back().get());
+  }
+  if (free_.empty()) return nullptr;
+  Model* model = free_.back();
+  free_.pop_back();
+  return model;
+}
+
+void Planner::update(double now, bool time_it) {
+  const bool travelled = (hip_.at - updated_at_).norm() >= options_.update_travel * space_.options().spacing;
+  if (space_.empty() || !(dirty_ || travelled || !published_)) return;
+  Model* model = free_model();
+  if (!model) return;   // the loop has not given one back yet: try again at the next call
+  const auto before = std::chrono::steady_clock::now();
+  UpdateReport report;
+  const bool known = updater_->update(hip_.at, *model, &report);
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
+  const char* cause = !published_ ? "first" : dirty_ ? "states" : "travel";
+  const bool changed = report.refit || report.replaced > 0 || report.n != updated_n_ || !published_;
+  dirty_ = false;
+  updated_at_ = hip_.at;
+  label_ = report.label;
+  if (!known || !changed) {
+    free_.push_back(model);
+    return;
+  }
+  published_ = true;
+  updated_n_ = static_cast<std::uint32_t>(report.n);
+  SwitchRecord record{.t = now, .model = static_cast<std::uint32_t>(model->serial()), .cause = cause};
+  record.label = report.label;
+  record.n = updated_n_;
+  record.replaced = static_cast<std::uint32_t>(report.replaced);
+  if (time_it) record.fit_us = took.count();
+  updates_.push_back(record);
+  mark_used(*model, now);
+  if (const auto missed = link_.models.publish(model)) {
+    if (*missed) free_.push_back(const_cast<Model*>(*missed));   // never taken
+  }
+}
+
+void Planner::mark_used(const Model& model, double now) {
+  for (const StateId id : model.states()) {
+    const std::int64_t row = dispatch_of_[id.value];
+    if (row < 0) continue;
+    DispatchRecord& record = dispatches_[static_cast<std::size_t>(row)];
+    if (std::isnan(record.first_used)) record.first_used = now;
+  }
+}
+
+bool Planner::idle() const {
+  return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy; });
+}
+
+void Planner::finish(SessionResult& result) {
+  for (std::size_t i = 0; i < space_.size(); ++i)
+    result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
+  result.dispatch = std::move(dispatches_);
+  result.switches = std::move(updates_);
+  result.start_solved_failed = {start_, solved_, failed_};
+  result.preempted = preempted_;
+  result.solve_seconds = std::move(costs_);
+  result.notes.insert(result.notes.end(), notes_.begin(), notes_.end());
+}
+
+}  // namespace forefeel

@@ -1,0 +1,105 @@
+#pragma once
+// Decides and updates, the same under both clocks; whoever calls it gives the time.
+//   HIP -> predict -> region -> prioritise -> dispatch / preempt
+//   State -> state space -> neighbours -> update -> publish model
+// One thread owns it. Models are published through the link and recycled as the loop gives them back.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "approx/updater.hpp"
+#include "scheduling/candidates.hpp"
+#include "scheduling/generator.hpp"
+#include "scheduling/predictor.hpp"
+#include "scheduling/render_loop.hpp"
+#include "scheduling/session.hpp"
+
+namespace forefeel {
+
+class Planner {
+ public:
+  struct Hooks {
+    std::function<void(const State&)> on_state;      // each new one, failed solves included; may be empty
+    std::function<Vec3(double)> future;              // the motion itself, for a policy that knows it
+  };
+  Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link, Hooks hooks);
+
+  void receive(JobResult result, double now);        // from the generator
+  void arrive(State state, double now);              // a state that becomes known without a solve
+  void observe(const HipSample& sample);
+  void plan(double now);                             // dispatches, preempts
+  void update(double now, bool time_it = false);     // publishes a model if states or travel call for one
+
+  const StateSpace& space() const { return space_; }
+  std::size_t solved() const { return solved_; }
+  std::size_t failed() const { return failed_; }
+  std::size_t preempted() const { return preempted_; }
+  bool idle() const;                                 // nothing runs
+  Label label() const { return label_; }             // of the region that chose the newest model
+  // Ends the records: what still runs is "running". The planner must not be used after.
+  void finish(SessionResult& result);
+
+ private:
+  struct Slot {                                      // one per worker
+    bool busy = false, cancelling = false;
+    std::uint32_t dispatch = 0;
+    Candidate candidate;
+    double since = 0;
+  };
+  struct Start {                                     // a solution to start from
+    Vec3 at;
+    std::int64_t dispatch;
+    std::shared_ptr<const Equilibrium> equilibrium;
+  };
+  bool insert(const State& state, std::int64_t dispatch);
+  void predict(double now);
+  PlannerView view(double now) const;
+  void rank(double now);
+  void dispatch(int worker, const Candidate& candidate, double priority, double now);
+  void consider_preemption(double now);
+  const Start* nearest_start(const Vec3& x) const;
+  void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
+  void note_cost(double seconds);
+  void mark_used(const Model& model, double now);
+  Model* free_model();
+
+  const SessionOptions options_;
+  Generator& generator_;
+  LoopLink& link_;
+  Hooks hooks_;
+  StateSpace space_;
+  std::vector<std::int64_t> dispatch_of_;            // by state id: row of dispatch, -1 from the start
+  std::unique_ptr<Candidates> candidates_;
+  std::unique_ptr<Policy> policy_;
+  std::unique_ptr<Predictor> predictor_;
+  std::unique_ptr<ModelUpdater> updater_;
+
+  std::vector<std::unique_ptr<Model>> models_;
+  std::vector<Model*> free_;
+  HipSample hip_;
+  bool dirty_ = false, published_ = false;
+  Vec3 updated_at_ = Vec3::Zero();
+  std::uint32_t updated_n_ = 0;
+
+  std::vector<Slot> slots_;
+  std::vector<Start> starts_;
+  std::size_t start_limit_ = 4096;
+  std::unordered_map<std::uint32_t, int> preemptions_;   // by candidate order
+  double preemption_checked_ = 0, solve_seconds_ = 0.01;
+  std::vector<double> recent_costs_, costs_;
+
+  std::vector<Prediction> predicted_;
+  std::vector<double> priorities_;
+  std::vector<std::size_t> ranking_;
+  std::vector<DispatchRecord> dispatches_;
+  std::vector<SwitchRecord> updates_;                // one per published model
+  std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0;
+  std::vector<std::string> notes_;
+  Label label_ = Label::blank;
+};
+
+}  // namespace forefeel

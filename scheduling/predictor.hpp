@@ -1,0 +1,36 @@
+#pragma once
+// Where the HIP will be. Per axis, after observing x at frame times:
+//   constant-velocity   x(t + s) = x + v s, v smoothed over 30 ms
+//   kalman              state (x, v, a) with a decaying over tau_a (Singer 1970): a(t + s) = a exp(-s / tau_a);
+//                       constant acceleration over short horizons, no runaway over long ones; the deviation is the
+//                       filter's own
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scheduling/policy.hpp"
+
+namespace forefeel {
+
+class Predictor {
+ public:
+  virtual ~Predictor() = default;
+  virtual void observe(const HipSample& sample) = 0;       // times do not go back
+  virtual Prediction predict(double horizon) const = 0;    // from the last sample on
+};
+
+std::unique_ptr<Predictor> make_predictor(const std::string& name);   // InputError lists the names
+std::vector<std::string> predictor_names();
+
+// Prediction error against horizon over a motion sampled every `step` seconds [m].
+struct PredictionError {
+  double horizon = 0;                 // [s]
+  double p50 = 0, p95 = 0;            // |predicted - true|
+  double within_deviation = 0;        // share of true positions within twice the deviation per axis
+};
+std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion, double step,
+                                              std::span<const double> horizons);
+
+}  // namespace forefeel

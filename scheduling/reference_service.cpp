@@ -1,0 +1,174 @@
+#include "scheduling/reference_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <fstream>
+
+#include "geometry/error.hpp"
+#include "geometry/output_file.hpp"
+#include "scheduling/csv_table.hpp"
+#include "scheduling/random.hpp"
+
+namespace forefeel {
+namespace {
+
+std::string cache_name(const BodyIdentity& identity, double spacing, bool displacements) {
+  std::uint64_t low = 1, high = 2;
+  const auto take = [&](const std::string& text) {
+    for (const char c : text) low = mix(low, static_cast<unsigned char>(c)), high = mix(high, low);
+    low = mix(low, 0x100);
+  };
+  for (const auto& [name, hash] : identity) take(name), take(hash);
+  take(fmt::format("{}", spacing));
+  return fmt::format("{:016x}{:016x}{}", low, high, displacements ? "-displacements" : "");
+}
+
+}  // namespace
+
+std::size_t ReferenceService::Hash::operator()(const Key& key) const {
+  return mix(mix(key.bits[0], key.bits[1]), key.bits[2]);
+}
+
+ReferenceService::Key ReferenceService::key(const Vec3& x) {
+  Key key;
+  for (int i = 0; i < 3; ++i) key.bits[i] = std::bit_cast<std::uint64_t>(x[i] + 0.0);   // -0 and 0 are one place
+  return key;
+}
+
+ReferenceService::ReferenceService(const SessionInput& input, int threads)
+    : body_(input.body),
+      linear_(linear_basis(input.body, input.space.spacing)),
+      solver_options_{.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements},
+      box_(input.space.box),
+      thread_count_(threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency())) {
+  if (input.cache_folder.empty() || input.identity.empty()) return;
+  const std::string name = cache_name(input.identity, input.space.spacing, input.displacements);
+  costs_file_ = input.cache_folder / (name + ".costs.csv");
+  if (linear_) return;   // three solves are cheaper than a file
+  try {
+    std::filesystem::create_directories(input.cache_folder);
+    StateFileHeader header{.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
+    header.notes["content"] = "tight solves on the reference branch";
+    StateFile file = StateFile::open_or_create(input.cache_folder / (name + ".states"), header);
+    for (State& state : file.read_all()) {
+      const Key place = key(state.at);
+      entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
+    }
+    writer_ = std::make_unique<StateWriter>(std::move(file));
+  } catch (const std::exception& problem) {
+    entries_.clear();
+    note_ = fmt::format("no cache of reference solves: {}", problem.what());
+  }
+}
+
+ReferenceService::~ReferenceService() {
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.clear();
+  }
+  for (auto& thread : threads_) thread.request_stop();
+  wake_.notify_all();
+  threads_.clear();
+}
+
+void ReferenceService::start_threads() {
+  while (threads_.size() < thread_count_)
+    threads_.emplace_back([this](std::stop_token stop) { work(stop); });
+}
+
+void ReferenceService::request(const Vec3& x) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!entries_.try_emplace(key(x)).second) return;
+    queue_.push_back(x);
+    start_threads();
+  }
+  wake_.notify_one();
+}
+
+State ReferenceService::get(const Vec3& x) {
+  request(x);
+  std::unique_lock lock(mutex_);
+  const Entry& entry = entries_.at(key(x));   // references into the map stay valid
+  if (!entry.ready) {
+    // What is waited for goes first.
+    const Key wanted = key(x);
+    const auto found = std::find_if(queue_.begin(), queue_.end(), [&](const Vec3& q) { return key(q) == wanted; });
+    if (found != queue_.end()) {
+      queue_.erase(found);
+      queue_.push_front(x);
+    }
+    ready_.wait(lock, [&] { return entry.ready || failure_; });
+  }
+  if (!entry.ready) std::rethrow_exception(failure_);
+  return entry.state;
+}
+
+std::size_t ReferenceService::solved() const {
+  const std::lock_guard lock(mutex_);
+  return solved_;
+}
+
+void ReferenceService::work(std::stop_token stop) {
+  try {
+    StateSolver solver(body_, linear_, solver_options_);
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [&] { return stop.stop_requested() || !queue_.empty(); });
+      if (stop.stop_requested()) return;
+      const Vec3 x = queue_.front();
+      queue_.pop_front();
+      lock.unlock();
+      SolveOutcome outcome = solver.reference(x);
+      outcome.state.at = x;
+      outcome.state.parent = Vec3::Zero();
+      lock.lock();
+      if (writer_) writer_->push(outcome.state);
+      Entry& entry = entries_.at(key(x));
+      entry.state = std::move(outcome.state);
+      entry.ready = true;
+      ++solved_;
+      ready_.notify_all();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    ready_.notify_all();
+  }
+}
+
+std::vector<double> ReferenceService::recorded_costs() {
+  constexpr std::string_view columns[] = {"seconds"};
+  if (!costs_file_.empty() && std::filesystem::exists(costs_file_)) return read_csv(costs_file_, columns).values;
+  constexpr std::uint64_t samples = 48;
+  StateSolver solver(body_, linear_, solver_options_);
+  std::vector<double> seconds;
+  for (std::uint64_t i = 0; i < samples; ++i) {
+    const Vec3 share(uniform(mix(11, 3 * i)), uniform(mix(11, 3 * i + 1)), uniform(mix(11, 3 * i + 2)));
+    const Vec3 x = box_.low + share.cwiseProduct(box_.size());
+    const double length = std::max(x.norm(), 1e-12);
+    const Vec3 parent = x * std::max(0.0, 1 - solver_options_.spacing / length);   // a spacing nearer to rest
+    const SolveOutcome start = solver.reference(parent);
+    const auto before = std::chrono::steady_clock::now();
+    const SolveOutcome outcome = solver.from(start.equilibrium.get(), x, {});
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+    if (outcome.state.usable()) seconds.push_back(std::max(took.count(), 1e-9));
+  }
+  if (!costs_file_.empty() && !seconds.empty()) {
+    try {
+      std::filesystem::create_directories(costs_file_.parent_path());
+      OutputFile out(costs_file_);
+      out.write("seconds\n");
+      for (const double s : seconds) out.write(fmt::format("{}\n", s));
+      out.commit();
+    } catch (const std::exception& problem) {
+      note_ = fmt::format("recorded costs are not kept: {}", problem.what());
+    }
+  }
+  return seconds;
+}
+
+}  // namespace forefeel

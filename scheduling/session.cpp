@@ -1,0 +1,152 @@
+#include "scheduling/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "geometry/error.hpp"
+#include "scheduling/csv_table.hpp"
+#include "scheduling/session_parts.hpp"
+
+namespace forefeel {
+namespace {
+
+void expect(bool holds, const char* key, const std::string& problem) {
+  if (!holds) throw InputError(std::string("session.") + key, problem);
+}
+
+template <class T>
+bool positive(T value) {
+  return std::isfinite(static_cast<double>(value)) && value > 0;
+}
+
+void check(const SessionInput& input, const SessionOptions& o) {
+  expect(input.body != nullptr, "body", "there is none, expected a body to touch");
+  expect(positive(o.seconds) && o.seconds <= 86400, "seconds", fmt::format("is {}, expected more than 0 and at most 86400", o.seconds));
+  expect(o.workers >= 1 && o.workers <= 100000, "workers", fmt::format("is {}, expected 1 to 100000", o.workers));
+  expect(o.threads >= 0, "threads", fmt::format("is {}, expected 0 (all) or more", o.threads));
+  expect(positive(o.frame) && o.frame <= 0.1, "frame", fmt::format("is {}, expected a frame time above 0 and at most 0.1 s", o.frame));
+  expect(std::isfinite(o.latency) && o.latency >= 0, "latency", fmt::format("is {}, expected 0 s or more", o.latency));
+  expect(positive(o.update_travel), "update_travel", fmt::format("is {}, expected spacings above 0", o.update_travel));
+  expect(positive(o.error_floor), "error_floor", fmt::format("is {}, expected a force above 0 N", o.error_floor));
+  expect(positive(o.reference_step), "reference_step", fmt::format("is {}, expected a length above 0 m", o.reference_step));
+  expect(positive(o.force_limit), "force_limit", fmt::format("is {}, expected a force above 0 N", o.force_limit));
+  expect(positive(o.slew_limit), "slew_limit", fmt::format("is {}, expected N/s above 0", o.slew_limit));
+  expect(std::isfinite(o.ramp_seconds) && o.ramp_seconds >= 0, "ramp_seconds", fmt::format("is {}, expected 0 s or more", o.ramp_seconds));
+  expect(positive(o.stale_seconds), "stale_seconds", fmt::format("is {}, expected a time above 0 s", o.stale_seconds));
+  expect(positive(o.seconds / o.frame) && o.seconds / o.frame < 1e8, "seconds", "and frame give too many frames");
+  expect(!(o.arrivals && o.replay), "arrivals", "cannot go with replay, which brings its own");
+}
+
+SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) {
+  check(input, options);
+  make_policy(options.policy, {.seed = options.seed});   // unknown names are refused before anything runs
+  make_predictor(options.predictor);
+  check_cost(options.cost);
+  SessionPlan plan(input, options);
+  if (options.replay) {
+    Replay replay = read_replay(*options.replay);
+    plan.device = make_trace_device(std::move(replay.motion.times), std::move(replay.motion.positions));
+    plan.arrivals = std::move(replay.arrivals);
+    plan.given_arrivals = true;
+  } else {
+    plan.device = make_device(options.device, {.box = input.space.box,
+                                               .inward = input.inward,
+                                               .seed = options.seed,
+                                               .folder = input.scene_folder});
+    if (options.arrivals) {
+      plan.arrivals = read_arrivals(*options.arrivals);
+      plan.given_arrivals = true;
+    }
+  }
+  plan.frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
+  expect(plan.frames >= 1, "seconds", "is shorter than a frame");
+  if (knows_the_future(options.policy))
+    for (std::size_t k = 0; k < plan.frames; ++k)
+      plan.motion.push_back(plan.device->position(frame_time(k, options.frame), Vec3::Zero()));
+  return plan;
+}
+
+void check_known(const SessionInput& input) {
+  for (const State& state : input.known)
+    if (state.usable() && (!state.at.allFinite() || !state.force.allFinite()))
+      throw InputError("states", "a known state is not finite, expected finite positions and forces");
+}
+
+}  // namespace
+
+std::vector<Arrival> read_arrivals(const std::filesystem::path& file) {
+  constexpr std::string_view columns[] = {"t", "x", "y", "z"};
+  const CsvTable table = read_csv(file, columns);
+  std::vector<Arrival> arrivals;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    if (table.at(i, 0) < 0)
+      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]), "t is negative, expected seconds from the start");
+    arrivals.push_back({table.at(i, 0), Vec3(table.at(i, 1), table.at(i, 2), table.at(i, 3))});
+  }
+  std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
+  return arrivals;
+}
+
+Replay read_replay(const std::filesystem::path& run_folder) {
+  Replay replay{.motion = read_trace(run_folder / "frames.csv"), .arrivals = {}};
+  const auto dispatch = run_folder / "dispatch.csv";
+  constexpr std::string_view columns[] = {"x", "y", "z", "finished", "known"};
+  CsvTable table;
+  try {
+    table = read_csv(dispatch, columns, {.allow_empty_cells = true, .text_column = "status"});
+  } catch (const InputError&) {
+    if (!std::filesystem::exists(dispatch)) throw;
+    return replay;   // a run in which nothing was dispatched
+  }
+  for (std::size_t i = 0; i < table.rows(); ++i)
+    if (table.texts[i] == "solved" || table.texts[i] == "arrived")
+      replay.arrivals.push_back({table.at(i, 4), Vec3(table.at(i, 0), table.at(i, 1), table.at(i, 2))});
+  std::stable_sort(replay.arrivals.begin(), replay.arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
+  return replay;
+}
+
+Planner::Hooks hooks_of(const SessionPlan& plan, StateWriter* writer) {
+  Planner::Hooks hooks;
+  if (writer) hooks.on_state = [writer](const State& state) { writer->push(state); };
+  if (!plan.motion.empty())
+    hooks.future = [&motion = plan.motion, frame = plan.options.frame](double t) {
+      const auto k = static_cast<std::size_t>(std::max(0LL, std::llround(t / frame)));
+      return motion[std::min(k, motion.size() - 1)];
+    };
+  return hooks;
+}
+
+void take_loop(RenderLoop& loop, SessionResult& result) {
+  result.frames = loop.take_log();
+  const SafetyCounts& counts = loop.safety().counts();
+  result.clamped = counts.clamped;
+  result.slewed = counts.slewed;
+  result.stale = counts.stale;
+  result.non_finite = counts.non_finite;
+  result.generated_energy = loop.safety().generated();
+  result.work = loop.safety().work();
+}
+
+SessionResult run_session(const SessionInput& input, const SessionOptions& options, const ShowProgress& show) {
+  SessionPlan plan = make_plan(input, options);
+  check_known(input);
+  ReferenceService references(input, options.threads);
+  if (options.clock == Clock::virtual_time)
+    plan.cost = make_cost(options.cost, options.seed, [&] { return references.recorded_costs(); });
+  SessionResult result;
+  if (references.note()) result.notes.push_back(*references.note());
+  const auto start = std::chrono::steady_clock::now();
+  if (options.clock == Clock::virtual_time)
+    run_virtual(plan, references, result, show);
+  else
+    run_real(plan, references, result, show);
+  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  analyse(input, options, references, result, show);
+  return result;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,103 @@
+// What is worked out after a run, exactly and in the order in which states became known:
+//   label of every frame, with the states known in that frame
+//   error at sampled frames against a tight solve on the reference branch, e = |F - f| / max(|f|, f0), and its parts
+//     approximation |f~ - f|, switch |F - f~|, staleness |f~ - f~*|, each over max(|f|, f0), f~ the newest model,
+//     f~* one made from all states known at that moment
+// Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell.
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "scheduling/session_parts.hpp"
+
+namespace forefeel {
+namespace {
+
+// Marks frames: sampled by arc length, and first visits of the cells of the lattice (cubes of h whose corners lie
+// in the box).
+void choose_samples(SessionResult& result, const SessionInput& input, double step) {
+  const double h = input.space.spacing;
+  const Box& box = input.space.box;
+  std::set<std::tuple<long, long, long>> visited;
+  double travel = 0, next = 0;
+  for (std::size_t k = 0; k < result.frames.size(); ++k) {
+    FrameRecord& frame = result.frames[k];
+    if (k > 0) travel += (frame.at - result.frames[k - 1].at).norm();
+    if (travel >= next) {
+      frame.sampled = true;
+      next = (std::floor(travel / step) + 1) * step;
+    }
+    const Vec3 cell = (frame.at / h).array().floor();
+    const Vec3 low = h * cell, high = low + Vec3::Constant(h);
+    const bool inside = (low.array() >= box.low.array() - 1e-9 * h).all() && (high.array() <= box.high.array() + 1e-9 * h).all();
+    if (inside && visited.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second)
+      frame.first_visit = true;
+  }
+}
+
+void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
+  const double scale = std::max(reference.norm(), floor);
+  frame.reference = reference;
+  frame.error = (frame.force - reference).norm() / scale;
+  frame.approximation = (frame.undamped - reference).norm() / scale;
+  frame.switching = (frame.force - frame.undamped).norm() / scale;
+  frame.staleness = (frame.undamped - fresh).norm() / scale;
+}
+
+}  // namespace
+
+void analyse(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
+             SessionResult& result, const ShowProgress& show) {
+  choose_samples(result, input, options.reference_step);
+  std::vector<std::size_t> samples;
+  for (std::size_t k = 0; k < result.frames.size(); ++k)
+    if (result.frames[k].sampled || result.frames[k].first_visit) samples.push_back(k);
+  for (const std::size_t k : samples) references.request(result.frames[k].at);   // solved while labels are made
+
+  StateSpace space(input.space);
+  ModelUpdater updater(space, options.model);
+  std::size_t inserted = 0, sample = 0;
+  std::vector<Vec3> fresh(samples.size(), Vec3::Zero());
+  const auto total = static_cast<double>(result.frames.size());
+  for (std::size_t k = 0; k < result.frames.size(); ++k) {
+    FrameRecord& frame = result.frames[k];
+    for (; inserted < std::min<std::size_t>(frame.known, result.states.size()); ++inserted)
+      space.insert(result.states[inserted]);
+    frame.label = space.label(frame.at);
+    if (sample < samples.size() && samples[sample] == k) {
+      if (!space.empty()) fresh[sample] = updater.model_at(frame.at).force(frame.at);
+      ++sample;
+    }
+    if (show && k % 500 == 0) show({.t = static_cast<double>(k), .seconds = total, .known = inserted, .phase = "labels"});
+  }
+  std::size_t failed = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const State reference = references.get(result.frames[samples[i]].at);
+    if (reference.usable())
+      judge(result.frames[samples[i]], reference.force, fresh[i], options.error_floor);
+    else
+      ++failed;
+    if (show)
+      show({.t = static_cast<double>(i + 1), .seconds = static_cast<double>(samples.size()), .known = inserted,
+            .phase = "references"});
+  }
+  if (failed > 0) result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
+
+  // Published models become switches when the loop takes them.
+  std::vector<SwitchRecord> taken;
+  std::size_t published = 0;
+  for (const FrameRecord& frame : result.frames) {
+    if (!frame.took_model) continue;
+    while (published < result.switches.size() && result.switches[published].model != frame.model) ++published;
+    if (published == result.switches.size()) break;
+    SwitchRecord record = result.switches[published++];
+    record.t = frame.t;
+    record.jump_undamped = frame.undamped_jump;
+    taken.push_back(record);
+  }
+  result.switches = std::move(taken);
+}
+
+}  // namespace forefeel

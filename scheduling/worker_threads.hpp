@@ -1,0 +1,57 @@
+#pragma once
+// Solver workers of the real clock: each thread that calls serve() is one worker. The planner's thread dispatches,
+// cancels and collects; all of it under one lock that is held for a few instructions.
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "scheduling/generator.hpp"
+#include "scheduling/state_solver.hpp"
+
+namespace forefeel {
+
+class WorkerThreads final : public Generator {
+ public:
+  using Now = std::function<double()>;   // session time [s]
+  WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now);
+
+  // A worker's whole life: returns after stop(). Does not throw; see failure().
+  void serve();
+  void stop();                           // running solves are cancelled
+
+  int workers() const override;
+  void dispatch(int worker, Job job) override;
+  void cancel(int worker) override;
+
+  // Results since the last call; waits up to `timeout` seconds for one.
+  void collect(std::vector<JobResult>& out, double timeout);
+  std::exception_ptr failure() const;    // of a worker, if any
+
+ private:
+  struct Slot {
+    std::optional<Job> job;
+    std::stop_source stop;
+    std::condition_variable wake;
+  };
+  JobResult run(StateSolver& solver, int worker, const Job& job, std::stop_token stop);
+
+  std::shared_ptr<const Body> body_;
+  StateSolverOptions options_;
+  std::shared_ptr<LinearBasis> linear_;
+  Now now_;
+  mutable std::mutex mutex_;
+  std::deque<Slot> slots_;               // references stay valid while it grows
+  std::vector<JobResult> results_;
+  std::condition_variable done_;
+  bool stopped_ = false;
+  std::exception_ptr failure_;
+};
+
+}  // namespace forefeel
