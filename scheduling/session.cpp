@@ -131,6 +131,15 @@ void take_loop(RenderLoop& loop, SessionResult& result) {
   result.work = loop.safety().work();
 }
 
+void check_session(const SessionInput& input, const SessionOptions& options) {
+  make_plan(input, options);
+  check_known(input);
+}
+
+double motion_seconds(const SessionInput& input, const SessionOptions& options) {
+  return make_plan(input, options).device->duration();
+}
+
 SessionResult run_session(const SessionInput& input, const SessionOptions& options, const ShowProgress& show) {
   SessionPlan plan = make_plan(input, options);
   check_known(input);

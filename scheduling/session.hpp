@@ -128,6 +128,12 @@ struct SessionProgress {
   std::string phase;             // "session", "labels", "references"
 };
 
+// Throws what run_session() would throw for input that cannot be run (unknown names, a bad trace, no workers …);
+// solves and writes nothing.
+void check_session(const SessionInput& input, const SessionOptions& options);
+// Where the device ends by itself (a trace, a replay), its end [s]; infinite otherwise.
+double motion_seconds(const SessionInput& input, const SessionOptions& options);
+
 SessionResult run_session(const SessionInput& input, const SessionOptions& options,
                           const std::function<void(const SessionProgress&)>& progress = {});
 

@@ -1,0 +1,181 @@
+// forefeel session SCENE … -o RUN/: a headless haptic session. Options that are not given come from the scene.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "apps/command.hpp"
+#include "apps/provenance.hpp"
+#include "apps/report.hpp"
+#include "apps/scene.hpp"
+#include "geometry/error.hpp"
+#include "geometry/output_file.hpp"
+#include "geometry/state_file.hpp"
+#include "scheduling/run_files.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SessionArguments {
+  std::string scene, states, output;
+  std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor;
+  std::optional<double> seconds, latency;
+  std::optional<int> workers;
+};
+
+template <class T>
+T one_of(const std::string& given, const char* option, std::initializer_list<T> values) {
+  std::string names;
+  for (const T value : values) {
+    if (given == name(value)) return value;
+    names += (names.empty() ? "" : ", ") + std::string(name(value));
+  }
+  throw InputError(option, fmt::format("is '{}', expected {}", given, names));
+}
+
+SessionOptions options_of(const Scene& scene, const SessionArguments& given, const Globals& globals) {
+  SessionOptions options = scene.session;
+  options.model = scene.model;
+  if (given.clock) {
+    if (*given.clock != "real" && *given.clock != "virtual")
+      throw InputError("--clock", fmt::format("is '{}', expected real or virtual", *given.clock));
+    options.clock = *given.clock == "real" ? Clock::real : Clock::virtual_time;
+  }
+  options.device = given.device.value_or(options.device);
+  options.policy = given.policy.value_or(options.policy);
+  options.predictor = given.predictor.value_or(options.predictor);
+  options.cost = given.cost.value_or(options.cost);
+  options.seconds = given.seconds.value_or(options.seconds);
+  options.latency = given.latency.value_or(options.latency);
+  options.workers = given.workers.value_or(options.workers);
+  if (given.arrivals) options.arrivals = *given.arrivals;
+  if (given.replay) options.replay = *given.replay;
+  if (given.switching)
+    options.switching.rule = one_of(*given.switching, "--switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
+  if (given.select) options.model.select = one_of(*given.select, "--select", {Select::label, Select::nearest});
+  options.threads = globals.threads;
+  if (globals.seed != 0) options.seed = globals.seed;
+  return options;
+}
+
+// A motion that ends is run to its end where it was asked for here, and no longer than the scene says elsewhere.
+double whole_motion(double duration, const SessionOptions& options, bool asked) {
+  if (!std::isfinite(duration)) return options.seconds;
+  const double all = duration + options.frame;   // the last row is a frame of its own
+  return asked ? all : std::min(options.seconds, all);
+}
+
+// States known at the start, and the file that new ones are appended to.
+void take_states(const Scene& scene, const SessionArguments& given, SessionInput& input) {
+  input.state_file = fs::path(given.output) / "session.states";
+  if (given.states.empty()) return;
+  const fs::path file = given.states;
+  if (file.extension() == ".csv") {   // measured or foreign states stay as they are
+    input.known = read_states_csv(file);
+    return;
+  }
+  input.state_file = file;
+  if (!fs::exists(file)) {
+    check_writable(file);
+    return;
+  }
+  StateFileHeader header{.identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
+  input.known = StateFile::open_or_create(file, header).read_all();
+}
+
+void remove_states_of_last_run(const SessionInput& input, const fs::path& run) {
+  if (input.state_file != run / "session.states") return;
+  for (const char* end : {"", "-wal", "-shm"}) fs::remove(input.state_file->string() + end);
+}
+
+std::string text_for(const SessionProgress& p) {
+  if (p.phase != "session") return fmt::format("{} {:.0f} of {:.0f}", p.phase, p.t, p.seconds);
+  return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved, name(p.label));
+}
+
+std::string share(const nlohmann::ordered_json& value) {
+  return value.is_number() ? fmt::format("{:.1f} %", 100 * value.get<double>()) : "unknown";
+}
+
+void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::path& run) {
+  const auto& in = s["time_in"];
+  say(globals, fmt::format("{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved, {} used",
+                           s["frames"].get<std::size_t>(), s["clock"].get<std::string>(),
+                           s["deadline"]["missed"].get<std::size_t>(), s["states"]["start"].get<std::size_t>(),
+                           s["states"]["solved"].get<std::size_t>(), s["states"]["used"].get<std::size_t>()));
+  say(globals, fmt::format("time in safe {}, sparse {}, gap {}, blank {}", share(in["safe"]), share(in["sparse"]),
+                           share(in["gap"]), share(in["blank"])));
+  say(globals, fmt::format("{} model switches, {} frames over the JND bound; error p50 {}, p95 {}, within JND {}",
+                           s["switch"]["count"].get<std::size_t>(), s["switch"]["frames_over_jnd"].get<std::size_t>(),
+                           share(s["error"]["p50"]), share(s["error"]["p95"]), share(s["error"]["within_jnd"])));
+  for (const auto& note : s["notes"]) say(globals, note.get<std::string>());
+  say(globals, fmt::format("report: {}", (run / "report.html").string()));
+}
+
+int run_session_command(const Globals& globals, const SessionArguments& given) {
+  const Scene scene = load_scene(given.scene, globals.set);
+  SessionOptions options = options_of(scene, given, globals);
+  SessionInput input{.body = scene.body,
+                     .identity = scene.identity,
+                     .space = scene.space,
+                     .displacements = scene.displacements,
+                     .known = {},
+                     .state_file = {},
+                     .cache_folder = cache_folder(),
+                     .scene_folder = fs::absolute(scene.file).parent_path(),
+                     .inward = scene.inward};
+  check_session(input, options);
+  if (!given.seconds) options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
+  const fs::path run = given.output;
+  take_states(scene, given, input);
+  prepare_run_folder(run);
+  remove_states_of_last_run(input, run);
+  for (const std::string& warning : scene.warnings) warn(globals, warning);
+
+  std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
+  const SessionResult result = run_session(
+      input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); });
+  progress.reset();
+
+  write_run_files(run, result, options);
+  write_states_csv(run / "states.csv", result.states);
+  nlohmann::ordered_json summary = summary_json(result, input, options);
+  summary["provenance"] = provenance(scene.hash);
+  OutputFile file(run / "summary.json");
+  file.write(summary.dump(2) + "\n");
+  file.commit();
+  write_report(run, scene, globals);
+  if (globals.json) print_json(summary);
+  if (!globals.json) tell(globals, summary, run);
+  return 0;
+}
+
+}  // namespace
+
+void add_session(CLI::App& app, Commands& commands) {
+  const auto given = std::make_shared<SessionArguments>();
+  CLI::App& sub = add_command(app, commands, "session", "A headless haptic session: workers solve while a 1 kHz loop renders",
+                              [&commands, given] { return run_session_command(commands.globals, *given); });
+  sub.add_option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults")->required();
+  sub.add_option("--states", given->states, "States known at the start; new ones are appended (.states)")->type_name("S");
+  sub.add_option("--device", given->device, "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] or trace:FILE[,scale=…,offset=x/y/z]");
+  sub.add_option("--clock", given->clock, "real or virtual");
+  sub.add_option("--seconds", given->seconds, "Length [s]");
+  sub.add_option("--workers", given->workers, "Workers that solve");
+  sub.add_option("--policy", given->policy, "What is solved next");
+  sub.add_option("--predictor", given->predictor, "kalman or constant-velocity");
+  sub.add_option("--switch", given->switching, "paper, smooth or none");
+  sub.add_option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
+  sub.add_option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
+  sub.add_option("--select", given->select, "Neighbour set: label or nearest");
+  auto* arrivals = sub.add_option("--arrivals", given->arrivals, "CSV t,x,y,z: states become known at given times");
+  sub.add_option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")->excludes(arrivals);
+  sub.add_option("-o,--output", given->output, "Folder for the files of the run")->type_name("RUN/")->required();
+}
+
+}  // namespace forefeel
