@@ -157,7 +157,9 @@ bool ConeSolver::at_most(const Directions& directions, double cos_threshold, Vec
   const Stop stop = grow(directions, cos_threshold - tolerance, lowest);
   if (stop == Stop::bounded) return true;
   if (!witness) return false;
-  *witness = finish(directions, stop, lowest).axis;
+  const EmptyCone cone = finish(directions, stop, lowest);
+  const bool wider = cone.cos_half < cos_threshold - tolerance;
+  *witness = wider ? cone.axis : Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   return false;
 }
 

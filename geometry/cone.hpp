@@ -48,7 +48,7 @@ class ConeSolver {
 
   // Whether no empty cone is wider than arccos(cos_threshold): cos gamma >= cos_threshold, within 1e-9.
   // Directions that lie in one plane never qualify. On false, *witness (if given) is the axis of a cone that is
-  // wider and empty.
+  // wider and empty, or NaN where coplanarity alone decided.
   bool at_most(const Directions& directions, double cos_threshold, Vec3* witness = nullptr);
 
  private:

@@ -65,14 +65,17 @@ struct Simplex {
   }
 };
 
-double circumradius(CellHandle cell) {
+// Circumcentre relative to the first corner; infinite where the cell is flat.
+Vec3 circumcentre(CellHandle cell) {
   const Vec3 o = vec(cell->vertex(0)->point());
   const Vec3 a = vec(cell->vertex(1)->point()) - o, b = vec(cell->vertex(2)->point()) - o,
              c = vec(cell->vertex(3)->point()) - o;
-  const Vec3 top = a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b);
-  const double volume = 2 * a.dot(b.cross(c));
-  return volume == 0 ? std::numeric_limits<double>::infinity() : top.norm() / std::abs(volume);
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), cc = c.squaredNorm();
+  const double volume = a.dot(b.cross(c)), longest = std::max({aa, bb, cc});
+  if (volume <= flat * longest * std::sqrt(longest)) return Vec3::Constant(std::numeric_limits<double>::infinity());
+  return (aa * b.cross(c) + bb * c.cross(a) + cc * a.cross(b)) / (2 * volume);
 }
+double circumradius(CellHandle cell) { return circumcentre(cell).norm(); }
 
 }  // namespace
 
@@ -243,8 +246,12 @@ Spread DelaunayIndex::spread(const Vec3& q, StateId near, bool with_alpha) const
 bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
   Impl& my = *impl_;
   Simplex simplex;
-  const CellHandle cell = my.solid_cell(q, near, simplex);
-  if (cell == CellHandle()) return false;
+  if (my.triangulation.dimension() < 3) return false;
+  CellHandle cell = my.solid_cell(q, near, simplex);
+  if (cell == CellHandle()) {
+    cell = my.locate(point(q), near);
+    if (!my.triangulation.is_infinite(cell)) return false;
+  }
   std::int32_t link = my.free_link;
   if (link >= 0) {
     my.free_link = my.links[static_cast<std::size_t>(link)].next;
@@ -266,6 +273,17 @@ std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {
     for (int i = 0; i < 4; ++i) out.states[static_cast<std::size_t>(i)] = {cell->vertex(i)->info()};
     out.circumradius = circumradius(cell);
     result.push_back(out);
+  }
+  return result;
+}
+
+std::vector<DelaunayIndex::Ball> DelaunayIndex::circumballs() const {
+  std::vector<Ball> result;
+  if (dimension() < 3) return result;
+  result.reserve(cell_count());
+  for (const CellHandle cell : impl_->triangulation.finite_cell_handles()) {
+    const Vec3 centre = circumcentre(cell);
+    if (centre.allFinite()) result.push_back({vec(cell->vertex(0)->point()) + centre, centre.norm()});
   }
   return result;
 }

@@ -50,7 +50,7 @@ class DelaunayIndex {
   Spread spread(const Vec3& q, StateId near, bool with_alpha = false) const;
 
   // Watches: a token is reported by the insert() that destroys the cell in which watch() found q (states that are
-  // added elsewhere leave the spread at q as it is). Positions outside the hull are not watched: false.
+  // added elsewhere leave the spread at q as it is). False, and no watch, in flat cells and below dimension 3.
   bool watch(const Vec3& q, StateId near, std::uint32_t token);
   std::span<const std::uint32_t> disturbed() const;   // by the last insert(); each token once
 
@@ -60,6 +60,11 @@ class DelaunayIndex {
   };
   std::vector<Cell> cells() const;      // finite ones
   std::size_t cell_count() const;
+  struct Ball {
+    Vec3 centre;
+    double radius = 0;
+  };
+  std::vector<Ball> circumballs() const;   // of the finite cells that are not flat: the largest empty balls
 
  private:
   struct Impl;

@@ -1,9 +1,20 @@
 #pragma once
-// The labelled leaves of the box of a state space: octree leaves, split where the label differs, down to h/4.
+// Regions: the box of a state space as labelled octree leaves. The finest cells are cubes of h/4 that carry the label
+// of their centre; eight children of one label are one leaf. Volumes, components and pictures are sums over leaves.
+//
+//   fill distance   sup over the box of delta(q)                        [m]
+//   largest hole    the largest ball without a state whose centre lies in the box and is not blank
+//
+// Nothing is rebuilt: a state that is added only marks the leaves whose label it may change, and these are worked out
+// when they are looked at (label_at: one path from the root) or when somebody settles all of them.
+// One owner; the const members work out what is pending, so they are not for several threads at once.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +27,35 @@ class DelaunayIndex;
 class PointOctree;
 struct StateSpaceOptions;
 
+struct RegionLeaf {
+  Box box;                       // clipped to the box of the states [m]
+  Label label = Label::blank;
+  std::uint32_t component = 0;   // index into components()
+};
+
+// Facet-connected leaves of one label.
+struct RegionComponent {
+  Label label = Label::blank;
+  double volume = 0;             // [m^3]
+  std::size_t leaves = 0;
+  Box bounds;                    // [m]
+  Vec3 inner = Vec3::Zero();     // centre of its largest leaf [m]
+  std::vector<std::uint32_t> safe_neighbours;   // safe components that share a facet with it, or with the sparse rim
+                                                // around it (a gap is never next to safe: sparse lies between)
+};
+
+struct LargestHole {
+  double radius = 0;             // [m]
+  Vec3 centre = Vec3::Zero();
+};
+
+struct RegionSummary {
+  std::vector<RegionLeaf> leaves;
+  std::vector<RegionComponent> components;          // by label, then by falling volume
+  std::array<double, 4> volume{};                   // per label [m^3]
+  std::array<std::size_t, 4> component_count{};
+};
+
 class Regions {
  public:
   // The indexes must outlive the regions; StateSpace::regions() makes and keeps one.
@@ -24,9 +64,21 @@ class Regions {
 
   // Label of the leaf that contains q; outside the box that of q itself.
   Label label_at(const Vec3& q) const;
+  double finest() const;         // side of the smallest leaf [m]
+  const Box& box() const;
+
+  // Works out at most `budget` pending leaves; true when nothing is pending. For a planner's idle time.
+  bool settle(std::size_t budget = static_cast<std::size_t>(-1),
+              const std::function<void(double)>& progress = {}) const;
+
+  std::array<double, 4> volumes() const;            // [m^3], settles first
+  RegionSummary summary() const;                    // settles first; O(leaves)
+  double fill_distance() const;                     // [m], within 1e-3 h; infinite without states
+  std::optional<LargestHole> largest_hole() const;
 
   // A state was added; `disturbed` as DelaunayIndex reports it.
   void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
+  std::size_t pending() const;                      // leaves marked since all were settled
 
  private:
   struct Impl;

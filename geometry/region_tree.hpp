@@ -1,0 +1,112 @@
+#pragma once
+// The octree behind Regions. Its finest cells (voxels, h/4) carry the label of their centre, exactly; a coarser leaf
+// exists only where a bound proves that all its voxels agree, or where its eight children do. So the leaves do not
+// depend on the order in which states came, and an insertion only has to find the leaves whose proof it breaks:
+//
+//   safe     never changes again
+//   gap      only within kappa_p h of the new state (the label can only rise to sparse or safe)
+//   blank    within kappa_p h, or within the gap radius where the state falls into the leaf's empty cone
+//   sparse   within the safe radius where the state falls into the leaf's empty cone, or, for a voxel that is enclosed
+//            but too coarsely (spread > kappa_s h), where the Delaunay cell around it is destroyed
+//
+// Those leaves become unresolved and are worked out when someone looks at them, one path from the root at a time.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "geometry/coverage_query.hpp"
+#include "geometry/state_space.hpp"
+
+namespace forefeel {
+
+struct RegionNode {
+  enum class Kind : std::uint8_t { unresolved, leaf, branch, outside };
+  std::int32_t children = -1;              // first of eight
+  std::int32_t parent = -1;
+  std::array<std::int32_t, 3> low{};       // lowest voxel
+  std::uint8_t level = 0;                  // 2^level voxels wide
+  Kind kind = Kind::unresolved;
+  Label label = Label::blank;
+  std::uint8_t below = 0x1f;               // of a branch: bit per label below, bit 4: something unresolved
+  std::array<float, 3> axis{};             // of the empty cone that proves a blank or sparse leaf; 0: none
+  std::int32_t width() const { return 1 << level; }
+};
+
+class RegionTree {
+ public:
+  RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const StateSpaceOptions& options);
+
+  Label label_at(const Vec3& q);
+  void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
+  // Works out at most `budget` leaves; true when none is left.
+  bool settle(std::size_t budget, const std::function<void(double)>& progress = {});
+
+  // visit(node) for every resolved leaf inside the box.
+  template <class Visit>
+  void for_each_leaf(Visit&& visit) const {
+    for (std::size_t root = 0; root < roots_; ++root) visit_leaves(static_cast<std::int32_t>(root), visit);
+  }
+  const RegionNode& node(std::int32_t index) const { return nodes_[static_cast<std::size_t>(index)]; }
+  std::size_t root_count() const { return roots_; }
+  std::int32_t leaf_of(const std::array<std::int32_t, 3>& voxel) const;   // -1 outside the box
+  Box box_of(const RegionNode& node) const;                               // clipped to the box of the states
+  const Box& box() const { return box_; }
+  double voxel() const { return voxel_; }
+  const CoverageQuery& query() const { return query_; }
+  const Thresholds& limits() const { return limits_; }
+  std::size_t pending() const { return pending_; }                        // marked since the last settle()
+
+ private:
+  struct Offset {
+    Vec3 at;
+    double length;
+  };
+  template <class Visit>
+  void visit_leaves(std::int32_t index, Visit& visit) const {
+    const RegionNode& here = node(index);
+    if (here.kind == RegionNode::Kind::leaf) visit(index, here);
+    if (here.kind == RegionNode::Kind::branch)
+      for (int child = 0; child < 8; ++child) visit_leaves(here.children + child, visit);
+  }
+
+  Vec3 centre(const RegionNode& node) const;
+  double reach(const RegionNode& node) const;      // from its centre to its farthest voxel centre
+  bool outside(const RegionNode& node) const;
+  void resolve(std::int32_t index);                // to a leaf, or to a branch of unresolved children
+  void resolve_voxel(std::int32_t index);
+  bool prove_far(RegionNode& node, const Vec3& q, double e, double nearest);
+  bool prove_sparse(RegionNode& node, const Vec3& q, double e);
+  bool all_safe(const RegionNode& node, StateId near) const;
+  bool cone_holds(const Vec3& axis, double cosine, double e) const;   // over offsets_
+  void gather(const Vec3& q, double radius);
+  void become_leaf(RegionNode& node, Label label, const Vec3& axis = Vec3::Zero());
+  void branch(std::int32_t index);
+  void collapse(std::int32_t index);
+  void settle_below(std::int32_t index, std::size_t& budget);
+  std::uint8_t disturb(std::int32_t index, const Vec3& at);
+  bool breaks(const RegionNode& leaf, const Vec3& at) const;
+  void mark(RegionNode& node);
+  std::uint8_t summary(const RegionNode& node) const;
+
+  DelaunayIndex& delaunay_;
+  CoverageQuery query_;
+  Thresholds limits_;
+  Box box_;
+  double voxel_;                                   // h / 4 [m]
+  Vec3 origin_;                                    // low corner of voxel (0, 0, 0)
+  std::array<std::int32_t, 3> voxels_{}, root_grid_{};
+  int root_level_;
+  std::size_t roots_ = 0;
+  std::vector<RegionNode> nodes_;
+  std::vector<std::int32_t> free_;                 // octets
+  std::vector<std::int32_t> restless_;             // voxels that no watch covers
+  std::vector<Offset> offsets_;
+  Directions directions_;
+  ConeSolver solver_;
+  std::size_t pending_ = 0;
+};
+
+}  // namespace forefeel
