@@ -5,6 +5,7 @@
 // derivative functionals per component (Hermite). Coordinates are centred and scaled inside.
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -26,7 +27,8 @@ struct ModelOptions {
   Data data = Data::force;
   std::size_t neighbours = 100;          // n
   Select select = Select::label;
-  double ridge = 0;                      // >= 0, added to the kernel's diagonal, for noisy states
+  double ridge = 0;                      // >= 0, on the kernel's diagonal in units of phi(radius of the set), for noisy states
+  double length = 0;                     // distance between states where the set itself does not tell [m]; 0: unknown
 };
 
 // Immutable once published; a fixed capacity lets the planner refill a released one without allocating.
@@ -42,7 +44,13 @@ class Model {
   std::span<const StateId> states() const noexcept;                           // those it was made from
   Kernel kernel() const noexcept;        // after step-down
   bool is_tangent() const noexcept;      // stepped down to the tangent (or held force) of the nearest state
-  double force_bound() const noexcept;   // no force of this model exceeds it [N]
+  // No force of this model exceeds B = 1.25 (F + K D) [N]: F and K the largest force and stiffness among its states,
+  // D the hold distance. f~ is the RBF sum inside the hull of the states and up to the trust distance outside; from
+  // twice that on it is a tangent, which is held from D on (model_data.hpp).
+  double force_bound() const noexcept;
+  double trust_distance() const noexcept;   // [m]
+  double hold_distance() const noexcept;    // [m]
+  void reserve(const ModelOptions& options);   // what an updater with these options will need
   std::uint64_t serial() const noexcept; // grows with every update of one updater; 0 for the empty model
 
   struct Impl;

@@ -1,0 +1,60 @@
+#pragma once
+// A Cholesky factor that grows and shrinks, with a border of right-hand sides that follows it:
+//   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
+// remove() takes rows and columns out of A by Givens rotations (a positive rank-one update of the trailing factor, which
+// is stable; a downdate is never needed), append() adds up to 8 at the end by a triangular solve. Both carry Y
+// along, so that it is never solved for again. A removed row stays as a hole (a unit row) until compact().
+// O(k m^2) for k rows. Nothing allocates after construction.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace forefeel {
+
+class DenseFactor {
+ public:
+  static constexpr std::size_t border = 16;  // columns of B
+  static constexpr std::size_t panel = 8;    // most rows that one append() takes
+
+  explicit DenseFactor(std::size_t row_capacity = 0);
+
+  std::size_t rows() const { return rows_; }  // m, holes included
+  std::size_t row_capacity() const { return row_capacity_; }
+  void clear() { rows_ = 0; }
+
+  // Turns the rows (ascending) into holes.
+  void remove(std::span<const std::size_t> removed);
+
+  // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included, and
+  // their rows of B. Row-major, stride panel_stride(); valid until the next append().
+  double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
+  double* panel_border(std::size_t r) { return cross_border_ + r * border; }
+  std::size_t panel_stride() const { return row_capacity_ + panel; }
+  // Appends the first `used` of `count` = 4 or 8 panel rows; the others, and holes on purpose, are marked in skip.
+  // A row whose pivot falls below tolerance times its diagonal entry carries nothing new and becomes a hole.
+  // Returns the rows that were taken, bit r for row r.
+  std::uint32_t append(std::size_t count, std::size_t used, std::uint32_t skip, double tolerance,
+                       std::size_t used_border);
+
+  // Keeps only the given rows (ascending); every other row must be a hole.
+  void compact(std::span<const std::size_t> kept);
+
+  // Y: row m has 16 entries.
+  const double* border_row(std::size_t row) const { return columns_.data() + row * stride_; }
+  // Solves L^T z = y in place for three right-hand sides of length rows(), padded by 8.
+  void solve_transposed(double* y0, double* y1, double* y2) const;
+
+ private:
+  double* column(std::size_t c) { return columns_.data() + c * stride_ + border; }
+  const double* column(std::size_t c) const { return columns_.data() + c * stride_ + border; }
+
+  std::size_t row_capacity_, stride_ = 0, rows_ = 0;
+  std::vector<double> columns_;  // column c: 16 of Y, then column c of L
+  std::vector<double> inverse_diagonal_;
+  std::vector<double> cross_, solved_, removed_;
+  double cross_border_[panel * border] = {};
+};
+
+}  // namespace forefeel

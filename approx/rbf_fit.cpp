@@ -1,0 +1,312 @@
+#include "approx/rbf_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "approx/kernel_rows.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double pivot_tolerance = 1e-13;   // of the diagonal: less is a near-duplicate that rounding cannot tell
+constexpr double rank_tolerance = 1e-6;     // pivot ratio of P below which a polynomial term is not determined
+
+int power_of(Kernel kernel) { return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5; }
+
+double power(double r2, int k) {
+  const double r = std::sqrt(r2);
+  return k == 1 ? r : k == 3 ? r * r2 : r * r2 * r2;
+}
+
+}  // namespace
+
+RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
+    : options_(options), capacity_(std::max<std::size_t>(capacity, 1)) {
+  const bool hermite = options.data == Data::force_and_stiffness;
+  const std::size_t rows = hermite ? 4 : 1;
+  slot_capacity_ = capacity_ + std::max<std::size_t>(hermite ? 8 : 32, capacity_ / 8) + DenseFactor::panel;
+  factor_ = DenseFactor(rows * slot_capacity_ + DenseFactor::panel);
+  slot_.resize(slot_capacity_ + DenseFactor::panel);
+  row_stride_ = factor_.row_capacity() + 16;
+  for (auto* v : {&px_, &py_, &pz_}) v->assign(slot_capacity_ + 2 * DenseFactor::panel, 0.0);
+  lagrange_.assign(max_terms * row_stride_, 0.0);
+  dual_.assign(max_terms * row_stride_, 0.0);
+  orthogonal_.assign((max_terms + 3) * row_stride_, 0.0);
+  gathered_.reserve(slot_capacity_);
+  added_.reserve(2 * slot_capacity_);
+  index_.reserve(factor_.row_capacity());
+}
+
+// Centre and scale so that the set fills the unit ball.
+void RbfFit::set_frame(std::span<const Sample> samples) {
+  centre_.setZero();
+  for (const auto& s : samples) centre_ += (s.at - samples[0].at) / double(samples.size());
+  centre_ += samples[0].at;
+  double largest = 0;
+  for (const auto& s : samples) largest = std::max(largest, (s.at - centre_).squaredNorm());
+  scale_ = largest > 0 ? std::sqrt(largest) : options_.length > 0 ? options_.length : 1;
+  inverse_scale_ = 1 / scale_;
+}
+
+RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
+  const bool wanted_hermite = options_.data == Data::force_and_stiffness;
+  Level level{power_of(options_.kernel), options_.kernel == Kernel::quintic ? 2 : 1, wanted_hermite};
+  double gram[max_terms][max_terms];
+  for (;; --level.degree) {
+    if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
+    if (level.degree == 0) {
+      level.hermite = false;
+      return level;
+    }
+    const std::size_t q = polynomial_terms(level.degree);
+    for (auto& row : gram) std::fill(std::begin(row), std::end(row), 0.0);
+    double l[max_terms], gradient[3 * max_terms];
+    for (const auto& s : samples) {
+      const Vec3 y = scaled(s.at);
+      lagrange(level.degree, y.data(), l, gradient);
+      for (std::size_t i = 0; i < q; ++i)
+        for (std::size_t j = 0; j <= i; ++j) gram[i][j] += l[i] * l[j];
+      if (level.hermite && s.stiffness.allFinite())
+        for (std::size_t i = 0; i < q; ++i)
+          for (std::size_t j = 0; j <= i; ++j)
+            for (int d = 0; d < 3; ++d) gram[i][j] += gradient[3 * i + d] * gradient[3 * j + d];
+    }
+    // Pivoted Cholesky: its pivots are the squares of those of a pivoted QR of P.
+    double first = 0;
+    bool full = true;
+    bool done[max_terms] = {};
+    for (std::size_t step = 0; step < q && full; ++step) {
+      std::size_t best = q;
+      for (std::size_t i = 0; i < q; ++i)
+        if (!done[i] && (best == q || gram[i][i] > gram[best][best])) best = i;
+      const double pivot = gram[best][best];
+      if (step == 0) first = pivot;
+      if (!(pivot > rank_tolerance * rank_tolerance * first)) full = false;
+      done[best] = true;
+      for (std::size_t i = 0; i < q; ++i)
+        for (std::size_t j = 0; j <= i; ++j)
+          if (!done[i] && !done[j]) {
+            const double a = i > best ? gram[i][best] : gram[best][i], b = j > best ? gram[j][best] : gram[best][j];
+            gram[i][j] -= a * b / pivot;
+          }
+    }
+    if (full) return level;
+  }
+}
+
+void RbfFit::clear() {
+  factor_.clear();
+  slots_ = alive_ = 0;
+}
+
+void RbfFit::place(std::size_t slot, const Sample& sample) {
+  slot_[slot] = {sample, true, level_.hermite && sample.stiffness.allFinite(), 0};
+  const Vec3 y = scaled(sample.at);
+  px_[slot] = y[0];
+  py_[slot] = y[1];
+  pz_[slot] = y[2];
+  functionals(slot);
+}
+
+// l and v of the slot's rows.
+void RbfFit::functionals(std::size_t slot) {
+  const double y[3] = {px_[slot], py_[slot], pz_[slot]};
+  double l[max_terms], gradient[3 * max_terms];
+  lagrange(level_.degree, y, l, gradient);
+  for (std::size_t t = 0; t < rows_per_slot_; ++t) {
+    const std::size_t row = slot * rows_per_slot_ + t;
+    double lt[max_terms];
+    for (std::size_t j = 0; j < terms_; ++j) lt[j] = t == 0 ? l[j] : gradient[3 * j + t - 1];
+    for (std::size_t j = 0; j < terms_; ++j) {
+      const auto a = anchor(j);
+      const double d[3] = {y[0] - a[0], y[1] - a[1], y[2] - a[2]};
+      const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+      double v = t == 0 ? power(r2, level_.power) : level_.power * power(r2, level_.power - 2) * d[t - 1];
+      for (std::size_t k = 0; k < terms_; ++k) v -= 0.5 * anchor_products_[j * max_terms + k] * lt[k];
+      lagrange_[j * row_stride_ + row] = lt[j];
+      dual_[j * row_stride_ + row] = v;
+    }
+  }
+}
+
+// The rows of up to eight plain or two Hermite slots.
+void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
+  const std::size_t b = rows_per_slot_, used = count * b, panel = used > 4 ? 8 : 4;
+  const std::size_t all = (first_slot + count) * b;
+  assert(factor_.rows() == first_slot * b);
+  double la[max_terms], va[max_terms];
+  std::uint32_t skip = 0;
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::size_t slot = first_slot + s;
+    const double a[3] = {px_[slot], py_[slot], pz_[slot]};
+    const Sample& sample = slot_[slot].sample;
+    double* out = factor_.panel_row(s * b);
+    if (b == 1)
+      rows::values(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out);
+    else
+      rows::hermite(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out,
+                    factor_.panel_stride());
+    for (std::size_t t = 0; t < b; ++t) {
+      const std::size_t row = slot * b + t;
+      double* line = factor_.panel_row(s * b + t);
+      double* right = factor_.panel_border(s * b + t);
+      for (std::size_t j = 0; j < terms_; ++j) {
+        right[j] = la[j] = lagrange_[j * row_stride_ + row];
+        va[j] = dual_[j * row_stride_ + row];
+      }
+      rows::project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, sign_, line);
+      line[row] += options_.ridge;
+      for (int c = 0; c < 3; ++c)
+        right[terms_ + c] = t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scale_;
+      for (std::size_t j = terms_ + 3; j < DenseFactor::border; ++j) right[j] = 0;
+      if (t > 0 && !slot_[slot].has_stiffness) {
+        skip |= 1u << (s * b + t);
+        for (int c = 0; c < 3; ++c) right[terms_ + c] = 0;
+      }
+    }
+  }
+  for (std::size_t r = used; r < panel; ++r) {
+    skip |= 1u << r;
+    std::fill_n(factor_.panel_row(r), first_slot * b + panel, 0.0);
+  }
+  const std::uint32_t taken = factor_.append(panel, used, skip, pivot_tolerance, terms_ + 3);
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t mask = (1u << b) - 1;
+    slot_[first_slot + s].dropped = ~(taken >> (s * b)) & ~(skip >> (s * b)) & mask;
+  }
+}
+
+void RbfFit::append(std::span<const Sample> added) {
+  const std::size_t per_panel = rows_per_slot_ == 1 ? 8 : 2;
+  for (std::size_t i = 0; i < added.size(); i += per_panel) {
+    const std::size_t count = std::min(per_panel, added.size() - i);
+    for (std::size_t s = 0; s < count; ++s) place(slots_ + s, added[i + s]);
+    append_panel(slots_, count);
+    slots_ += count;
+    alive_ += count;
+  }
+}
+
+void RbfFit::refit(std::span<const Sample> samples) {
+  assert(samples.size() <= capacity_);
+  clear();
+  if (samples.empty()) return;
+  set_frame(samples);
+  level_ = level_for(samples);
+  rows_per_slot_ = level_.hermite ? 4 : 1;
+  terms_ = polynomial_terms(level_.degree);
+  sign_ = level_.power == 3 ? 1 : -1;
+  for (std::size_t j = 0; j < terms_; ++j)
+    for (std::size_t k = 0; k < terms_; ++k) {
+      const auto a = anchor(j), b = anchor(k);
+      double r2 = 0;
+      for (int d = 0; d < 3; ++d) r2 += (a[d] - b[d]) * (a[d] - b[d]);
+      anchor_products_[j * max_terms + k] = power(r2, level_.power);
+    }
+  append(samples);
+}
+
+bool RbfFit::contains(StateId id) const {
+  for (std::size_t s = 0; s < slots_; ++s)
+    if (slot_[s].alive && slot_[s].sample.id == id) return true;
+  return false;
+}
+
+void RbfFit::gather() {
+  gathered_.clear();
+  for (std::size_t s = 0; s < slots_; ++s)
+    if (slot_[s].alive) gathered_.push_back(slot_[s].sample);
+}
+
+std::span<const Sample> RbfFit::samples() {
+  gather();
+  return gathered_;
+}
+
+bool RbfFit::replace(std::span<const StateId> removed, std::span<const Sample> added) {
+  const Outcome outcome = mode_ == Mode::refit ? Outcome::refused : try_update(removed, added);
+  if (outcome == Outcome::done) return false;
+  gather();
+  if (outcome == Outcome::refused) {
+    std::erase_if(gathered_, [&](const Sample& s) { return std::ranges::find(removed, s.id) != removed.end(); });
+    gathered_.insert(gathered_.end(), added.begin(), added.end());
+  }
+  added_.assign(gathered_.begin(), gathered_.end());
+  refit(added_);
+  return true;
+}
+
+// True where the anchors still suit the set: centre and size have not changed much.
+bool RbfFit::frame_expired() {
+  Vec3 mean = Vec3::Zero();
+  double largest = 0;
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < slots_; ++s) {
+    if (!slot_[s].alive) continue;
+    const Vec3 y(px_[s], py_[s], pz_[s]);
+    mean += y;
+    largest = std::max(largest, y.squaredNorm());
+    ++count;
+  }
+  if (count == 0) return true;
+  mean /= double(count);
+  return largest > 1.6 * 1.6 || largest < 0.4 * 0.4 || mean.squaredNorm() > 0.5 * 0.5;
+}
+
+RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<const Sample> added) {
+  const std::size_t b = rows_per_slot_, changed = (removed.size() + added.size()) / 2;
+  if (alive_ == 0 || alive_ + added.size() < removed.size() + 1) return Outcome::refused;
+  // Measured: an update of k states costs about as much as a refit from here on.
+  if (mode_ == Mode::automatic && double(changed) * b > 0.2 * double(alive_ * b) + 2)
+    return Outcome::refused;
+
+  added_.clear();
+  index_.clear();
+  for (std::size_t s = 0; s < slots_; ++s) {
+    if (!slot_[s].alive) continue;
+    const bool leaves = std::ranges::find(removed, slot_[s].sample.id) != removed.end();
+    // What was dropped beside a state that now leaves may count again.
+    const bool again = !leaves && slot_[s].dropped != 0 && !removed.empty();
+    if (!leaves && !again) continue;
+    if (again) added_.push_back(slot_[s].sample);
+    slot_[s].alive = false;
+    --alive_;
+    for (std::size_t t = 0; t < b; ++t) index_.push_back(s * b + t);
+  }
+  factor_.remove(index_);
+  added_.insert(added_.end(), added.begin(), added.end());
+  if (slots_ + added_.size() > slot_capacity_) compact();
+  append(added_);
+  if (frame_expired()) return Outcome::stale;
+  gather();
+  const Level level = level_for(gathered_);
+  const bool same = level.power == level_.power && level.degree == level_.degree && level.hermite == level_.hermite;
+  return same ? Outcome::done : Outcome::stale;
+}
+
+void RbfFit::compact() {
+  index_.clear();
+  std::size_t to = 0;
+  for (std::size_t s = 0; s < slots_; ++s) {
+    if (!slot_[s].alive) continue;
+    slot_[to] = slot_[s];
+    px_[to] = px_[s];
+    py_[to] = py_[s];
+    pz_[to] = pz_[s];
+    for (std::size_t t = 0; t < rows_per_slot_; ++t) {
+      const std::size_t from = s * rows_per_slot_ + t, row = to * rows_per_slot_ + t;
+      index_.push_back(from);
+      for (std::size_t j = 0; j < terms_; ++j) {
+        lagrange_[j * row_stride_ + row] = lagrange_[j * row_stride_ + from];
+        dual_[j * row_stride_ + row] = dual_[j * row_stride_ + from];
+      }
+    }
+    ++to;
+  }
+  factor_.compact(index_);
+  slots_ = to;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,99 @@
+#pragma once
+// Solves [A P; P^T 0][lambda; c] = [f; 0] (paper Eq. 2) for a set of states and keeps the factor alive, so that k of n
+// states are replaced in O(k n^2). With K the kernel of polynomial.hpp (positive definite), K = L L^T and
+// Y = L^-1 [P f], all of it maintained by DenseFactor:
+//   c minimises |Y_P c - Y_f|,   lambda = L^-T (Y_f - Y_P c).
+// The anchors of K lie around the set and expire when it has moved or changed its size.
+//
+// Kernel and degree step down together where the states do not determine the polynomial: r^5 + quadratic ->
+// r^3 + linear -> r + constant -> tangent. Rank decides: pivots of P^T P.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "approx/dense_factor.hpp"
+#include "approx/model_data.hpp"
+#include "approx/polynomial.hpp"
+
+namespace forefeel {
+
+// A state as the fit needs it.
+struct Sample {
+  StateId id;
+  Vec3 at, force;
+  Mat3 stiffness;        // NaN where not known
+};
+
+class RbfFit {
+ public:
+  // Allocates everything for up to `capacity` states.
+  RbfFit(const ModelOptions& options, std::size_t capacity);
+
+  std::size_t size() const { return alive_; }
+  // All anew; the first samples are those that matter most (near-duplicates of earlier ones are dropped).
+  void refit(std::span<const Sample> samples);
+  // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a refit.
+  // All removed ids must be in the set, no added one may be.
+  bool replace(std::span<const StateId> removed, std::span<const Sample> added);
+  bool contains(StateId id) const;
+  std::span<const Sample> samples();     // those in the set now, unordered
+
+  // The model for a HIP at `hip`. Allocates only where `out` was not reserved.
+  void write(Model::Impl& out, const Vec3& hip);
+  // For tests and benches: always update, or always refit.
+  enum class Mode { automatic, update, refit };
+  void set_mode(Mode mode) { mode_ = mode; }
+
+ private:
+  struct Level {
+    int power = 0, degree = 0;
+    bool hermite = false;
+  };
+  struct Slot {
+    Sample sample;
+    bool alive = false;
+    bool has_stiffness = false;
+    std::uint32_t dropped = 0;   // functionals without a row of their own
+  };
+
+  Level level_for(std::span<const Sample> samples);
+  void set_frame(std::span<const Sample> samples);
+  void clear();
+  void append(std::span<const Sample> added);
+  void place(std::size_t slot, const Sample& sample);
+  void functionals(std::size_t slot);
+  void append_panel(std::size_t first_slot, std::size_t count);
+  enum class Outcome { refused, done, stale };   // stale: the set is right, the factor no longer suits it
+  Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
+  bool frame_expired();
+  void compact();
+  void gather();
+  void solve();
+  void write_tangent(Model::Impl& out, const Vec3& hip);
+  void write_sum(Model::Impl& out);
+  Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
+
+  ModelOptions options_;
+  std::size_t capacity_, slot_capacity_;
+  Mode mode_ = Mode::automatic;
+  Level level_;
+  Vec3 centre_ = Vec3::Zero();
+  double scale_ = 1, inverse_scale_ = 1;
+  std::size_t slots_ = 0, alive_ = 0;      // slots in use, holes included
+  std::size_t rows_per_slot_ = 1, terms_ = 1;
+  double sign_ = 1;
+  double anchor_products_[max_terms * max_terms] = {};   // G
+
+  DenseFactor factor_;
+  std::vector<Slot> slot_;
+  std::vector<double> px_, py_, pz_;                     // scaled positions by slot
+  std::size_t row_stride_ = 0;
+  std::vector<double> lagrange_, dual_;                  // l_j and v_j of each row: #terms x row_stride
+  std::vector<double> orthogonal_;                       // (terms + 3) x row_stride: Y, then Q and the residual
+  std::vector<Sample> gathered_, added_;
+  std::vector<std::size_t> index_;
+  double upper_[max_terms * max_terms] = {}, coefficient_[3][max_terms] = {};
+};
+
+}  // namespace forefeel

@@ -1,0 +1,104 @@
+#include "approx/updater.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "approx/neighbours.hpp"
+#include "approx/rbf_fit.hpp"
+#include "geometry/error.hpp"
+
+namespace forefeel {
+namespace {
+
+void check(const ModelOptions& options) {
+  if (options.kernel == Kernel::linear && options.data == Data::force_and_stiffness)
+    throw InputError("model.data", "kernel linear takes no stiffness, expected cubic or quintic with force+stiffness");
+  if (options.neighbours == 0) throw InputError("model.neighbours", "is 0, expected at least 1");
+  if (!(options.ridge >= 0) || !std::isfinite(options.ridge))
+    throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");
+}
+
+Sample sample_of(StateId id, const State& state, const ModelOptions& options) {
+  Sample sample{id, state.at, state.force, state.stiffness};
+  if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
+  (void)options;
+  return sample;
+}
+
+}  // namespace
+
+struct ModelUpdater::Impl {
+  const StateSpace& space;
+  ModelOptions options;
+  RbfFit fit;
+  NeighbourSelector selector;
+  std::vector<StateId> wanted, removed;
+  std::vector<Sample> added;
+  std::uint64_t serial = 0;
+
+  Impl(const StateSpace& known, ModelOptions chosen)
+      : space(known), options(chosen), fit(chosen, chosen.neighbours), selector(known, chosen) {
+    wanted.reserve(options.neighbours);
+    removed.reserve(options.neighbours);
+    added.reserve(options.neighbours);
+  }
+};
+
+ModelUpdater::ModelUpdater(const StateSpace& space, ModelOptions options) {
+  check(options);
+  if (options.length == 0) options.length = space.options().spacing;
+  impl_ = std::make_unique<Impl>(space, options);
+}
+ModelUpdater::~ModelUpdater() = default;
+ModelUpdater::ModelUpdater(ModelUpdater&&) noexcept = default;
+
+bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
+  Impl& m = *impl_;
+  const Label label = m.selector.select(hip, m.wanted);
+  if (report != nullptr) *report = {.n = m.wanted.size(), .label = label};
+  if (m.wanted.empty()) {
+    out.impl().clear();
+    out.impl().serial = 0;
+    return false;
+  }
+  std::ranges::sort(m.wanted);
+  m.removed.clear();
+  m.added.clear();
+  for (const Sample& s : m.fit.samples())
+    if (!std::ranges::binary_search(m.wanted, s.id)) m.removed.push_back(s.id);
+  for (const StateId id : m.wanted)
+    if (!m.fit.contains(id)) m.added.push_back(sample_of(id, m.space[id], m.options));
+  bool refit = false;
+  if (!m.removed.empty() || !m.added.empty()) refit = m.fit.replace(m.removed, m.added);
+  out.reserve(m.options);
+  m.fit.write(out.impl(), hip);
+  out.impl().serial = ++m.serial;
+  if (report != nullptr) {
+    report->replaced = m.added.size();
+    report->refit = refit;
+  }
+  return true;
+}
+
+Model ModelUpdater::model_at(const Vec3& hip) {
+  Model model;
+  update(hip, model);
+  return model;
+}
+
+Model fit(std::span<const State> states, const ModelOptions& options, const Vec3& centre) {
+  check(options);
+  std::vector<Sample> samples;
+  samples.reserve(states.size());
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i].usable()) samples.push_back(sample_of({static_cast<std::uint32_t>(i)}, states[i], options));
+  std::ranges::stable_sort(samples, {}, [&](const Sample& s) { return (s.at - centre).squaredNorm(); });
+  RbfFit solver(options, samples.size());
+  solver.refit(samples);
+  Model model;
+  solver.write(model.impl(), centre);
+  model.impl().serial = 1;
+  return model;
+}
+
+}  // namespace forefeel
