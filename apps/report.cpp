@@ -51,36 +51,6 @@ Json read_summary(const std::filesystem::path& file) {
   return summary;
 }
 
-Run read_run(const std::filesystem::path& folder) {
-  Run run{RunTable::read(folder / "frames.csv"),
-          RunTable::read(folder / "dispatch.csv"),
-          RunTable::read(folder / "switches.csv"),
-          read_summary(folder / "summary.json"),
-          {}};
-  for (std::size_t row = 0; row < run.dispatch.rows(); ++row) {
-    const std::string& status = run.dispatch.text(row, "status");
-    const double finished = run.dispatch.number(row, "finished");
-    if ((status != "solved" && status != "arrived") || !std::isfinite(finished)) continue;
-    State state;
-    state.at = {run.dispatch.number(row, "x"), run.dispatch.number(row, "y"), run.dispatch.number(row, "z")};
-    run.states.emplace_back(finished, state);
-  }
-  const std::filesystem::path start = folder / "states.csv";
-  if (std::filesystem::exists(start)) {
-    const auto dispatched = [&, solved = run.states](const State& state) {
-      return std::ranges::any_of(
-          solved, [&](const auto& known) { return (known.second.at - state.at).norm() < 1e-9; });
-    };
-    for (const State& state : read_states_csv(start))
-      if (!dispatched(state)) run.states.emplace_back(0.0, state);
-  }
-  std::ranges::stable_sort(run.states, {}, [](const auto& known) { return known.first; });
-  return run;
-}
-
-// ---- numbers for people
-// -------------------------------------------------------------------------------------------
-
 const Json& at_path(const Json& summary, std::initializer_list<const char*> keys) {
   static const Json none;
   const Json* here = &summary;
@@ -90,6 +60,39 @@ const Json& at_path(const Json& summary, std::initializer_list<const char*> keys
   }
   return *here;
 }
+
+double start_states(const Json& summary) {
+  const Json& count = at_path(summary, {"states", "start"});
+  return count.is_number() ? count.get<double>() : 0;
+}
+
+Run read_run(const std::filesystem::path& folder) {
+  Run run{RunTable::read(folder / "frames.csv"),
+          RunTable::read(folder / "dispatch.csv"),
+          RunTable::read(folder / "switches.csv"),
+          read_summary(folder / "summary.json"),
+          {}};
+  for (std::size_t row = 0; row < run.dispatch.rows(); ++row) {
+    const std::string& status = run.dispatch.text(row, "status");
+    const double finished = run.dispatch.number(row, "finished"), known = run.dispatch.number(row, "known");
+    if ((status != "solved" && status != "arrived") || !std::isfinite(finished)) continue;
+    State state;
+    state.at = {run.dispatch.number(row, "x"), run.dispatch.number(row, "y"), run.dispatch.number(row, "z")};
+    run.states.emplace_back(std::isfinite(known) ? known : finished, state);
+  }
+  const std::filesystem::path all = folder / "states.csv";
+  const auto start = static_cast<std::size_t>(std::max(0.0, start_states(run.summary)));
+  if (start > 0 && std::filesystem::exists(all)) {  // those of the start come first
+    std::vector<State> states = read_states_csv(all);
+    states.resize(std::min(states.size(), start));
+    for (State& state : states) run.states.emplace_back(0.0, std::move(state));
+  }
+  std::ranges::stable_sort(run.states, {}, [](const auto& known) { return known.first; });
+  return run;
+}
+
+// ---- numbers for people
+// -------------------------------------------------------------------------------------------
 
 std::string shown(const Json& value) {
   if (value.is_null()) return "–";

@@ -9,8 +9,8 @@
 namespace forefeel {
 
 // Writes run_folder/report.html from summary.json, frames.csv, dispatch.csv and switches.csv there (all must exist;
-// summary.json may hold "notes": ["…"], shown as they are). States in the pictures: run_folder/states.csv where it
-// exists, otherwise the solved and arrived rows of dispatch.csv. Without gnuplot the report is written without
+// summary.json may hold "notes": ["…"], shown as they are). States in the pictures: the solved and arrived rows of
+// dispatch.csv, and those of the start from the head of states.csv. Without gnuplot the report is written without
 // plots and says so. Throws InputError for a folder that is no run or cannot be written.
 void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals& globals);
 

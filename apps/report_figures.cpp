@@ -193,15 +193,15 @@ std::string histogram(const std::vector<double>& values, double& peak) {
 Figure time_figure(const Run& run) {
   const std::vector<double> t = run.frames.numbers("t");
   const std::vector<double> rendered = norms(run.frames, "fx", "fy", "fz");
-  const std::vector<double> undamped = norms(run.frames, "undamped_x", "undamped_y", "undamped_z");
-  const std::vector<double> reference = norms(run.frames, "reference_x", "reference_y", "reference_z");
+  const std::vector<double> undamped = norms(run.frames, "ux", "uy", "uz");
+  const std::vector<double> reference = norms(run.frames, "rx", "ry", "rz");
   const double force_top = 1.15 * std::max(largest(rendered, 0.1), largest(reference, 0.1));
   std::string data = data_block("rendered", thinned_curve(t, rendered, 1400)) +
                      data_block("undamped", thinned_curve(t, undamped, 1400)) +
                      data_block("reference", scatter(t, reference)) +
                      data_block("known", thinned_curve(t, run.frames.numbers("known"), 700)) +
                      strip_blocks(run, t);
-  for (const std::string part : {"error", "approximation", "switching", "staleness"})
+  for (const std::string part : {"error", "approximation", "switch", "staleness"})
     data += data_block(part, scatter(t, run.frames.numbers(part)));
   std::string strip;
   for (const Label label : labels)
@@ -236,7 +236,7 @@ Figure time_figure(const Run& run) {
           "set yrange [1e-5:2]\nset ylabel 'relative error' offset 1\nset arrow from graph 0, first 0.07 to "
           "graph 1, first 0.07 nohead lw 0.8 dt 2 lc rgb '#6a6a6a' back\n"
           "set label '7 %' at graph 0.003, first 0.1 textcolor rgb '#6a6a6a'\n"
-          "plot $staleness with points pt 7 ps 0.22 lc rgb '{}' title 'staleness', $switching with points pt "
+          "plot $staleness with points pt 7 ps 0.22 lc rgb '{}' title 'staleness', $switch with points pt "
           "7 ps 0.22 lc rgb '{}' title 'switch', "
           "$approximation with points pt 7 ps 0.22 lc rgb '{}' title 'approximation', $error with lines lw "
           "1.2 lc rgb '{}' title 'rendered'\nunset multiplot\n",
