@@ -10,4 +10,6 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<StateId>& out) {
   return space_.coverage(hip).label;
 }
 
+void NeighbourSelector::forget() {}
+
 }  // namespace forefeel

@@ -14,6 +14,7 @@ class NeighbourSelector {
   NeighbourSelector(const StateSpace& space, const ModelOptions& options);
   // At most options.neighbours ids, unordered, into `out`; returns the label of the HIP.
   Label select(const Vec3& hip, std::vector<StateId>& out);
+  void forget();   // drops hysteresis
 
  private:
   const StateSpace& space_;

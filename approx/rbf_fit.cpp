@@ -36,6 +36,7 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   orthogonal_.assign((max_terms + 3) * row_stride_, 0.0);
   gathered_.reserve(slot_capacity_);
   added_.reserve(2 * slot_capacity_);
+  by_id_.reserve(slot_capacity_ + DenseFactor::panel);
   index_.reserve(factor_.row_capacity());
 }
 
@@ -99,6 +100,7 @@ RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
 void RbfFit::clear() {
   factor_.clear();
   slots_ = alive_ = 0;
+  by_id_.clear();
 }
 
 void RbfFit::place(std::size_t slot, const Sample& sample) {
@@ -182,7 +184,10 @@ void RbfFit::append(std::span<const Sample> added) {
   const std::size_t per_panel = rows_per_slot_ == 1 ? 8 : 2;
   for (std::size_t i = 0; i < added.size(); i += per_panel) {
     const std::size_t count = std::min(per_panel, added.size() - i);
-    for (std::size_t s = 0; s < count; ++s) place(slots_ + s, added[i + s]);
+    for (std::size_t s = 0; s < count; ++s) {
+      place(slots_ + s, added[i + s]);
+      enter(slots_ + s);
+    }
     append_panel(slots_, count);
     slots_ += count;
     alive_ += count;
@@ -208,21 +213,29 @@ void RbfFit::refit(std::span<const Sample> samples) {
   append(samples);
 }
 
-bool RbfFit::contains(StateId id) const {
-  for (std::size_t s = 0; s < slots_; ++s)
-    if (slot_[s].alive && slot_[s].sample.id == id) return true;
-  return false;
+void RbfFit::difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
+                        std::vector<StateId>& missing) const {
+  removed.clear();
+  missing.clear();
+  auto have = by_id_.begin();
+  for (const StateId id : wanted) {
+    for (; have != by_id_.end() && have->id < id; ++have) removed.push_back(have->id);
+    if (have != by_id_.end() && have->id == id)
+      ++have;
+    else
+      missing.push_back(id);
+  }
+  for (; have != by_id_.end(); ++have) removed.push_back(have->id);
+}
+
+void RbfFit::enter(std::size_t slot) {
+  const Entry entry{slot_[slot].sample.id, static_cast<std::uint32_t>(slot)};
+  by_id_.insert(std::ranges::upper_bound(by_id_, entry.id, {}, &Entry::id), entry);
 }
 
 void RbfFit::gather() {
   gathered_.clear();
-  for (std::size_t s = 0; s < slots_; ++s)
-    if (slot_[s].alive) gathered_.push_back(slot_[s].sample);
-}
-
-std::span<const Sample> RbfFit::samples() {
-  gather();
-  return gathered_;
+  for (const Entry& e : by_id_) gathered_.push_back(slot_[e.slot].sample);
 }
 
 bool RbfFit::replace(std::span<const StateId> removed, std::span<const Sample> added) {
@@ -266,7 +279,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   index_.clear();
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
-    const bool leaves = std::ranges::find(removed, slot_[s].sample.id) != removed.end();
+    const bool leaves = std::ranges::binary_search(removed, slot_[s].sample.id);
     // What was dropped beside a state that now leaves may count again.
     const bool again = !leaves && slot_[s].dropped != 0 && !removed.empty();
     if (!leaves && !again) continue;
@@ -276,6 +289,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
     for (std::size_t t = 0; t < b; ++t) index_.push_back(s * b + t);
   }
   factor_.remove(index_);
+  std::erase_if(by_id_, [&](const Entry& e) { return !slot_[e.slot].alive; });
   added_.insert(added_.end(), added.begin(), added.end());
   if (slots_ + added_.size() > slot_capacity_) compact();
   append(added_);
@@ -292,6 +306,7 @@ void RbfFit::compact() {
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
     slot_[to] = slot_[s];
+    std::ranges::lower_bound(by_id_, slot_[to].sample.id, {}, &Entry::id)->slot = static_cast<std::uint32_t>(to);
     px_[to] = px_[s];
     py_[to] = py_[s];
     pz_[to] = pz_[s];

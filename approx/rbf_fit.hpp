@@ -34,10 +34,10 @@ class RbfFit {
   // All anew; the first samples are those that matter most (near-duplicates of earlier ones are dropped).
   void refit(std::span<const Sample> samples);
   // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a refit.
-  // All removed ids must be in the set, no added one may be.
+  // All removed ids (ascending) must be in the set, no added one may be.
   bool replace(std::span<const StateId> removed, std::span<const Sample> added);
-  bool contains(StateId id) const;
-  std::span<const Sample> samples();     // those in the set now, unordered
+  // What must leave and come to make the set `wanted` (ascending ids).
+  void difference(std::span<const StateId> wanted, std::vector<StateId>& removed, std::vector<StateId>& missing) const;
 
   // The model for a HIP at `hip`. Allocates only where `out` was not reserved.
   void write(Model::Impl& out, const Vec3& hip);
@@ -68,6 +68,7 @@ class RbfFit {
   Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
   bool frame_expired();
   void compact();
+  void enter(std::size_t slot);
   void gather();
   void solve();
   void write_tangent(Model::Impl& out, const Vec3& hip);
@@ -91,6 +92,11 @@ class RbfFit {
   std::size_t row_stride_ = 0;
   std::vector<double> lagrange_, dual_;                  // l_j and v_j of each row: #terms x row_stride
   std::vector<double> orthogonal_;                       // (terms + 3) x row_stride: Y, then Q and the residual
+  struct Entry {
+    StateId id;
+    std::uint32_t slot;
+  };
+  std::vector<Entry> by_id_;             // living slots, ascending ids
   std::vector<Sample> gathered_, added_;
   std::vector<std::size_t> index_;
   double upper_[max_terms * max_terms] = {}, coefficient_[3][max_terms] = {};

@@ -18,10 +18,9 @@ void check(const ModelOptions& options) {
     throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");
 }
 
-Sample sample_of(StateId id, const State& state, const ModelOptions& options) {
+Sample sample_of(StateId id, const State& state) {
   Sample sample{id, state.at, state.force, state.stiffness};
   if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
-  (void)options;
   return sample;
 }
 
@@ -32,14 +31,17 @@ struct ModelUpdater::Impl {
   ModelOptions options;
   RbfFit fit;
   NeighbourSelector selector;
-  std::vector<StateId> wanted, removed;
+  std::vector<StateId> wanted, removed, missing;
   std::vector<Sample> added;
   std::uint64_t serial = 0;
+  bool fresh = true;          // nothing may depend on earlier models
+  bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
 
   Impl(const StateSpace& known, ModelOptions chosen)
       : space(known), options(chosen), fit(chosen, chosen.neighbours), selector(known, chosen) {
     wanted.reserve(options.neighbours);
     removed.reserve(options.neighbours);
+    missing.reserve(options.neighbours);
     added.reserve(options.neighbours);
   }
 };
@@ -62,14 +64,20 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
     return false;
   }
   std::ranges::sort(m.wanted);
-  m.removed.clear();
+  m.fit.difference(m.wanted, m.removed, m.missing);
   m.added.clear();
-  for (const Sample& s : m.fit.samples())
-    if (!std::ranges::binary_search(m.wanted, s.id)) m.removed.push_back(s.id);
-  for (const StateId id : m.wanted)
-    if (!m.fit.contains(id)) m.added.push_back(sample_of(id, m.space[id], m.options));
+  for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
   bool refit = false;
-  if (!m.removed.empty() || !m.added.empty()) refit = m.fit.replace(m.removed, m.added);
+  if (m.fresh && !(m.removed.empty() && m.added.empty() && m.from_scratch)) {
+    m.added.clear();
+    for (const StateId id : m.wanted) m.added.push_back(sample_of(id, m.space[id]));
+    m.fit.refit(m.added);
+    refit = m.from_scratch = true;
+  } else if (!m.removed.empty() || !m.added.empty()) {
+    refit = m.fit.replace(m.removed, m.added);
+    m.from_scratch = false;
+  }
+  m.fresh = false;
   out.reserve(m.options);
   m.fit.write(out.impl(), hip);
   out.impl().serial = ++m.serial;
@@ -78,6 +86,11 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
     report->refit = refit;
   }
   return true;
+}
+
+void ModelUpdater::forget() {
+  impl_->fresh = true;
+  impl_->selector.forget();
 }
 
 Model ModelUpdater::model_at(const Vec3& hip) {
@@ -91,7 +104,7 @@ Model fit(std::span<const State> states, const ModelOptions& options, const Vec3
   std::vector<Sample> samples;
   samples.reserve(states.size());
   for (std::size_t i = 0; i < states.size(); ++i)
-    if (states[i].usable()) samples.push_back(sample_of({static_cast<std::uint32_t>(i)}, states[i], options));
+    if (states[i].usable()) samples.push_back(sample_of({static_cast<std::uint32_t>(i)}, states[i]));
   std::ranges::stable_sort(samples, {}, [&](const Sample& s) { return (s.at - centre).squaredNorm(); });
   RbfFit solver(options, samples.size());
   solver.refit(samples);

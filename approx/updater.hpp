@@ -23,6 +23,8 @@ class ModelUpdater {
   // Writes the model for a HIP at `hip` into `out`. False (and `out` is the zero model) while no state is known.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);
   Model model_at(const Vec3& hip);
+  // From here on as if newly made: the next model depends on the space and the HIP alone, not on where the HIP was.
+  void forget();
 
  private:
   struct Impl;

@@ -1,0 +1,192 @@
+// forefeel evaluate STATES --points Q.csv: forces of the approximation, each point with a neighbour set of its own.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "apps/command.hpp"
+#include "approx/updater.hpp"
+#include "geometry/error.hpp"
+#include "geometry/output_file.hpp"
+#include "geometry/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+struct EvaluateArguments {
+  std::string states, points, output, method = "rbf", kernel, data, select = "label";
+  std::optional<std::size_t> neighbours;
+  std::optional<double> spacing;
+  double ridge = 0;
+};
+
+struct Evaluation {
+  std::vector<Vec3> forces;
+  std::vector<Label> labels;
+  std::vector<double> fit_us, evaluate_ns;
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return unknown;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+// The median distance of a state to its nearest other one.
+double spacing_of(const std::vector<State>& states) {
+  StateSpaceOptions options;
+  options.spacing = 1;
+  options.merge_distance = 0;
+  StateSpace space(options);
+  for (const State& s : states)
+    if (s.usable()) space.insert(s);
+  std::vector<double> distances;
+  std::vector<StateId> two;
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    const Vec3 at = space[{static_cast<std::uint32_t>(i)}].at;
+    space.nearest(at, 2, two);
+    for (const StateId id : two)
+      if (id.value != i) distances.push_back((space[id].at - at).norm());
+  }
+  return median(std::move(distances));
+}
+
+ModelOptions model_options(const EvaluateArguments& arguments, const std::vector<State>& states) {
+  const bool stiffness = std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
+  ModelOptions options;
+  options.kernel = arguments.kernel == "linear"  ? Kernel::linear
+                   : arguments.kernel == "cubic" ? Kernel::cubic
+                   : !arguments.kernel.empty()   ? Kernel::quintic
+                   : stiffness                   ? Kernel::quintic
+                                                 : Kernel::cubic;
+  if (arguments.data.empty())
+    options.data = stiffness && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
+  else
+    options.data = arguments.data == "force" ? Data::force : Data::force_and_stiffness;
+  if (options.data == Data::force_and_stiffness && !stiffness)
+    throw InputError(arguments.states, "no state has a stiffness, expected columns k11 to k33 or --data force");
+  options.neighbours = arguments.neighbours.value_or(options.data == Data::force ? 100 : 25);
+  options.neighbours = std::min(options.neighbours, std::max<std::size_t>(states.size(), 1));
+  options.select = arguments.select == "nearest" ? Select::nearest : Select::label;
+  options.ridge = arguments.ridge;
+  return options;
+}
+
+Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, const ModelOptions& options,
+                    const Globals& globals) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  ModelUpdater updater(space, options);
+  Model model;
+  model.reserve(options);
+  Evaluation result;
+  Progress progress(globals, "evaluate");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    UpdateReport report;
+    updater.forget();
+    const auto start = Clock::now();
+    updater.update(points[i], model, &report);
+    result.fit_us.push_back(1e6 * since(start));
+    result.forces.push_back(model.force(points[i]));
+    result.labels.push_back(report.label);
+    constexpr int repeats = 16;
+    Vec3 sum = Vec3::Zero();
+    const auto begin = Clock::now();
+    for (int r = 0; r < repeats; ++r) sum += model.force(points[i]);
+    result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
+    progress.show(double(i + 1) / double(points.size()), fmt::format("{} of {} points", i + 1, points.size()));
+  }
+  return result;
+}
+
+void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& result) {
+  OutputFile out(file);
+  out.write("x,y,z,fx,fy,fz,label\n");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 &x = points[i], &f = result.forces[i];
+    out.write(fmt::format("{},{},{},{},{},{},{}\n", x[0], x[1], x[2], f[0], f[1], f[2], name(result.labels[i])));
+  }
+  out.commit();
+}
+
+int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  const std::vector<Vec3> points = read_points_csv(arguments.points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw InputError(fmt::format("{}: point {}", arguments.points, i + 1), "is not finite, expected three numbers");
+  if (points.empty()) throw InputError(arguments.points, "holds no point, expected rows x,y,z");
+  const LoadedStates loaded = load_states(arguments.states);
+  if (std::ranges::none_of(loaded.states, &State::usable))
+    throw InputError(arguments.states, "holds no solved state, expected at least one");
+  const ModelOptions options = model_options(arguments, loaded.states);
+  if (!arguments.output.empty()) check_writable(arguments.output);
+
+  StateSpaceOptions space_options;
+  space_options.spacing = arguments.spacing.value_or(loaded.header.spacing);
+  if (!(space_options.spacing > 0)) space_options.spacing = spacing_of(loaded.states);
+  if (!(space_options.spacing > 0)) space_options.spacing = StateSpaceOptions{}.spacing;
+  StateSpace space(space_options);
+  for (const State& state : loaded.states)
+    if (state.usable()) space.insert(state);
+  const Evaluation result = evaluate(space, points, options, globals);
+
+  if (!arguments.output.empty()) write_csv(arguments.output, points, result);
+  const double fit_us = median(result.fit_us), evaluate_ns = median(result.evaluate_ns);
+  if (globals.json) {
+    nlohmann::ordered_json document;
+    document["forces"] = nlohmann::ordered_json::array();
+    document["labels"] = nlohmann::ordered_json::array();
+    for (const Vec3& f : result.forces) document["forces"].push_back(vector3(f));
+    for (const Label label : result.labels) document["labels"].push_back(name(label));
+    document["fit_us"] = number(fit_us);
+    document["evaluate_ns"] = number(evaluate_ns);
+    document["method"] = arguments.method;
+    document["kernel"] = name(options.kernel);
+    document["data"] = name(options.data);
+    document["neighbours"] = options.neighbours;
+    document["select"] = name(options.select);
+    document["spacing"] = number(space_options.spacing);
+    print_json(document);
+    return 0;
+  }
+  if (arguments.output.empty())
+    for (std::size_t i = 0; i < points.size(); ++i)
+      say(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}", points[i][0],
+                               points[i][1], points[i][2], result.forces[i][0], result.forces[i][1],
+                               result.forces[i][2], name(result.labels[i])));
+  say(globals, fmt::format("{} points from {} states: {} on {}, {} neighbours; fit {:.1f} us, evaluation {:.0f} ns",
+                           points.size(), space.size(), name(options.kernel), name(options.data), options.neighbours,
+                           fit_us, evaluate_ns));
+  return 0;
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App& sub = add_command(app, commands, "evaluate", "Forces approximated from known states at given points",
+                              [&commands, arguments] { return run_evaluate(commands.globals, *arguments); });
+  sub.add_option("STATES", arguments->states, "State file, or states as CSV")->required();
+  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->required()->type_name("Q.csv");
+  sub.add_option("--method", arguments->method, "Approximation")->check(CLI::IsMember({"rbf"}))->capture_default_str();
+  sub.add_option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
+      ->check(CLI::IsMember({"linear", "cubic", "quintic"}));
+  sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
+      ->check(CLI::IsMember({"force", "force+stiffness"}));
+  sub.add_option("--neighbours", arguments->neighbours, "States in a model; default 25 with stiffness, else 100")
+      ->check(CLI::PositiveNumber);
+  sub.add_option("--select", arguments->select, "Neighbour rule")
+      ->check(CLI::IsMember({"label", "nearest"}))
+      ->capture_default_str();
+  sub.add_option("--spacing", arguments->spacing, "h [m]; default: as in the file, else the median distance of states")
+      ->check(CLI::PositiveNumber);
+  sub.add_option("--ridge", arguments->ridge, "For noisy states, on the kernel's diagonal")
+      ->check(CLI::NonNegativeNumber);
+  sub.add_option("-o,--output", arguments->output, "Forces as CSV")->type_name("OUT.csv");
+}
+
+}  // namespace forefeel
