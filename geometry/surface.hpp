@@ -16,6 +16,8 @@ struct Surface {
   std::vector<Triangle> triangles;
 };
 
+bool is_surface_file(const std::filesystem::path& file);   // by extension
+
 // .obj .off .stl (ASCII and binary) .ply (ASCII and binary). InputError names file and line.
 Surface read_surface(const std::filesystem::path& file);
 
@@ -36,9 +38,13 @@ struct RepairReport {
 // hole filling, self-intersection removal; alpha wrap as the last resort).
 Surface repair(const Surface& surface, RepairReport& report);
 
+// Largest distance from a point of either surface to the other, sampled every `step` [m] (0: a 300th of the diagonal).
+double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
+
 struct TetrahedraliseOptions {
   std::size_t elements = 0;            // asked count, met within 5 %; 0: as the surface gives
   std::optional<double> length;        // rescale so that the longest side is this [m]
+  std::string name = "surface";        // named in errors
 };
 
 struct TetrahedraliseReport {

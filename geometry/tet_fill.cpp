@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -99,6 +100,14 @@ bool drain(int in, Clock::time_point deadline, std::string& data) {
   }
 }
 
+// Number of connected parts of the surface.
+std::size_t parts(const Surface& surface) {
+  TetMesh as_tets{.nodes = surface.nodes, .tets = {}, .groups = {}};
+  for (const auto& [a, b, c] : surface.triangles) as_tets.tets.push_back({a, b, c, c});
+  const std::vector<int> part = components(as_tets);
+  return part.empty() ? 0 : static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end()));
+}
+
 std::string reason(int status) {
   if (WIFSIGNALED(status)) return fmt::format("TetGen crashed (signal {})", WTERMSIG(status));
   switch (WEXITSTATUS(status)) {
@@ -154,6 +163,7 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return problem = reason(status), std::nullopt;
   std::optional<TetMesh> mesh = unpack(data, scale);
   if (!mesh) problem = "TetGen's answer was cut short";
+  if (mesh && options.keep_surface && parts(surface) > 1) drop_cavities(*mesh, surface);
   return mesh;
 }
 

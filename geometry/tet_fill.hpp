@@ -21,6 +21,10 @@ struct TetFillOptions {
 // The nodes of the surface come first, in their order. Empty with a reason in `problem` where TetGen gives up.
 std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options, std::string& problem);
 
+// TetGen fills every region that facets bound. Takes those out that lie outside the surface (winding number near 0),
+// as the hollow between two nested shells does. The surface must be kept in the mesh.
+void drop_cavities(TetMesh& mesh, const Surface& surface);
+
 // The same with the volume bound bisected until the count is within `share` of `elements`, or as near as it gets; the
 // caller looks. `too_fine`: even without a bound there are more tetrahedra than asked, so the surface must be coarser.
 struct CountedFill {
