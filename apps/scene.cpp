@@ -196,6 +196,27 @@ std::string hash_of(const toml::table& scene, const BodyIdentity& identity) {
   return hash.hex();
 }
 
+std::string body_source(const toml::table& scene, const fs::path& file) {
+  std::ostringstream text;
+  text << file.string() << '\n';
+  for (const char* section : {"body", "material", "clamp", "contact"})
+    if (const toml::table* table = scene[section].as_table()) text << section << '\n' << toml::toml_formatter(*table) << '\n';
+  return text.str();
+}
+
+void take_body(Body body, Scene& scene) {
+  scene.inward = inward_direction(body);
+  scene.identity = identity_of(body);
+  scene.body = std::make_shared<const Body>(std::move(body));
+}
+
+void share_body(const Scene& like, Scene& scene) {
+  scene.inward = like.inward;
+  scene.identity = like.identity;
+  scene.body = like.body;
+  scene.warnings.insert(scene.warnings.end(), like.warnings.begin(), like.warnings.end());
+}
+
 bool writable_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -204,7 +225,7 @@ bool writable_folder(const fs::path& folder) {
 
 }  // namespace
 
-Scene load_scene(const fs::path& file, std::span<const std::string> overrides) {
+Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like) {
   toml::table table = parse_scene(file);
   std::set<std::string> overridden;
   for (const std::string& text : overrides) override_key(table, text, overridden);
@@ -228,14 +249,15 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides) {
     throw session.wrong("select", "only one of model.select and session.select");
   scene.model.select = session.word("select", select_words).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
-  Body body = read_body(sections, file.parent_path(), file.string(), scene.warnings);
-  read_state_space(space, body.mesh, sections.body.has("phantom"), scene);
+  scene.body_source = body_source(table, file);
+  if (like && like->body_source == scene.body_source)
+    share_body(*like, scene);
+  else
+    take_body(read_body(sections, file.parent_path(), file.string(), scene.warnings), scene);
+  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), scene);
   scene.model.length = scene.space.spacing;
   scene.session.model = scene.model;
-  scene.inward = inward_direction(body);
-  scene.identity = identity_of(body);
   scene.hash = hash_of(table, scene.identity);
-  scene.body = std::make_shared<const Body>(std::move(body));
   return scene;
 }
 

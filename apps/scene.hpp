@@ -23,10 +23,14 @@ struct Scene {
   Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
   std::string hash;                        // of the scene as overridden, without comments
   std::vector<std::string> warnings;
+  std::string body_source;                 // the sections that make the body, as text
 };
 
 // overrides: "key.path=value" as given to --set; value is TOML, or a bare string.
-Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+// like: another variant of the same file; where the sections that make the body are the same, its body is shared
+// instead of meshed anew.
+Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
+                 const Scene* like = nullptr);
 
 // $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
 std::filesystem::path cache_folder();
