@@ -4,13 +4,16 @@ namespace forefeel {
 
 namespace portable {
 extern const ElementKernels element_kernels[5];
+extern const FrontKernels front_kernels;
 }
 #ifdef FOREFEEL_MULTIVERSION
 namespace avx2 {
 extern const ElementKernels element_kernels[5];
+extern const FrontKernels front_kernels;
 }
 namespace avx512 {
 extern const ElementKernels element_kernels[5];
+extern const FrontKernels front_kernels;
 }
 #endif
 
@@ -39,6 +42,14 @@ const ElementKernels& element_kernels(int law) {
   if (isa == Isa::avx2) return avx2::element_kernels[law];
 #endif
   return portable::element_kernels[law];
+}
+
+const FrontKernels& front_kernels() {
+#ifdef FOREFEEL_MULTIVERSION
+  if (isa == Isa::avx512) return avx512::front_kernels;
+  if (isa == Isa::avx2) return avx2::front_kernels;
+#endif
+  return portable::front_kernels;
 }
 
 const char* instruction_set() {

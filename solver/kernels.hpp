@@ -47,8 +47,46 @@ struct ElementKernels {
   void (*product_lanes)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
 };
 
+// Multifrontal Cholesky H = U^T U in 3 x 3 blocks, by Duff and Reid 1983: the free nodes fall into supernodes
+// (fronts); front s eliminates `pivots` consecutive nodes from `first` on and updates `rest` later ones, the contact
+// last among them. Its panel is row-major, (3 pivots) x ld, holding the rows of U; 1/U_pp stands on the diagonal.
+struct Front {
+  std::int32_t first = 0, pivots = 0, rest = 0;
+  std::int32_t parent = -1;                    // -1: what is left goes to the contact's corner, K
+  std::int64_t panel = 0, ld = 0;              // offset and row length in the panel store
+  std::int64_t rows = 0;                       // offset of the `rest` local nodes in FrontTree::rows
+  std::int64_t work = 0, keep = 0, update_ld = 0;   // offsets of the update matrix in the stack: made, then kept
+  std::int64_t runs = 0, run_count = 0;        // extend-add into the parent
+  std::int64_t children = 0, child_count = 0;  // in FrontTree::children
+};
+// `length` consecutive nodes of a front's rest that stand side by side in its parent's.
+struct ExtendRun {
+  std::int32_t from = 0, to = 0, length = 0;
+};
+struct FrontTree {
+  std::int64_t count = 0, free_nodes = 0;
+  const Front* fronts = nullptr;               // in elimination order
+  const std::int32_t* rows = nullptr;
+  const std::int32_t* children = nullptr;
+  const ExtendRun* runs = nullptr;
+  const std::int64_t* row_start = nullptr;     // blocks of H, as in BlockPattern
+  const std::int32_t* place = nullptr;         // per block: node position of its column in the row's front
+  std::int64_t block_count = 0;
+};
+
+struct FrontKernels {
+  // False where a pivot is not positive. corner (3 x 3, row-major) receives K.
+  bool (*factor)(const FrontTree&, const double* blocks, double* panels, double* stack, double* corner);
+  // U^T y = b, then U x = y - U_c x_c, where x_c is what stands in the row of the contact (0: a plain solve).
+  void (*forward)(const FrontTree&, const double* panels, double* b, double* work);
+  void (*backward)(const FrontTree&, const double* panels, double* b, double* work);
+  void (*forward_lanes)(const FrontTree&, const double* panels, double* b, double* work);     // (n+1) x 3 x 8
+  void (*backward_lanes)(const FrontTree&, const double* panels, double* b, double* work);
+};
+
 // law: its number in enum Law. The best version that this processor runs.
 const ElementKernels& element_kernels(int law);
+const FrontKernels& front_kernels();
 const char* instruction_set();
 
 }  // namespace forefeel
