@@ -143,7 +143,9 @@ double motion_seconds(const SessionInput& input, const SessionOptions& options) 
 SessionResult run_session(const SessionInput& input, const SessionOptions& options, const ShowProgress& show) {
   SessionPlan plan = make_plan(input, options);
   check_known(input);
-  ReferenceService references(input, options.threads);
+  const std::shared_ptr<ReferenceService> shared =
+      input.references ? input.references : std::make_shared<ReferenceService>(input, options.threads);
+  ReferenceService& references = *shared;
   if (options.clock == Clock::virtual_time)
     plan.cost = make_cost(options.cost, options.seed, [&] { return references.recorded_costs(); });
   SessionResult result;

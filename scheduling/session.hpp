@@ -21,6 +21,8 @@
 
 namespace forefeel {
 
+class ReferenceService;
+
 enum class Clock { real, virtual_time };
 
 struct SessionOptions {
@@ -57,6 +59,9 @@ struct SessionInput {
   std::vector<State> known;                        // states at the start
   std::optional<std::filesystem::path> state_file; // where new states are appended
   std::filesystem::path cache_folder;              // tight reference solves of this body; empty: none
+  // One service for many sessions of the same body, spacing and displacements, also at the same time, since a cache
+  // file has one writer; null: one of its own in cache_folder.
+  std::shared_ptr<ReferenceService> references;
   std::filesystem::path scene_folder;
   Vec3 inward = -Vec3::UnitZ();
 };
