@@ -65,6 +65,12 @@ void add_commands(CLI::App& app, Commands& commands) {
   add_session(app, commands);
 #endif
   add_bench(app, commands);
+#ifdef FOREFEEL_HAS_STUDY
+  add_study(app, commands);
+#endif
+#ifdef FOREFEEL_HAS_REPRODUCE
+  add_reproduce(app, commands);
+#endif
 }
 
 std::vector<std::string> command_names(const CLI::App& app) {

@@ -8,7 +8,7 @@ packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libtet1
           libtomlplusplus-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libnanoflann-dev catch2 gnuplot-nox)
 case "${1:-}" in
   "") ;;
-  tests) packages+=(python3 python3-numpy python3-scipy python3-vtk9 calculix-ccx) ;;
+  tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx) ;;
   sanitizers) packages+=(clang libomp-dev) ;;
   *) echo "setup.sh: '$1' is unknown, expected nothing, tests or sanitizers" >&2; exit 2 ;;
 esac

@@ -1,0 +1,37 @@
+#pragma once
+// Runs the built executable in a folder of its own, as a person would.
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace forefeel::test {
+
+// A fresh folder that is gone at the end; also the working directory of what is run in it.
+class Workshop {
+ public:
+  Workshop();
+  ~Workshop();
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+
+  struct Outcome {
+    int code = -1;  // -1: ended by a signal
+    std::string out, err;
+    std::size_t error_lines() const;
+    nlohmann::json json() const;  // of out; fails the test if it is not one document
+  };
+  Outcome forefeel(const std::string& arguments) const;  // arguments as for a shell
+  Outcome shell(const std::string& command) const;
+  std::filesystem::path write(const std::string& name, const std::string& text) const;
+  std::string files() const;  // names of all files below, sorted, one a line
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A beam of 10 x 2 x 2 cm with few elements, clamped at one end, touched at the other.
+std::string beam_scene(const std::string& more = "");
+
+}  // namespace forefeel::test

@@ -1,0 +1,224 @@
+// Bad input: each one clear line on stderr, exit 2, nothing written.
+
+#include <catch2/catch.hpp>
+
+#include "tests/apps/executable.hpp"
+
+using forefeel::test::beam_scene;
+using forefeel::test::Workshop;
+
+namespace {
+
+// A tetrahedron pair that shares a face, as .msh 2.2; `tets` are the rows of elements.
+std::string msh(const std::string& tets, int count) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 0.1 0 0\n3 0 0.1 0\n4 0 0 0.1\n5 0.1 "
+         "0.1 0.1\n6 0.3 0.3 0.3\n$EndNodes\n"
+         "$Elements\n" +
+         std::to_string(count) + "\n" + tets + "$EndElements\n";
+}
+
+const std::string good_tets = "1 4 2 0 1 1 2 3 4\n2 4 2 0 1 2 5 3 4\n";
+
+std::string mesh_scene(const std::string& mesh = "body.msh", const std::string& clamp = "nodes = [0]",
+                       const std::string& contact = "node = 4") {
+  return "[body]\nmesh = \"" + mesh +
+         "\"\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\npoisson = 0.3\n[clamp]\n" + clamp +
+         "\n[contact]\n" + contact +
+         "\n[state_space]\nspacing = 0.006\nbox = [[-0.006, -0.006, -0.006], [0.006, 0.006, 0.006]]\n";
+}
+
+void check_refused(const Workshop& shop, const std::string& arguments,
+                   const std::vector<std::string>& mentions) {
+  const std::string before = shop.files();
+  const Workshop::Outcome outcome = shop.forefeel(arguments);
+  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  CHECK(outcome.err.ends_with('\n'));
+  CHECK(outcome.out.empty());
+  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
+  CHECK(shop.files() == before);
+}
+
+}  // namespace
+
+TEST_CASE("usage errors are one line", "[command-line]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  check_refused(shop, "", {"expected one of"});
+  check_refused(shop, "sesion beam.toml", {"'sesion'", "did you mean 'session'"});
+  check_refused(shop, "--jsn", {"--jsn"});
+  check_refused(shop, "solve beam.toml --att=0,0,0", {"--att", "did you mean '--at'"});
+  check_refused(shop, "solve", {"SCENE"});
+  check_refused(shop, "solve beam.toml --at=0,0,0 --threads -2", {"--threads"});
+  check_refused(shop, "solve beam.toml --at=0,0,0 --seed none", {"--seed"});
+  check_refused(shop, "bench nothing", {"nothing"});
+}
+
+TEST_CASE("help and version are not errors", "[command-line]") {
+  const Workshop shop;
+  const Workshop::Outcome version = shop.forefeel("--version");
+  CHECK(version.code == 0);
+  for (const char* library : {"forefeel ", "CGAL", "TetGen", "Eigen", "SQLite"})
+    CHECK_THAT(version.out, Catch::Contains(library));
+  for (const std::string command : {"", "mesh ", "solve ", "generate ", "import ", "export ", "info ",
+                                    "classify ", "evaluate ", "session ", "bench "}) {
+    const Workshop::Outcome help = shop.forefeel(command + "--help");
+    INFO("forefeel " << command << "--help: " << help.err);
+    CHECK(help.code == 0);
+    CHECK(help.err.empty());
+    if (!command.empty())
+      for (const char* option : {"--json", "--quiet", "--threads", "--seed", "--set"})
+        CHECK_THAT(help.out, Catch::Contains(option));
+  }
+}
+
+TEST_CASE("positions must be three finite numbers", "[command-line]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  for (const char* at : {"nan,0,0", "0,inf,0", "0,0", "0,0,0,0", "0,,0", "a,b,c", "0;0;0", "1e999,0,0", "''"})
+    check_refused(shop, std::string("solve beam.toml --at=") + at, {"--at"});
+  const Workshop::Outcome negative = shop.forefeel("solve beam.toml --json --at=-0.001,0,-.002");
+  CHECK(negative.code == 0);
+  CHECK(negative.json()["states"][0]["at"] == nlohmann::json({-0.001, 0.0, -0.002}));
+  shop.write("short.csv", "x,y,z\n0,0,0\n0.001,0\n");
+  check_refused(shop, "solve beam.toml --points short.csv", {"short.csv:3"});
+  shop.write("nan.csv", "x,y,z\n0,0,0\n0.001,nan,0\n");
+  check_refused(shop, "solve beam.toml --points nan.csv", {"nan.csv:3"});
+  check_refused(shop, "solve beam.toml --points absent.csv", {"absent.csv"});
+}
+
+TEST_CASE("scenes that cannot be read", "[command-line]") {
+  const Workshop shop;
+  check_refused(shop, "solve absent.toml --at=0,0,0", {"absent.toml"});
+  shop.write("cut.toml", "[body]\nphantom = \"bea");
+  check_refused(shop, "solve cut.toml --at=0,0,0", {"cut.toml:2"});
+  shop.write("missing.toml", mesh_scene("absent.msh"));
+  check_refused(shop, "solve missing.toml --at=0,0,0", {"missing.toml:2", "absent.msh"});
+  shop.write("beam.toml", beam_scene());
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {"material.poison=0.3", "material.poisson"},
+      {"material.poisson=0.5", "0.5"},
+      {"material.poisson=soft", "soft"},
+      {"material.young=-5", "-5"},
+      {"material.young=0", "above 0"},
+      {"material.young=nan", "nan"},
+      {"material.law=neo-hook", "neo-hookean"},
+      {"session.policy=coverag", "coverage"},
+      {"session.seconds=-1", "-1"},
+      {"session.workers=0", "from 1"},
+      {"session.clock=imaginary", "virtual"},
+      {"session.switch=rough", "smooth"},
+      {"contact.node=100000", "out of range"},
+      {"contact.nodes=[-1]", "-1"},
+      {"contact.radius=-1", "-1"},
+      {"clamp.nodes=[]", "not empty"},
+      {"clamp.group=nowhere", "contact"},
+      {"clamp.below={axis=\"w\",share=0.1}", "x, y, z"},
+      {"clamp.below={axis=\"z\"}", "share"},
+      {"state_space.spacing=0", "above 0"},
+      {"state_space.spacing=auto", "not in this build"},
+      {"state_space.box=[[0,0,0],[-1,1,1]]", "low corner"},
+      {"state_space.spacing=1e-9", "positions"},
+      {"model.kernel=quartic", "quintic"},
+      {"model.neighbours=0", "from 1"},
+      {"bodi.mesh=a", "did you mean 'body'"},
+      {"body.phantom=lung", "liver"},
+      {"body.length=-1", "above 0"},
+      {"material", "key.path=value"},
+      {"material.poisson.x=1", "not a table"}};
+  for (const auto& [override, mention] : wrong) {
+    if (override == "state_space.spacing=auto" &&
+        shop.forefeel("solve beam.toml --at=0,0,0 --set state_space.spacing=auto").code == 0)
+      continue;
+    check_refused(shop, "solve beam.toml --at=0,0,0 --set '" + override + "'", {mention});
+  }
+}
+
+TEST_CASE("meshes that cannot be solved", "[command-line]") {
+  const Workshop shop;
+  shop.write("scene.toml", mesh_scene());
+  const auto refuse = [&](const std::string& text, const std::vector<std::string>& mentions) {
+    shop.write("body.msh", text);
+    check_refused(shop, "solve scene.toml --at=0,0,0", mentions);
+  };
+  refuse("", {"body.msh"});
+  const std::string good = msh(good_tets, 2);
+  refuse(good.substr(0, good.size() / 2), {"body.msh"});
+  refuse(good.substr(0, good.find("$Elements") + 14), {"body.msh"});
+  refuse(msh("1 2 2 0 1 1 2 3\n", 1), {"body.msh", "tetrahedra"});
+  refuse(msh("1 4 2 0 1 1 2 3 4\n2 4 2 0 1 2 5 3 3\n", 2), {"body.msh"});
+  refuse(msh("1 4 2 0 1 1 2 3 4\n2 4 2 0 1 5 2 3 4\n", 2), {"body.msh"});
+  refuse(msh("1 4 2 0 1 1 2 3 9\n", 1), {"body.msh"});
+  shop.write("body.msh", good);
+  CHECK(shop.forefeel("solve scene.toml --at=0,0,0").code == 0);
+  shop.write("body.msh",
+             msh("1 4 2 0 1 2 1 3 4\n2 4 2 0 1 5 2 3 4\n", 2));  // wholly flipped: turned, with a warning
+  const Workshop::Outcome flipped = shop.forefeel("solve scene.toml --at=0,0,0 --json");
+  CHECK(flipped.code == 0);
+  CHECK_THAT(flipped.err, Catch::Contains("warning"));
+}
+
+TEST_CASE("node sets that cannot be solved", "[command-line]") {
+  const Workshop shop;
+  shop.write("body.msh", msh(good_tets, 2));
+  const auto refuse = [&](const std::string& clamp, const std::string& contact, const std::string& mention) {
+    shop.write("scene.toml", mesh_scene("body.msh", clamp, contact));
+    check_refused(shop, "solve scene.toml --at=0,0,0", {mention});
+  };
+  refuse("nodes = [4]", "node = 4", "contact");
+  refuse("nodes = []", "node = 4", "clamp");
+  refuse("nodes = [0]", "node = 99", "out of range");
+  refuse("nodes = [0]\ngroup = \"a\"", "node = 4", "exactly one of");
+  refuse("", "node = 4", "exactly one of");
+  refuse("nodes = [0]", "node = 4\nnearest = [0, 0, 0]", "exactly one of");
+  refuse("nodes = [0]", "radius = 0.01", "exactly one of");
+  refuse("group = \"bottom\"", "node = 4", "no node groups");
+  // A second part that nothing holds.
+  shop.write("body.msh",
+             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 0 "
+             "0\n6 6 0 0\n7 5 1 0\n8 5 0 1\n$EndNodes\n"
+             "$Elements\n2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 5 6 7 8\n$EndElements\n");
+  refuse("nodes = [0]", "node = 3", "clamp");
+}
+
+TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  check_refused(shop, "session beam.toml --seconds -1 -o run", {"--seconds"});
+  check_refused(shop, "session beam.toml --policy wisest -o run", {"wisest"});
+  check_refused(shop, "session beam.toml --device path:spiral -o run", {"spiral"});
+  check_refused(shop, "session beam.toml --device trace:absent.csv -o run", {"absent.csv"});
+  shop.write("nan.csv", "t,x,y,z\n0,0,0,0\n0.1,nan,0,0\n");
+  check_refused(shop, "session beam.toml --device trace:nan.csv -o run", {"nan.csv:3"});
+  shop.write("back.csv", "t,x,y,z\n0,0,0,0\n0.2,0,0,0\n0.1,0,0,0\n");
+  check_refused(shop, "session beam.toml --device trace:back.csv -o run", {"back.csv:4"});
+  shop.write("short.csv", "t,x,y,z\n0,0,0,0\n0.2,0,0\n");
+  check_refused(shop, "session beam.toml --device trace:short.csv -o run", {"short.csv:3"});
+  check_refused(shop, "session beam.toml --clock wooden -o run", {"wooden"});
+  check_refused(shop, "session beam.toml --workers 0 -o run", {"workers"});
+  check_refused(shop, "session beam.toml --seconds 0.1 -o beam.toml/run", {"beam.toml/run"});
+  check_refused(shop, "generate beam.toml -o nowhere/s.states", {"nowhere"});
+  check_refused(shop, "solve beam.toml --at=0,0,0 -o nowhere/out.csv", {"nowhere"});
+  shop.write("states.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.006,0,0,-1,0\n");
+  check_refused(shop, "classify states.csv --spacing 0.006 --grid 0.006", {"states.csv:3"});
+  check_refused(shop, "import states.csv -o s.states --spacing 0.006", {"states.csv:3"});
+  shop.write("empty.states", "");
+  check_refused(shop, "info absent.states", {"absent.states"});
+}
+
+TEST_CASE("a state file of another scene is refused with what differs", "[command-line]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("generate beam.toml -o beam.states --quiet").code == 0);
+  const std::string before = shop.files();
+  const Workshop::Outcome outcome =
+      shop.forefeel("generate beam.toml -o beam.states --set material.young=6000");
+  INFO(outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  CHECK_THAT(outcome.err, Catch::Contains("material"));
+  CHECK(shop.files() == before);
+  check_refused(shop, "session beam.toml --states beam.states --seconds 0.1 --set material.young=6000 -o run",
+                {"material"});
+}

@@ -1,0 +1,228 @@
+// The JSON of every command: keys as the contract names them.
+
+#include <catch2/catch.hpp>
+
+#include "tests/apps/executable.hpp"
+
+using forefeel::test::beam_scene;
+using forefeel::test::Workshop;
+using nlohmann::json;
+
+namespace {
+
+// Every path in `keys` ("deadline.cost_us.p50") is there.
+void check_keys(const json& document, const std::vector<std::string>& keys) {
+  for (const std::string& path : keys) {
+    const json* here = &document;
+    std::string part;
+    bool there = true;
+    for (std::istringstream in(path); there && std::getline(in, part, '.');) {
+      there = here->is_object() && here->contains(part);
+      if (there) here = &here->at(part);
+    }
+    INFO("key " << path << " in " << document.dump().substr(0, 1500));
+    CHECK(there);
+  }
+}
+
+json run_json(const Workshop& shop, const std::string& arguments) {
+  const Workshop::Outcome outcome = shop.forefeel(arguments + " --json");
+  INFO("forefeel " << arguments << " --json\n" << outcome.err);
+  CHECK(outcome.code == 0);
+  return outcome.json();
+}
+
+}  // namespace
+
+TEST_CASE("solve", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const json document = run_json(shop, "solve beam.toml --at=0,0,0 --at=0.001,-0.002,0.001 -o out.csv");
+  REQUIRE(document["states"].size() == 2);
+  for (const json& state : document["states"]) {
+    check_keys(state, {"at", "force", "stiffness", "energy", "converged", "iterations", "residual", "seconds",
+                       "min_jacobian", "multivalued", "warnings"});
+    CHECK(state["force"].size() == 3);
+    CHECK(state["stiffness"].size() == 3);
+    CHECK(state["stiffness"][0].size() == 3);
+    CHECK(state["converged"] == true);
+    CHECK(state["warnings"].is_array());
+  }
+  const json& pushed = document["states"][1];
+  double work = 0;  // the force opposes x
+  for (int i = 0; i < 3; ++i) work += pushed["force"][i].get<double>() * pushed["at"][i].get<double>();
+  CHECK(work < 0);
+  CHECK(pushed["energy"].get<double>() > 0);
+  CHECK_THAT(shop.files(), Catch::Contains("out.csv"));
+}
+
+TEST_CASE("mesh", "[contract]") {
+  const Workshop shop;
+  const json document = run_json(shop, "mesh --phantom ball --elements 400 -o ball.msh");
+  check_keys(document, {"nodes", "elements", "volume", "min_dihedral_deg", "max_dihedral_deg", "hausdorff",
+                        "repaired"});
+  CHECK(document["elements"].get<int>() >= 380);
+  CHECK(document["elements"].get<int>() <= 420);
+  CHECK(document["repaired"].is_object());
+  CHECK_THAT(shop.files(), Catch::Contains("ball.msh"));
+}
+
+TEST_CASE("generate, export, info, classify and evaluate", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::vector<std::string> keys{
+      "states", "solved", "failed", "resumed", "seconds", "states_per_second", "threads", "error_estimate"};
+  const json first = run_json(shop, "generate beam.toml -o beam.states");
+  check_keys(first, keys);
+  CHECK(first["states"] == 27);
+  const json again = run_json(shop, "generate beam.toml -o beam.states");
+  CHECK(again["resumed"] == 27);
+  CHECK(again["solved"] == 0);
+
+  CHECK(run_json(shop, "info beam.states").is_object());
+  CHECK(shop.forefeel("export beam.states -o beam.csv --quiet").code == 0);
+  CHECK(shop.forefeel("import beam.csv -o copy.states --spacing 0.004 --quiet").code == 0);
+
+  shop.write("points.csv", "x,y,z\n0,0,0\n0.001,0.002,-0.001\n0.5,0,0\n");
+  const json labels = run_json(shop, "classify beam.states --points points.csv");
+  check_keys(labels, {"labels", "spread", "alpha", "delta", "gamma_deg", "volume.safe", "volume.sparse",
+                      "volume.gap", "volume.blank", "components", "fill_distance", "largest_hole.radius",
+                      "largest_hole.centre", "seconds", "peak_bytes"});
+  CHECK(labels["labels"] == json({"safe", "safe", "blank"}));
+  CHECK(labels["spread"][2].is_null());  // infinite outside the hull
+
+  const json forces =
+      run_json(shop, "evaluate beam.states --points points.csv --kernel cubic --data force --neighbours 27");
+  check_keys(forces, {"forces", "labels", "fit_us", "evaluate_ns"});
+  REQUIRE(forces["forces"].size() == 3);
+  for (const json& value : forces["forces"][2]) CHECK(value.is_number());  // bounded, however far
+}
+
+TEST_CASE("session", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  for (const std::string clock : {"virtual", "real"}) {
+    const json summary = run_json(shop, "session beam.toml --clock " + clock +
+                                            " --seconds 0.5 --device path:press,speed=0.02 -o " + clock);
+    check_keys(summary, {"clock",
+                         "seconds",
+                         "frames",
+                         "deadline.missed",
+                         "deadline.cost_us.p50",
+                         "deadline.cost_us.p99",
+                         "deadline.cost_us.max",
+                         "deadline.lateness_us.p50",
+                         "deadline.lateness_us.p99",
+                         "deadline.lateness_us.max",
+                         "states.start",
+                         "states.solved",
+                         "states.used",
+                         "states.wasted",
+                         "states.preempted",
+                         "states.failed",
+                         "states.age_at_use_ms.p50",
+                         "states.age_at_use_ms.p99",
+                         "time_in.safe",
+                         "time_in.sparse",
+                         "time_in.gap",
+                         "time_in.blank",
+                         "switch.count",
+                         "switch.rule",
+                         "switch.max_jump",
+                         "switch.max_jump_undamped",
+                         "switch.frames_over_jnd",
+                         "switch.drift.ms50",
+                         "switch.drift.ms100",
+                         "switch.drift.ms300",
+                         "error.reference",
+                         "error.samples",
+                         "error.p50",
+                         "error.p95",
+                         "error.max",
+                         "error.within_jnd",
+                         "error.parts.approximation",
+                         "error.parts.switch",
+                         "error.parts.staleness",
+                         "error.by_label",
+                         "error.first_visit.p50",
+                         "error.first_visit.p95",
+                         "error.first_visit.within_jnd",
+                         "load",
+                         "energy.generated_J",
+                         "energy.work_J",
+                         "safety.clamped",
+                         "safety.slewed",
+                         "safety.stale",
+                         "safety.non_finite",
+                         "workers",
+                         "policy",
+                         "select",
+                         "seed",
+                         "provenance.command",
+                         "provenance.version",
+                         "provenance.commit",
+                         "provenance.scene_hash",
+                         "provenance.libraries",
+                         "provenance.machine"});
+    CHECK(summary["clock"] == clock);
+    CHECK(summary["frames"].get<int>() >= 499);
+    CHECK(summary["frames"].get<int>() <= 501);
+    for (const char* file : {"summary.json", "frames.csv", "dispatch.csv", "switches.csv", "report.html"})
+      CHECK_THAT(shop.files(), Catch::Contains(clock + "/" + file));
+    const Workshop::Outcome heads =
+        shop.shell("head -qn1 " + clock + "/frames.csv " + clock + "/dispatch.csv");
+    CHECK(heads.out.starts_with("t,x,y,z,fx,fy,fz,label,model,known"));
+    CHECK_THAT(heads.out,
+               Catch::Contains(
+                   "\nid,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent"));
+  }
+}
+
+TEST_CASE("a virtual session is the same bits again, whatever the threads", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string arguments =
+      "session beam.toml --clock virtual --seconds 0.4 --device path:circle,tremor=1e-4 --quiet --seed 7 ";
+  REQUIRE(shop.forefeel(arguments + "--threads 1 -o one").code == 0);
+  REQUIRE(shop.forefeel(arguments + "--threads 2 -o two").code == 0);
+  for (const char* file : {"frames.csv", "dispatch.csv", "switches.csv"})
+    CHECK(shop.shell(std::string("cmp one/") + file + " two/" + file).code == 0);
+}
+
+TEST_CASE("a report stands on its own", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string arguments =
+      "session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 --quiet ";
+  REQUIRE(shop.forefeel(arguments + "-o run").code == 0);
+  const std::string report = shop.shell("cat run/report.html").out;
+  CHECK(report.starts_with("<!DOCTYPE html>"));
+  CHECK(report.ends_with("</html>\n"));
+  for (const char* outside : {"src=", "href=\"http", "@import", "url(http", "<script", "<link"})
+    CHECK_THAT(report, !Catch::Contains(outside));
+  for (const char* part : {"first visits", "Provenance", "frames_over_jnd"})
+    CHECK_THAT(report, Catch::Contains(part));
+  if (shop.shell("command -v gnuplot").code == 0)
+    CHECK_THAT(report, Catch::Contains("<svg") && Catch::Contains("</svg>"));
+  // Without gnuplot the report is still there, and says so.
+  const std::string without =
+      "PATH=/nowhere '" FOREFEEL_BINARY_DIR "/apps/forefeel' " + arguments + "-o bare";
+  REQUIRE(shop.shell(without).code == 0);
+  CHECK_THAT(shop.shell("cat bare/report.html").out,
+             Catch::Contains("Plots need gnuplot") && !Catch::Contains("<svg"));
+}
+
+TEST_CASE("--quiet says nothing and --json keeps stdout to itself", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome quiet = shop.forefeel("generate beam.toml -o quiet.states --quiet");
+  CHECK(quiet.code == 0);
+  CHECK(quiet.out.empty());
+  CHECK(quiet.err.empty());
+  const Workshop::Outcome overridden = shop.forefeel(
+      "solve beam.toml --at=0,0,0.002 --json --set material.young=10000 --set body.elements=240");
+  const Workshop::Outcome plain = shop.forefeel("solve beam.toml --at=0,0,0.002 --json");
+  const double twice = overridden.json()["states"][0]["force"][2],
+               once = plain.json()["states"][0]["force"][2];
+  CHECK(twice == Approx(2 * once).epsilon(1e-8));  // the force is proportional to Young's modulus
+}

@@ -1,0 +1,108 @@
+// The arrows between folders, read from the sources themselves.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, std::set<std::string>> allowed{
+    {"geometry", {"geometry"}},
+    {"solver", {"solver", "geometry"}},
+    {"approx", {"approx", "geometry"}},
+    {"scheduling", {"scheduling", "solver", "approx", "geometry"}},
+    {"apps", {"apps", "scheduling", "solver", "approx", "geometry"}}};
+
+struct Include {
+  std::string file;  // relative to the root
+  int line;
+  std::string target;
+  bool quoted;  // "…" rather than <…>
+};
+
+std::vector<Include> includes_of(const fs::path& root, const std::string& folder) {
+  static const std::regex pattern(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"])re");
+  std::vector<Include> found;
+  for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".hpp" && extension != ".cpp") continue;
+    std::ifstream in(entry.path());
+    std::string text;
+    for (int line = 1; std::getline(in, text); ++line)
+      if (std::smatch match; std::regex_search(text, match, pattern))
+        found.push_back({fs::relative(entry.path(), root).string(), line, match[2], match[1] == "\""});
+  }
+  return found;
+}
+
+std::string at(const Include& include) {
+  return include.file + ":" + std::to_string(include.line) + " includes " + include.target;
+}
+
+// What breaks a rule, one line each.
+std::vector<std::string> against_the_arrows(const fs::path& root) {
+  std::vector<std::string> broken;
+  for (const auto& [folder, may_see] : allowed)
+    for (const Include& include : includes_of(root, folder)) {
+      const std::string target = include.target.substr(0, include.target.find('/'));
+      if (include.quoted &&
+          (include.target.find('/') == std::string::npos || include.target.starts_with("..")))
+        broken.push_back(at(include) + ", expected a path from the root");
+      if ((allowed.contains(target) || target == "tests") && !may_see.contains(target))
+        broken.push_back(at(include));
+    }
+  return broken;
+}
+
+bool is_heavy(const std::string& target) {
+  return target.starts_with("CGAL/") || target == "tetgen.h";
+}
+
+// CGAL and TetGen stay in .cpp files of geometry, and no header makes them anybody else's.
+std::vector<std::string> heavy_headers_out_of_place(const fs::path& root) {
+  std::vector<std::string> broken;
+  for (const auto& [folder, may_see] : allowed)
+    for (const Include& include : includes_of(root, folder))
+      if (is_heavy(include.target) && (folder != "geometry" || !include.file.ends_with(".cpp")))
+        broken.push_back(at(include));
+  return broken;
+}
+
+}  // namespace
+
+TEST_CASE("no include against the layers", "[layering]") {
+  const std::vector<std::string> broken = against_the_arrows(FOREFEEL_SOURCE_DIR);
+  for (const std::string& line : broken) UNSCOPED_INFO(line);
+  CHECK(broken.empty());
+}
+
+TEST_CASE("CGAL and TetGen are seen by .cpp files of geometry alone", "[layering]") {
+  const std::vector<std::string> broken = heavy_headers_out_of_place(FOREFEEL_SOURCE_DIR);
+  for (const std::string& line : broken) UNSCOPED_INFO(line);
+  CHECK(broken.empty());
+  std::map<std::string, std::set<std::string>> users;  // of each library: one .cpp would do, a few share CGAL
+  for (const Include& include : includes_of(FOREFEEL_SOURCE_DIR, "geometry"))
+    if (include.target == "tetgen.h") users["tetgen"].insert(include.file);
+  CHECK(users["tetgen"].size() == 1);
+}
+
+TEST_CASE("the check finds what it looks for", "[layering]") {
+  const fs::path root = fs::temp_directory_path() /
+                        ("forefeel-layers-" + std::to_string(std::hash<std::string>{}(FOREFEEL_BINARY_DIR)));
+  for (const auto& [folder, may_see] : allowed) fs::create_directories(root / folder);
+  std::ofstream(root / "approx/bad.hpp")
+      << "#pragma once\n#include \"solver/solver.hpp\"\n  #  include <CGAL/Point_3.h>\n";
+  std::ofstream(root / "solver/bad.cpp")
+      << "#include \"kernels.hpp\"\n#include <tetgen.h>\n#include \"geometry/state.hpp\"\n";
+  CHECK(against_the_arrows(root).size() == 2);
+  CHECK(heavy_headers_out_of_place(root).size() == 2);
+  fs::remove_all(root);
+}
