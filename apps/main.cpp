@@ -16,7 +16,12 @@ namespace {
 
 // Commands of the contract that this build does not have.
 const std::vector<std::string> not_in_this_build{
-    "study",    "reproduce",
+#ifndef FOREFEEL_HAS_STUDY
+    "study",
+#endif
+#ifndef FOREFEEL_HAS_REPRODUCE
+    "reproduce",
+#endif
 #ifndef FOREFEEL_HAS_MESH
     "mesh",
 #endif
