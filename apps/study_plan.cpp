@@ -1,0 +1,192 @@
+#include "apps/study_plan.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include "apps/provenance.hpp"
+#include "apps/sha256.hpp"
+#include "scheduling/cost.hpp"
+#include "scheduling/device.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int format_version = 1;   // of a cell's record: raised when what is kept of a cell changes
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// The file behind trace:FILE, found as the device finds it; empty for other devices.
+fs::path trace_file(const std::string& device, const fs::path& folder) {
+  if (!device.starts_with("trace:")) return {};
+  const fs::path name = device.substr(6, device.find(',') == std::string::npos ? std::string::npos : device.find(',') - 6);
+  return fs::exists(folder / name) ? folder / name : name;
+}
+
+// The scene says [model] select or [session] select, never both: an override takes the place the scene uses.
+std::vector<std::string> with_select_of(const Study& study, std::vector<std::string> overrides) {
+  bool in_model = false;
+  try {
+    in_model = toml::parse_file(study.scene.string())["model"]["select"].is_string();
+  } catch (const toml::parse_error&) {   // load_scene says what is wrong
+  }
+  for (std::string& text : overrides)
+    if (in_model && text.starts_with("session.select=")) text.replace(0, 7, "model");
+  return overrides;
+}
+
+Scene load_combination(const Study& study, std::span<const std::size_t> choice, const Scene* like) {
+  std::vector<std::string> overrides = with_select_of(study, study.overrides(choice));
+  overrides.push_back("session.clock=\"virtual\"");
+  try {
+    return load_scene(study.scene, overrides, like);
+  } catch (const InputError& error) {
+    throw located(study, error);
+  }
+}
+
+std::optional<double> number_of(const Study& study, std::span<const std::size_t> choice, const std::string& column) {
+  for (std::size_t i = 0; i < study.axes.size(); ++i)
+    if (study.axes[i].column == column) return study.axes[i].values[choice[i]].number;
+  return {};
+}
+
+std::string axis_place(const Study& study, const std::string& column) {
+  for (const StudyAxis& axis : study.axes)
+    if (axis.column == column) return axis.where;
+  return study.file.string();
+}
+
+// An error about a value that several keys may have given: the place of the first of them that the study gives.
+InputError placed(const Study& study, const std::string& key, const InputError& error) {
+  const auto found = study.origin.find(key);
+  return found == study.origin.end() ? error : InputError(found->second, error.what());
+}
+
+void check_session(const Study& study, const Scene& scene, const SessionOptions& options) {
+  try {
+    check_cost(options.cost);
+  } catch (const InputError& error) {
+    throw placed(study, "session.cost", error);
+  }
+  try {
+    make_device(options.device, {.box = scene.space.box,
+                                 .inward = scene.inward,
+                                 .seed = options.seed,
+                                 .folder = scene.file.parent_path()});
+  } catch (const InputError& error) {
+    throw placed(study, "session.device", error);
+  }
+}
+
+std::string key_of(const Scene& scene, const SessionOptions& options, const Study& study) {
+  Sha256 hash;
+  const auto made_by = provenance("");
+  hash.add(fmt::format("{}\n{}\n{}\n", format_version, made_by["version"].get<std::string>(),
+                       made_by["commit"].get<std::string>()));
+  hash.add(scene.hash + "\n");
+  hash.add(fmt::format("{}\n{}\n{}\n{}\n", options.device, options.cost, options.seed, options.seconds));
+  if (const fs::path trace = trace_file(options.device, scene.file.parent_path()); !trace.empty())
+    hash.add(contents(trace));
+  if (options.arrivals) hash.add(contents(*options.arrivals));
+  if (const auto& s = study.sustained)
+    hash.add(fmt::format("sustained {} {} {} {} {}\n", s->travel, s->share, s->tolerance, s->low, s->high));
+  return hash.hex();
+}
+
+}  // namespace
+
+SessionInput session_input(const Scene& scene) {
+  SessionInput input;
+  input.body = scene.body;
+  input.identity = scene.identity;
+  input.space = scene.space;
+  input.displacements = scene.displacements;
+  input.cache_folder = cache_folder();
+  input.scene_folder = scene.file.parent_path();
+  input.inward = scene.inward;
+  return input;
+}
+
+double states_needed_per_second(const Scene& scene, const SessionOptions& options) {
+  const auto device = make_device(options.device, {.box = scene.space.box,
+                                                   .inward = scene.inward,
+                                                   .seed = options.seed,
+                                                   .folder = scene.file.parent_path()});
+  const double h = scene.space.spacing;
+  const auto frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
+  std::set<std::tuple<long, long, long>> corners;
+  Vec3 cell = Vec3::Constant(unknown);
+  for (std::size_t k = 0; k < frames; ++k) {
+    const Vec3 at = device->position(static_cast<double>(k) * options.frame, Vec3::Zero());
+    const Vec3 here = (at / h).array().floor();
+    if (here == cell) continue;
+    cell = here;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 step = cell.array() + Eigen::Array3d(corner & 1, (corner >> 1) & 1, corner >> 2);
+      if (scene.space.box.contains(h * step))
+        corners.insert({std::lround(step[0]), std::lround(step[1]), std::lround(step[2])});
+    }
+  }
+  return static_cast<double>(corners.size()) / options.seconds;
+}
+
+std::string cost_for_load(double load, int workers, double demand) {
+  const double sigma = std::log(10.0) / (2 * 1.959964);   // 95 % within a factor of ten, as the paper's 0.1 to 1 s
+  const double mean = load * workers / demand;
+  return fmt::format("lognormal:{},{}", mean * std::exp(-0.5 * sigma * sigma), sigma);
+}
+
+std::string device_at_speed(const std::string& device, double speed, const std::string& where) {
+  if (!device.starts_with("path:"))
+    throw InputError(where, fmt::format("device '{}' has no speed to set, expected path:NAME", device));
+  if (device.find("speed=") != std::string::npos)
+    throw InputError(where, fmt::format("device '{}' names its speed already, expected it once", device));
+  return fmt::format("{},speed={}", device, speed);
+}
+
+StudyPlan plan_study(Study given) {
+  StudyPlan plan{.study = std::move(given), .scenes = {}, .cells = {}, .warnings = {}};
+  const Study& study = plan.study;
+  plan.scenes.reserve(study.combinations());
+  for (std::size_t c = 0; c < study.combinations(); ++c) {
+    const std::vector<std::size_t> choice = study.choice(c);
+    plan.scenes.push_back(load_combination(study, choice, plan.scenes.empty() ? nullptr : &plan.scenes.back()));
+    const Scene& scene = plan.scenes.back();
+    if (c == 0) plan.warnings = scene.warnings;
+    for (const std::uint64_t seed : study.seeds) {
+      StudyCell cell{.choice = choice, .seed = seed, .scene = c, .options = scene.session, .key = {}};
+      cell.options.clock = Clock::virtual_time;
+      cell.options.threads = 1;
+      cell.options.seed = seed;
+      if (const auto speed = number_of(study, choice, "speed"))
+        cell.options.device = device_at_speed(cell.options.device, *speed, axis_place(study, "speed"));
+      if (study.sustained) device_at_speed(cell.options.device, 1, study.file.string() + ": sustained");
+      check_session(study, scene, cell.options);
+      if (const auto load = number_of(study, choice, "target_load")) {
+        const double demand = states_needed_per_second(scene, cell.options);
+        if (demand <= 0)
+          throw InputError(axis_place(study, "target_load"), fmt::format("device '{}' needs no state of the box, expected a "
+                                                                  "motion through it", cell.options.device));
+        cell.options.cost = cost_for_load(*load, cell.options.workers, demand);
+      }
+      cell.key = key_of(scene, cell.options, study);
+      plan.cells.push_back(std::move(cell));
+    }
+  }
+  return plan;
+}
+
+}  // namespace forefeel
