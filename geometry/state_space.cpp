@@ -34,6 +34,9 @@ struct StateSpace::Impl {
 StateSpace::StateSpace(StateSpaceOptions options) {
   if (!(options.spacing > 0) || !std::isfinite(options.spacing))
     throw InputError("spacing", "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
+  // A safe position is within kappa_s h of a state; regions rely on its being sparse at least.
+  if (!(options.coverage.sparse_distance >= options.coverage.safe_spread))
+    throw InputError("coverage", "the sparse distance is below the safe spread, expected it to be at least as large");
   impl_ = std::make_unique<Impl>(std::move(options));
 }
 StateSpace::~StateSpace() = default;

@@ -18,8 +18,8 @@ class Regions;
 
 struct StateSpaceOptions {
   double spacing = 0.006;               // h [m]
-  Box box;                              // where states are placed; the HIP may leave it
-  CoverageOptions coverage;
+  Box box{};                            // where states are placed; the HIP may leave it
+  CoverageOptions coverage{};
   double merge_distance = 1e-9;         // in spacings: nearer states are one
 };
 
