@@ -1,0 +1,112 @@
+// The commands of README.md work as they are written.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "tests/apps/executable.hpp"
+
+using forefeel::test::Workshop;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string readme() {
+  std::ifstream in(FOREFEEL_SOURCE_DIR "/README.md");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// The first fenced block of a language below a heading.
+std::string block(const std::string& heading, const std::string& language) {
+  const std::string text = readme(), fence = "```" + language + "\n";
+  const std::size_t section = text.find("\n## " + heading + "\n");
+  REQUIRE(section != std::string::npos);
+  const std::size_t begin = text.find(fence, section);
+  REQUIRE(begin < text.find("\n## ", section + 1));
+  return text.substr(begin + fence.size(), text.find("\n```", begin) + 1 - begin - fence.size());
+}
+
+// The repository as a person sees it, without building it again.
+void lay_out(const Workshop& shop) {
+  fs::create_directory_symlink(FOREFEEL_SOURCE_DIR "/apps", shop.path() / "apps");
+  fs::create_directories(shop.path() / "build/release");
+  fs::create_directory_symlink(FOREFEEL_BINARY_DIR "/apps", shop.path() / "build/release/apps");
+}
+
+void check_runs(const Workshop& shop, const std::string& script) {
+  shop.write("script.sh", script);
+  const Workshop::Outcome outcome = shop.shell("bash -euo pipefail script.sh");
+  INFO(script << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+  CHECK(outcome.code == 0);
+}
+
+// An egg of 160 triangles, in a unit of its own.
+std::string organ() {
+  std::ostringstream text;
+  const int around = 10, rings = 8;
+  text << "v 0 0 -3\n";
+  for (int i = 1; i < rings + 1; ++i)
+    for (int j = 0; j < around; ++j) {
+      const double polar = M_PI * i / (rings + 1), turn = 2 * M_PI * j / around;
+      text << "v " << 4 * std::sin(polar) * std::cos(turn) << ' ' << 3 * std::sin(polar) * std::sin(turn)
+           << ' ' << -3 * std::cos(polar) << '\n';
+    }
+  text << "v 0 0 3\n";
+  const int top = rings * around + 2;
+  const auto at = [&](int ring, int j) { return 2 + ring * around + j % around; };
+  for (int j = 0; j < around; ++j) {
+    text << "f 1 " << at(0, j + 1) << ' ' << at(0, j) << '\n'
+         << "f " << top << ' ' << at(rings - 1, j) << ' ' << at(rings - 1, j + 1) << '\n';
+    for (int ring = 0; ring + 1 < rings; ++ring)
+      text << "f " << at(ring, j) << ' ' << at(ring, j + 1) << ' ' << at(ring + 1, j) << '\n'
+           << "f " << at(ring, j + 1) << ' ' << at(ring + 1, j + 1) << ' ' << at(ring + 1, j) << '\n';
+  }
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("the tour on the phantom, and its states in Python", "[readme]") {
+  const Workshop shop;
+  lay_out(shop);
+  check_runs(shop, block("A tour on the phantom", "sh"));
+  const std::string files = shop.files();
+  for (const char* file :
+       {"build/tour/liver.states", "build/tour/coverage.svg", "build/tour/run/report.html"})
+    CHECK_THAT(files, Catch::Contains(file));
+  if (shop.shell("/usr/bin/python3 -c 'import pandas'").code != 0) {
+    WARN("python3-pandas is not installed: the lines of Python are not run");
+    return;
+  }
+  shop.write("states.py", block("States in Python", "python"));
+  const Workshop::Outcome python = shop.shell("/usr/bin/python3 states.py");
+  INFO(python.err);
+  CHECK(python.code == 0);
+  CHECK_THAT(python.out, Catch::Contains("converged") && Catch::Contains("min_jacobian"));
+}
+
+TEST_CASE("the tour on a mesh of one's own", "[readme]") {
+  const Workshop shop;
+  lay_out(shop);
+  shop.write("my-organ.obj", organ());
+  check_runs(shop,
+             "export PATH=\"$PWD/build/release/apps:$PATH\"\n" + block("A tour on your own mesh", "sh"));
+  CHECK_THAT(shop.files(), Catch::Contains("my-run/report.html"));
+}
+
+TEST_CASE("files that the README names exist", "[readme]") {
+  const std::string text = readme();
+  const std::regex path(
+      R"((?:^|[\s`(])((?:apps|tests|geometry|solver|approx|scheduling)/[A-Za-z0-9_./-]+\.[a-z]+))");
+  int found = 0;
+  for (std::sregex_iterator match(text.begin(), text.end(), path), end; match != end; ++match, ++found) {
+    INFO((*match)[1]);
+    CHECK(fs::exists(fs::path(FOREFEEL_SOURCE_DIR) / (*match)[1].str()));
+  }
+  CHECK(found > 5);
+}
