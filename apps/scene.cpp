@@ -122,10 +122,10 @@ ModelOptions read_model(const SceneTable& table) {
       table
           .word<Kernel>("kernel",
                         {{"linear", Kernel::linear}, {"cubic", Kernel::cubic}, {"quintic", Kernel::quintic}})
-          .value_or(model.kernel);
+          .value_or(Kernel::quintic);
   model.data =
       table.word<Data>("data", {{"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}})
-          .value_or(model.data);
+          .value_or(model.kernel == Kernel::linear ? Data::force : Data::force_and_stiffness);
   if (model.kernel == Kernel::linear && model.data == Data::force_and_stiffness)
     throw table.wrong("data", "\"force\" with the linear kernel, which has no derivative at a state");
   model.neighbours = static_cast<std::size_t>(
