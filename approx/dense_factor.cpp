@@ -49,7 +49,7 @@ void DenseFactor::remove(std::span<const std::size_t> removed) {
   }
 }
 
-std::uint32_t DenseFactor::append(std::size_t count, std::size_t used, std::uint32_t skip, double tolerance,
+std::uint32_t DenseFactor::append(std::size_t count, std::size_t used, std::uint32_t skip, const double* tolerance,
                                   std::size_t used_border) {
   assert(count == 4 || count == panel);
   assert(rows_ + count <= row_capacity_);
@@ -83,7 +83,7 @@ std::uint32_t DenseFactor::append(std::size_t count, std::size_t used, std::uint
         pivot -= small[r][c] * small[r][c];
       }
     }
-    if ((skip >> r & 1u) != 0 || !(pivot > tolerance * diagonal[r])) {
+    if ((skip >> r & 1u) != 0 || !(pivot > tolerance[r] * diagonal[r])) {
       std::fill_n(small[r], panel, 0.0);
       small[r][r] = 1;
       for (std::size_t c = 0; c < m; ++c) x[c * count + r] = 0;

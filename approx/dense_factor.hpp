@@ -33,9 +33,9 @@ class DenseFactor {
   double* panel_border(std::size_t r) { return cross_border_ + r * border; }
   std::size_t panel_stride() const { return row_capacity_ + panel; }
   // Appends the first `used` of `count` = 4 or 8 panel rows; the others, and holes on purpose, are marked in skip.
-  // A row whose pivot falls below tolerance times its diagonal entry carries nothing new and becomes a hole.
+  // A row whose pivot falls below tolerance[r] times its diagonal entry carries nothing new and becomes a hole.
   // Returns the rows that were taken, bit r for row r.
-  std::uint32_t append(std::size_t count, std::size_t used, std::uint32_t skip, double tolerance,
+  std::uint32_t append(std::size_t count, std::size_t used, std::uint32_t skip, const double* tolerance,
                        std::size_t used_border);
 
   // Keeps only the given rows (ascending); every other row must be a hole.

@@ -56,12 +56,12 @@ inline __attribute__((always_inline)) void hermite_of(std::size_t n, const doubl
 template <std::size_t Q>
 inline __attribute__((always_inline)) void project_of(std::size_t m, const double* __restrict l,
                                                       const double* __restrict v, std::size_t stride,
-                                                      const double* la, const double* va, double sign,
-                                                      double* __restrict out) {
+                                                      const double* la, const double* va,
+                                                      const double* __restrict weight, double* __restrict out) {
   for (std::size_t i = 0; i < m; ++i) {
     double sum = out[i];
     for (std::size_t j = 0; j < Q; ++j) sum -= la[j] * v[j * stride + i] + va[j] * l[j * stride + i];
-    out[i] = sign * sum;
+    out[i] = weight[i] * sum;
   }
 }
 
@@ -81,10 +81,10 @@ FOREFEEL_CLONES void hermite(int power, std::size_t n, const double* px, const d
 }
 
 FOREFEEL_CLONES void project(std::size_t q, std::size_t m, const double* l, const double* v, std::size_t stride,
-                             const double* la, const double* va, double sign, double* out) {
-  if (q == 1) return project_of<1>(m, l, v, stride, la, va, sign, out);
-  if (q == 4) return project_of<4>(m, l, v, stride, la, va, sign, out);
-  project_of<10>(m, l, v, stride, la, va, sign, out);
+                             const double* la, const double* va, const double* weight, double* out) {
+  if (q == 1) return project_of<1>(m, l, v, stride, la, va, weight, out);
+  if (q == 4) return project_of<4>(m, l, v, stride, la, va, weight, out);
+  project_of<10>(m, l, v, stride, la, va, weight, out);
 }
 
 }  // namespace forefeel::rows

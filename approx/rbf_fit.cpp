@@ -10,7 +10,13 @@
 namespace forefeel {
 namespace {
 
-constexpr double pivot_tolerance = 1e-13;   // of the diagonal: less is a near-duplicate that rounding cannot tell
+// Pivots, relative to the diagonal, below which a row is a near-duplicate that rounding cannot tell from what is there.
+// Two values a distance e apart count as e^2 (for r: e), two Hermite values as e^3 (r^3) or e^4 (r^5); of the last the
+// gradients beside them carry nearly all, so they go early.
+double pivot_tolerance(int power, bool hermite, bool value) {
+  if (!hermite) return 1e-15;
+  return power == 5 && value ? 1e-11 : 1e-14;
+}
 constexpr double rank_tolerance = 1e-6;     // pivot ratio of P below which a polynomial term is not determined
 
 int power_of(Kernel kernel) { return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5; }
@@ -33,6 +39,7 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   for (auto* v : {&px_, &py_, &pz_}) v->assign(slot_capacity_ + 2 * DenseFactor::panel, 0.0);
   lagrange_.assign(max_terms * row_stride_, 0.0);
   dual_.assign(max_terms * row_stride_, 0.0);
+  weight_.assign(row_stride_, 0.0);
   orthogonal_.assign((max_terms + 3) * row_stride_, 0.0);
   gathered_.reserve(slot_capacity_);
   added_.reserve(2 * slot_capacity_);
@@ -130,6 +137,7 @@ void RbfFit::functionals(std::size_t slot) {
       lagrange_[j * row_stride_ + row] = lt[j];
       dual_[j * row_stride_ + row] = v;
     }
+    weight_[row] = t == 0 || slot_[slot].has_stiffness ? sign_ : 0;
   }
 }
 
@@ -158,7 +166,7 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
         right[j] = la[j] = lagrange_[j * row_stride_ + row];
         va[j] = dual_[j * row_stride_ + row];
       }
-      rows::project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, sign_, line);
+      rows::project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(), line);
       line[row] += options_.ridge;
       for (int c = 0; c < 3; ++c)
         right[terms_ + c] = t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scale_;
@@ -173,10 +181,15 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
     skip |= 1u << r;
     std::fill_n(factor_.panel_row(r), first_slot * b + panel, 0.0);
   }
-  const std::uint32_t taken = factor_.append(panel, used, skip, pivot_tolerance, terms_ + 3);
+  double tolerance[DenseFactor::panel];
+  for (std::size_t r = 0; r < panel; ++r)
+    tolerance[r] = pivot_tolerance(level_.power, b == 4, r % b == 0);
+  const std::uint32_t taken = factor_.append(panel, used, skip, tolerance, terms_ + 3);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t mask = (1u << b) - 1;
     slot_[first_slot + s].dropped = ~(taken >> (s * b)) & ~(skip >> (s * b)) & mask;
+    for (std::size_t t = 0; t < b; ++t)
+      if ((slot_[first_slot + s].dropped >> t & 1u) != 0) weight_[(first_slot + s) * b + t] = 0;
   }
 }
 
@@ -286,14 +299,17 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
     if (again) added_.push_back(slot_[s].sample);
     slot_[s].alive = false;
     --alive_;
-    for (std::size_t t = 0; t < b; ++t) index_.push_back(s * b + t);
+    for (std::size_t t = 0; t < b; ++t) {
+      index_.push_back(s * b + t);
+      weight_[s * b + t] = 0;
+    }
   }
   factor_.remove(index_);
   std::erase_if(by_id_, [&](const Entry& e) { return !slot_[e.slot].alive; });
   added_.insert(added_.end(), added.begin(), added.end());
   if (slots_ + added_.size() > slot_capacity_) compact();
   append(added_);
-  if (frame_expired()) return Outcome::stale;
+  if (mode_ == Mode::automatic && frame_expired()) return Outcome::stale;
   gather();
   const Level level = level_for(gathered_);
   const bool same = level.power == level_.power && level.degree == level_.degree && level.hermite == level_.hermite;
@@ -313,6 +329,7 @@ void RbfFit::compact() {
     for (std::size_t t = 0; t < rows_per_slot_; ++t) {
       const std::size_t from = s * rows_per_slot_ + t, row = to * rows_per_slot_ + t;
       index_.push_back(from);
+      weight_[row] = weight_[from];
       for (std::size_t j = 0; j < terms_; ++j) {
         lagrange_[j * row_stride_ + row] = lagrange_[j * row_stride_ + from];
         dual_[j * row_stride_ + row] = dual_[j * row_stride_ + from];

@@ -1,0 +1,128 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "approx/force_switch.hpp"
+#include "tests/approx/sets.hpp"
+
+using namespace forefeel;
+using namespace forefeel::testing;
+
+namespace {
+
+// Models of scaled copies of the field, so that successive ones disagree by any amount.
+std::vector<std::unique_ptr<Model>> models(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<std::unique_ptr<Model>> made;
+  for (std::size_t i = 0; i < count; ++i) {
+    auto states = states_at(lattice_points(1, 0.01));
+    const double factor = 1 + 2 * unit(random);
+    const Vec3 offset = 0.5 * Vec3(unit(random), unit(random), unit(random));
+    for (auto& s : states) s.force = factor * s.force + offset;
+    made.push_back(std::make_unique<Model>(fit(states, {.kernel = Kernel::cubic}, Vec3::Zero())));
+  }
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("No frame changes the force by more than the rule's bound, whatever models come") {
+  const auto known = models(12, 3);
+  for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth})
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      CAPTURE(name(rule), seed);
+      std::mt19937 random(seed);
+      ForceSwitch damped({.rule = rule});
+      const double share = rule == SwitchRule::paper ? 0.07 : 0.007, floor = rule == SwitchRule::paper ? 0.01 : 0.001;
+      Vec3 x(0.004, 0, 0);
+      const Model* newest = nullptr;
+      int since_change = 0;
+      for (int frame = 0; frame < 3000; ++frame) {
+        x += 2e-5 * Vec3(std::sin(0.01 * frame), std::cos(0.013 * frame), std::sin(0.007 * frame + 1));
+        const bool comes = random() % 50 == 0;
+        if (comes) newest = known[random() % known.size()].get();
+        const auto out = damped.step(comes ? newest : nullptr, x);
+        const double after = out.force.norm(), before = (out.force - out.change).norm(), moved = out.change.norm();
+        CHECK(moved <= std::max(floor, share * after) * (1 + 1e-12) + 1e-15);
+        CHECK(moved <= std::max(floor, share * before) * (1 + 1e-12) + 1e-15);
+        CHECK(moved <= out.bound);
+        if (rule == SwitchRule::paper) {   // at most one step in ten frames
+          since_change = moved > 1e-12 ? 0 : since_change + 1;
+          if (moved <= 1e-12 && since_change < 9) CHECK(moved <= 1e-12);
+        }
+      }
+    }
+}
+
+TEST_CASE("The paper's weight moves every tenth frame") {
+  const auto known = models(2, 8);
+  ForceSwitch damped({.rule = SwitchRule::paper});
+  const Vec3 x(0.005, 0.002, 0);
+  int last = -100;
+  for (int frame = 0; frame < 2000; ++frame) {
+    const auto out = damped.step(frame == 3 ? known[0].get() : frame == 700 ? known[1].get() : nullptr, x);
+    if (out.change.norm() < 1e-14) continue;
+    CHECK(frame - last >= 10);
+    last = frame;
+  }
+  CHECK(last > 700);
+}
+
+TEST_CASE("The first model fades in from zero and the force converges to the newest model") {
+  const auto known = models(3, 5);
+  for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
+    CAPTURE(name(rule));
+    ForceSwitch damped({.rule = rule});
+    const Vec3 x(0.005, 0.002, -0.001);
+    CHECK(damped.step(nullptr, x).force.norm() == 0);
+    auto out = damped.step(known[0].get(), x);
+    CHECK(out.took_model);
+    CHECK(out.undamped_jump == Approx(known[0]->force(x).norm()));
+    if (rule != SwitchRule::none) CHECK(out.force.norm() <= 0.010 * (1 + 1e-12));
+    for (int i = 0; i < 4000; ++i) out = damped.step(i == 2000 ? known[1].get() : nullptr, x);
+    CHECK((out.force - known[1]->force(x)).norm() < 1e-12);
+    CHECK((out.undamped - known[1]->force(x)).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("Every model is released exactly once, and the latest wins") {
+  const auto known = models(40, 6);
+  for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
+    CAPTURE(name(rule));
+    ForceSwitch damped({.rule = rule});
+    std::vector<int> released(known.size(), 0);
+    const auto count = [&](const Model* model) {
+      for (std::size_t i = 0; i < known.size(); ++i) released[i] += known[i].get() == model ? 1 : 0;
+    };
+    const Vec3 x(0.005, 0.002, -0.001);
+    ForceSwitch::Frame out;
+    for (std::size_t frame = 0; frame < 6000; ++frame) {
+      const bool comes = frame % 7 == 0 && frame / 7 < known.size();
+      out = damped.step(comes ? known[frame / 7].get() : nullptr, x);
+      if (out.released != nullptr) count(out.released);
+      if (out.released_too != nullptr) count(out.released_too);
+      int living = 0;
+      for (std::size_t i = 0; i < std::min(known.size(), frame / 7 + 1); ++i) living += released[i] == 0 ? 1 : 0;
+      CHECK(living <= (rule == SwitchRule::paper ? 3 : 1));
+    }
+    for (std::size_t i = 0; i + 1 < known.size(); ++i) CHECK(released[i] == 1);
+    CHECK(released.back() == 0);
+    CHECK((out.force - known.back()->force(x)).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("The smooth offset is gone in the stated time") {
+  const auto known = models(2, 12);
+  ForceSwitch damped({.rule = SwitchRule::smooth});
+  const Vec3 x(0.005, 0.002, -0.001);
+  for (int i = 0; i < 5000; ++i) damped.step(i == 0 ? known[0].get() : nullptr, x);
+  auto out = damped.step(known[1].get(), x);
+  const int limit = static_cast<int>(std::ceil(out.undamped_jump / 0.001));
+  int frames = 1;
+  while ((out.force - out.undamped).norm() > 0) {
+    out = damped.step(nullptr, x);
+    REQUIRE(++frames <= limit + 1);
+  }
+}
