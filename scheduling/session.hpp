@@ -61,7 +61,7 @@ struct SessionInput {
   std::filesystem::path cache_folder;              // tight reference solves of this body; empty: none
   // One service for many sessions of the same body, spacing and displacements, also at the same time, since a cache
   // file has one writer; null: one of its own in cache_folder.
-  std::shared_ptr<ReferenceService> references;
+  std::shared_ptr<ReferenceService> references = {};
   std::filesystem::path scene_folder;
   Vec3 inward = -Vec3::UnitZ();
 };
