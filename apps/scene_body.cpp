@@ -37,7 +37,9 @@ TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
   }
   if (!elements)
     throw InputError(body.where("elements"), "missing, expected a tetrahedron count, for mesh is a surface");
-  return tetrahedralise(read_surface(file), {.elements = static_cast<std::size_t>(*elements), .length = {}});
+  return tetrahedralise(
+      read_surface(file),
+      {.elements = static_cast<std::size_t>(*elements), .length = {}, .name = file.string()});
 }
 
 TetMesh make_phantom(const SceneTable& body) {
