@@ -243,6 +243,56 @@ FOREFEEL_CLONES void solve_transposed3(const double* l, std::size_t stride, cons
   }
 }
 
+FOREFEEL_CLONES void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper,
+                                   double* right) {
+  for (std::size_t j = 0; j < q + 3; ++j)
+    for (std::size_t r = m; r < m + 8; ++r) columns[j * stride + r] = 0;
+  const auto dot = [&](const double* __restrict a, const double* __restrict b) __attribute__((always_inline)) {
+    Pack8 sum = {};
+    for (std::size_t r = 0; r < m; r += 8)
+      sum += *reinterpret_cast<const Pack8*>(a + r) * *reinterpret_cast<const Pack8*>(b + r);
+    return sum_of(sum);
+  };
+  const auto subtract = [&](double factor, const double* __restrict a, double* __restrict b)
+      __attribute__((always_inline)) {
+        for (std::size_t r = 0; r < m; r += 8)
+          *reinterpret_cast<Pack8*>(b + r) -= factor * *reinterpret_cast<const Pack8*>(a + r);
+      };
+  for (std::size_t j = 0; j < q; ++j) {
+    double* unit = columns + j * stride;
+    const double length = std::sqrt(dot(unit, unit));
+    upper[j * q + j] = length;
+    for (std::size_t r = 0; r < m; ++r) unit[r] /= length;
+    for (std::size_t k = j + 1; k < q + 3; ++k) {
+      double* other = columns + k * stride;
+      const double along = dot(unit, other);
+      subtract(along, unit, other);
+      (k < q ? upper[j * q + k] : right[(k - q) * q + j]) = along;
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t j = 0; j < q; ++j) {
+      const double along = dot(columns + j * stride, columns + (q + c) * stride);
+      subtract(along, columns + j * stride, columns + (q + c) * stride);
+      right[c * q + j] += along;
+    }
+}
+
+FOREFEEL_CLONES void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight,
+                          double* out) {
+  for (std::size_t i = 0; i < q; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      const double* __restrict a = l + i * stride;
+      const double* __restrict b = l + j * stride;
+      Pack8 sum = {};
+      for (std::size_t r = 0; r < m; r += 8) {
+        const Pack8 w = *reinterpret_cast<const Pack8*>(weight + r);
+        sum += w * w * *reinterpret_cast<const Pack8*>(a + r) * *reinterpret_cast<const Pack8*>(b + r);
+      }
+      out[i * q + j] = sum_of(sum);
+    }
+}
+
 FOREFEEL_CLONES void transpose_panel(const double* rows, std::size_t row_stride, std::size_t p, std::size_t m,
                                      double* x) {
   for (std::size_t r = 0; r < p; ++r) {

@@ -22,6 +22,12 @@ void rotate_columns(double* l, std::size_t stride, double* inverse_diagonal, std
 // L^T z = y in place, three right-hand sides.
 void solve_transposed3(const double* l, std::size_t stride, const double* inverse_diagonal, std::size_t m, double* y0,
                        double* y1, double* y2);
+// Modified Gram-Schmidt on q + 3 columns of length m (each followed by 8 entries of room) at columns[j * stride]: the
+// first q become orthonormal with upper triangle upper[i * q + j], the last three their own residuals (taken twice),
+// and right[c * q + j] their components.
+void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper, double* right);
+// gram[i * q + j] = sum_r l_i[r] l_j[r], j <= i, l_i at l[i * stride]; rows of weight 0 do not count.
+void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight, double* gram);
 // Rows of X (row-major, 8 or 4 rows) to columns.
 void transpose_panel(const double* rows, std::size_t row_stride, std::size_t p, std::size_t m, double* x);
 

@@ -166,4 +166,22 @@ FOREFEEL_CLONES void hermite_jacobian(int power, std::size_t n, const double* da
   hermite_jacobian_of<5>(n, data, stride, y, f, j);
 }
 
+FOREFEEL_CLONES void supports(std::size_t n, const double* px, const double* py, const double* pz,
+                              const double axes[13][3], double low[13], double high[13]) {
+  const double* __restrict x = px;
+  const double* __restrict y = py;
+  const double* __restrict z = pz;
+  for (int k = 0; k < 13; ++k) {
+    const double a = axes[k][0], b = axes[k][1], c = axes[k][2];
+    double least = 1e300, most = -1e300;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double along = a * x[i] + b * y[i] + c * z[i];
+      least = along < least ? along : least;
+      most = along > most ? along : most;
+    }
+    low[k] = least;
+    high[k] = most;
+  }
+}
+
 }  // namespace forefeel::sums

@@ -16,4 +16,8 @@ void plain_jacobian(int power, std::size_t n, const double* data, std::size_t st
 void hermite_jacobian(int power, std::size_t n, const double* data, std::size_t stride, const double y[3], double f[3],
                       double j[9]);
 
+// Least and largest of axis . p_i over n >= 1 points, for 13 axes.
+void supports(std::size_t n, const double* px, const double* py, const double* pz, const double axes[13][3],
+              double low[13], double high[13]);
+
 }  // namespace forefeel::sums

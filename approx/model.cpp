@@ -163,17 +163,9 @@ double Model::Impl::outside(const double y[3], double gradient[3]) const noexcep
 }
 
 void Model::Impl::set_hull(const double* px, const double* py, const double* pz, std::size_t n) {
+  sums::supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
-  for (int k = 0; k < 13; ++k) {
-    low[k] = 1e300;
-    high[k] = -1e300;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double along = axes.d[k][0] * px[i] + axes.d[k][1] * py[i] + axes.d[k][2] * pz[i];
-      low[k] = std::min(low[k], along);
-      high[k] = std::max(high[k], along);
-    }
-    nearest = std::min({nearest, high[k], -low[k]});
-  }
+  for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
   const double radius = nearest + trust / 1.4;  // 13^(1/8) < 1.4
   inner_squared = radius > 0 ? radius * radius : -1;
 }

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "approx/dense_kernels.hpp"
 #include "approx/kernel_rows.hpp"
 
 namespace forefeel {
@@ -58,10 +59,35 @@ void RbfFit::set_frame(std::span<const Sample> samples) {
   inverse_scale_ = 1 / scale_;
 }
 
+namespace {
+
+// Pivoted Cholesky of the q x q Gram matrix (lower triangle, overwritten): its pivots are the squares of those of a
+// pivoted QR of P.
+bool full_rank(std::size_t q, double* gram) {
+  const auto entry = [&](std::size_t i, std::size_t j) -> double& { return i > j ? gram[i * q + j] : gram[j * q + i]; };
+  double first = 0;
+  bool done[max_terms] = {};
+  for (std::size_t step = 0; step < q; ++step) {
+    std::size_t best = q;
+    for (std::size_t i = 0; i < q; ++i)
+      if (!done[i] && (best == q || entry(i, i) > entry(best, best))) best = i;
+    const double pivot = entry(best, best);
+    if (step == 0) first = pivot;
+    if (!(pivot > rank_tolerance * rank_tolerance * first)) return false;
+    done[best] = true;
+    for (std::size_t i = 0; i < q; ++i)
+      for (std::size_t j = 0; j <= i; ++j)
+        if (!done[i] && !done[j]) entry(i, j) -= entry(i, best) * entry(j, best) / pivot;
+  }
+  return true;
+}
+
+}  // namespace
+
+// The highest level whose polynomial the samples determine.
 RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
-  const bool wanted_hermite = options_.data == Data::force_and_stiffness;
-  Level level{power_of(options_.kernel), options_.kernel == Kernel::quintic ? 2 : 1, wanted_hermite};
-  double gram[max_terms][max_terms];
+  Level level{power_of(options_.kernel), options_.kernel == Kernel::quintic ? 2 : 1,
+              options_.data == Data::force_and_stiffness};
   for (;; --level.degree) {
     if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
     if (level.degree == 0) {
@@ -69,39 +95,33 @@ RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
       return level;
     }
     const std::size_t q = polynomial_terms(level.degree);
-    for (auto& row : gram) std::fill(std::begin(row), std::end(row), 0.0);
-    double l[max_terms], gradient[3 * max_terms];
+    double gram[max_terms * max_terms] = {}, l[max_terms], gradient[3 * max_terms];
     for (const auto& s : samples) {
       const Vec3 y = scaled(s.at);
       lagrange(level.degree, y.data(), l, gradient);
+      const bool both = level.hermite && s.stiffness.allFinite();
       for (std::size_t i = 0; i < q; ++i)
-        for (std::size_t j = 0; j <= i; ++j) gram[i][j] += l[i] * l[j];
-      if (level.hermite && s.stiffness.allFinite())
-        for (std::size_t i = 0; i < q; ++i)
-          for (std::size_t j = 0; j <= i; ++j)
-            for (int d = 0; d < 3; ++d) gram[i][j] += gradient[3 * i + d] * gradient[3 * j + d];
+        for (std::size_t j = 0; j <= i; ++j) {
+          gram[i * q + j] += l[i] * l[j];
+          for (std::size_t d = 0; both && d < 3; ++d) gram[i * q + j] += gradient[3 * i + d] * gradient[3 * j + d];
+        }
     }
-    // Pivoted Cholesky: its pivots are the squares of those of a pivoted QR of P.
-    double first = 0;
-    bool full = true;
-    bool done[max_terms] = {};
-    for (std::size_t step = 0; step < q && full; ++step) {
-      std::size_t best = q;
-      for (std::size_t i = 0; i < q; ++i)
-        if (!done[i] && (best == q || gram[i][i] > gram[best][best])) best = i;
-      const double pivot = gram[best][best];
-      if (step == 0) first = pivot;
-      if (!(pivot > rank_tolerance * rank_tolerance * first)) full = false;
-      done[best] = true;
-      for (std::size_t i = 0; i < q; ++i)
-        for (std::size_t j = 0; j <= i; ++j)
-          if (!done[i] && !done[j]) {
-            const double a = i > best ? gram[i][best] : gram[best][i], b = j > best ? gram[j][best] : gram[best][j];
-            gram[i][j] -= a * b / pivot;
-          }
-    }
-    if (full) return level;
+    if (full_rank(q, gram)) return level;
   }
+}
+
+// The same question for the level in use, from the rows that are there; a set that once stepped down is asked anew.
+bool RbfFit::level_still_fits() {
+  const int wanted = options_.kernel == Kernel::quintic ? 2 : 1;
+  if (level_.degree == wanted) {
+    double gram[max_terms * max_terms];
+    std::fill_n(weight_.data() + slots_ * rows_per_slot_, 8, 0.0);
+    dense::gram(terms_, slots_ * rows_per_slot_, lagrange_.data(), row_stride_, weight_.data(), gram);
+    return full_rank(terms_, gram);
+  }
+  gather();
+  const Level level = level_for(gathered_);
+  return level.power == level_.power && level.degree == level_.degree && level.hermite == level_.hermite;
 }
 
 void RbfFit::clear() {
@@ -111,7 +131,8 @@ void RbfFit::clear() {
 }
 
 void RbfFit::place(std::size_t slot, const Sample& sample) {
-  slot_[slot] = {sample, true, level_.hermite && sample.stiffness.allFinite(), 0};
+  const bool known = sample.stiffness.allFinite();
+  slot_[slot] = {sample, true, level_.hermite && known, sample.force.norm(), known ? sample.stiffness.norm() : 0, 0};
   const Vec3 y = scaled(sample.at);
   px_[slot] = y[0];
   py_[slot] = y[1];
@@ -310,10 +331,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   if (slots_ + added_.size() > slot_capacity_) compact();
   append(added_);
   if (mode_ == Mode::automatic && frame_expired()) return Outcome::stale;
-  gather();
-  const Level level = level_for(gathered_);
-  const bool same = level.power == level_.power && level.degree == level_.degree && level.hermite == level_.hermite;
-  return same ? Outcome::done : Outcome::stale;
+  return level_still_fits() ? Outcome::done : Outcome::stale;
 }
 
 void RbfFit::compact() {

@@ -53,11 +53,13 @@ class RbfFit {
   struct Slot {
     Sample sample;
     bool alive = false;
-    bool has_stiffness = false;
+    bool has_stiffness = false;      // and it is used
+    double force_norm = 0, stiffness_norm = 0;   // 0: not known
     std::uint32_t dropped = 0;   // functionals without a row of their own
   };
 
   Level level_for(std::span<const Sample> samples);
+  bool level_still_fits();
   void set_frame(std::span<const Sample> samples);
   void clear();
   void append(std::span<const Sample> added);
@@ -100,7 +102,7 @@ class RbfFit {
   std::vector<Entry> by_id_;             // living slots, ascending ids
   std::vector<Sample> gathered_, added_;
   std::vector<std::size_t> index_;
-  double upper_[max_terms * max_terms] = {}, coefficient_[3][max_terms] = {};
+  double coefficient_[3][max_terms] = {};
 };
 
 }  // namespace forefeel

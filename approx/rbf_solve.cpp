@@ -4,53 +4,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approx/dense_kernels.hpp"
 #include "approx/rbf_fit.hpp"
 
 namespace forefeel {
-namespace {
-
-using Column = Eigen::Map<Eigen::VectorXd>;
-
-double largest_norm(const Mat3& m) { return m.norm(); }
-
-}  // namespace
-
 // min |Y_P c - Y_f| by modified Gram-Schmidt on [Y_P Y_f], whose last columns become the residual; then
-// lambda = L^-T residual.
+// lambda = L^-T residual. P^T lambda = 0 is as exact as the residual is orthogonal.
 void RbfFit::solve() {
   const std::size_t m = factor_.rows(), q = terms_;
   for (std::size_t r = 0; r < m; ++r) {
     const double* from = factor_.border_row(r);
     for (std::size_t j = 0; j < q + 3; ++j) orthogonal_[j * row_stride_ + r] = from[j];
   }
-  const auto column = [&](std::size_t j) {
-    return Column(orthogonal_.data() + j * row_stride_, static_cast<Eigen::Index>(m));
-  };
-  double right[3][max_terms] = {};
-  for (std::size_t j = 0; j < q; ++j) {
-    auto unit = column(j);
-    const double length = unit.norm();
-    upper_[j * max_terms + j] = length;
-    unit /= length;
-    for (std::size_t k = j + 1; k < q + 3; ++k) {
-      auto other = column(k);
-      const double along = unit.dot(other);
-      other -= along * unit;
-      (k < q ? upper_[j * max_terms + k] : right[k - q][j]) = along;
-    }
-  }
-  // Once more for the residual: P^T lambda = 0 is as exact as this is orthogonal.
-  for (int c = 0; c < 3; ++c)
-    for (std::size_t j = 0; j < q; ++j) {
-      const double along = column(j).dot(column(q + c));
-      column(q + c) -= along * column(j);
-      right[c][j] += along;
-    }
-  for (int c = 0; c < 3; ++c)
+  double upper[max_terms * max_terms], right[3 * max_terms];
+  dense::orthogonalise(q, m, orthogonal_.data(), row_stride_, upper, right);
+  for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t j = q; j-- > 0;) {
-      double value = right[c][j];
-      for (std::size_t k = j + 1; k < q; ++k) value -= upper_[j * max_terms + k] * coefficient_[c][k];
-      coefficient_[c][j] = value / upper_[j * max_terms + j];
+      double value = right[c * q + j];
+      for (std::size_t k = j + 1; k < q; ++k) value -= upper[j * q + k] * coefficient_[c][k];
+      coefficient_[c][j] = value / upper[j * q + j];
     }
   double* residual = orthogonal_.data() + q * row_stride_;
   factor_.solve_transposed(residual, residual + row_stride_, residual + 2 * row_stride_);
@@ -105,8 +77,8 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
       first = s;
     }
     farthest = std::max(farthest, distance);
-    largest_force = std::max(largest_force, a.force.norm());
-    if (a.stiffness.allFinite()) largest_stiffness = std::max(largest_stiffness, largest_norm(a.stiffness));
+    largest_force = std::max(largest_force, slot_[s].force_norm);
+    largest_stiffness = std::max(largest_stiffness, slot_[s].stiffness_norm);
     spread += (a.at - centre_).squaredNorm();
     ++count;
   }
@@ -119,39 +91,43 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
   out.hold = 4 * length;
 
   // Weights fall to zero at the farthest state, so that the tangent moves gradually as the set does.
-  double total = 0;
-  out.tangent_at.setZero();
+  double total = 0, slope = 0;
+  Vec3 at = Vec3::Zero(), force = Vec3::Zero();
+  Mat3 jacobian = Mat3::Zero();
   bool stiffness_known = true;
   const double floor = 1e-6 * farthest + 1e-300;
-  const auto weight = [&](const Sample& a) {
-    const double distance = std::max((a.at - hip).norm(), floor);
-    const double w = count > 1 ? std::max(0.0, farthest / distance - 1) * nearest / (farthest + floor) : 1;
-    return count > 1 ? w * w + (&a == &base ? 1e-12 : 0) : 1;
-  };
-  double slope = 0;
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
     const Sample& a = slot_[s].sample;
-    const double w = weight(a);
+    const double distance = std::max((a.at - hip).norm(), floor);
+    const double ratio = count > 1 ? (farthest / distance - 1) * nearest / (farthest + floor) : 1;
+    const double w = ratio > 0 ? ratio * ratio : s == first ? 1e-12 : 0;
+    const Vec3 from = a.at - base.at;
+    if (largest_stiffness == 0) {
+      const double apart = from.norm();
+      if (apart > 1e-3 * farthest) slope = std::max(slope, (a.force - base.force).norm() / apart);
+    }
+    if (w == 0) continue;
     total += w;
-    out.tangent_at += w * (a.at - centre_);
-    if (w > 0 && !a.stiffness.allFinite()) stiffness_known = false;
-    const double apart = (a.at - base.at).norm();
-    if (apart > 1e-3 * farthest) slope = std::max(slope, (a.force - base.force).norm() / apart);
+    at += w * from;
+    force += w * a.force;
+    if (slot_[s].stiffness_norm > 0) {
+      force += w * (a.stiffness * from);
+      jacobian -= w * a.stiffness;
+    } else {
+      stiffness_known = false;
+    }
   }
   if (largest_stiffness == 0) largest_stiffness = 2 * slope;
   out.bound = 1.25 * (largest_force + largest_stiffness * out.hold);
-  out.tangent_at = centre_ + out.tangent_at / total;
-  out.tangent_force.setZero();
-  out.tangent_jacobian.setZero();
-  for (std::size_t s = 0; s < slots_; ++s) {
-    if (!slot_[s].alive) continue;
-    const Sample& a = slot_[s].sample;
-    const double w = weight(a) / total;
-    out.tangent_force += w * a.force;
-    if (!stiffness_known) continue;
-    out.tangent_force -= w * a.stiffness * (out.tangent_at - a.at);
-    out.tangent_jacobian -= w * a.stiffness;
+  out.tangent_at = base.at + at / total;
+  if (stiffness_known) {   // mean of f_i - K_i (x - x_i) about the mean position
+    out.tangent_jacobian = jacobian / total;
+    out.tangent_force = force / total + out.tangent_jacobian * (at / total);
+  } else {
+    out.tangent_force = base.force;
+    out.tangent_at = base.at;
+    out.tangent_jacobian.setZero();
   }
   if (!stiffness_known && out.power != 0) {
     const Vec3 y = scaled(out.tangent_at);
