@@ -286,10 +286,25 @@ void backward_lanes(const FrontTree& tree, const double* panels, double* b, doub
   }
 }
 
+void dot_lanes(std::int64_t rows, const double* a, const double* b, double* out) {
+  Lanes sum[4]{};
+  std::int64_t i = 0;
+  for (; i + 4 <= rows; i += 4)
+    for (int k = 0; k < 4; ++k) sum[k] += load(a + (i + k) * lane_count) * load(b + (i + k) * lane_count);
+  for (; i < rows; ++i) sum[0] += load(a + i * lane_count) * load(b + i * lane_count);
+  store(out, (sum[0] + sum[1]) + (sum[2] + sum[3]));
+}
+
+void add_lanes(std::int64_t rows, const double* factor, const double* x, double* y) {
+  const Lanes f = load(factor);
+  for (std::int64_t i = 0; i < rows; ++i)
+    store(y + i * lane_count, load(y + i * lane_count) + f * load(x + i * lane_count));
+}
+
 }  // namespace
 
 namespace FOREFEEL_ISA {
 extern const FrontKernels front_kernels;
-const FrontKernels front_kernels{factor, forward, backward, forward_lanes, backward_lanes};
+const FrontKernels front_kernels{factor, forward, backward, forward_lanes, backward_lanes, dot_lanes, add_lanes};
 }  // namespace FOREFEEL_ISA
 }  // namespace forefeel

@@ -82,6 +82,9 @@ struct FrontKernels {
   void (*backward)(const FrontTree&, const double* panels, double* b, double* work);
   void (*forward_lanes)(const FrontTree&, const double* panels, double* b, double* work);     // (n+1) x 3 x 8
   void (*backward_lanes)(const FrontTree&, const double* panels, double* b, double* work);
+  // Eight vectors of `rows` entries side by side: out = a . b, and y += factor x, each lane with its own factor.
+  void (*dot_lanes)(std::int64_t rows, const double* a, const double* b, double* out);
+  void (*add_lanes)(std::int64_t rows, const double* factor, const double* x, double* y);
 };
 
 // law: its number in enum Law. The best version that this processor runs.

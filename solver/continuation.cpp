@@ -1,0 +1,88 @@
+#include "solver/continuation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+constexpr double smallest_share = 1.0 / 256;   // of a continuation step, after halvings
+
+}  // namespace
+
+void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x, std::vector<double>& u) {
+  u.resize(field.u.size());
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = field.u[i] + field.tangent[3 * i] * move[0] + field.tangent[3 * i + 1] * move[1] + field.tangent[3 * i + 2] * move[2];
+  for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * d.free_nodes + i)] = x[i];
+}
+
+Continuation::Continuation(std::shared_ptr<const Discretisation> discretisation)
+    : d_(std::move(discretisation)), newton_(d_) {
+  field_.u.resize(static_cast<std::size_t>(d_->local_size()));
+  field_.tangent.resize(3 * field_.u.size());
+}
+
+void Continuation::begin_at_rest() {
+  std::fill(field_.u.begin(), field_.u.end(), 0.0);
+  at_ = Vec3::Zero();
+  has_tangent_ = false;
+  iterations_ = 0;
+}
+
+void Continuation::begin_at(const Vec3& at, const LocalField& field) {
+  field_.u = field.u;
+  has_tangent_ = !field.tangent.empty();
+  if (has_tangent_) field_.tangent = field.tangent;
+  at_ = at;
+  iterations_ = 0;
+}
+
+bool Continuation::take_tangent() {
+  if (has_tangent_) return true;
+  if (!newton_.factorise(field_.u)) return false;
+  newton_.factor().tangent(field_.tangent.data());
+  return has_tangent_ = true;
+}
+
+NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop) {
+  NewtonReport report;
+  if (!take_tangent()) {
+    report.status = SolveStatus::diverged;
+    return report;
+  }
+  predict(*d_, field_, x - at_, x, trial_);
+  report = newton_.solve(trial_, tolerance, max_iterations, stop);
+  iterations_ += report.iterations;
+  if (report.status != SolveStatus::converged) return report;
+  std::swap(field_.u, trial_);
+  at_ = x;
+  newton_.factor().tangent(field_.tangent.data());
+  return report;
+}
+
+NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
+                                   const std::stop_token& stop) {
+  const Vec3 from = at_;
+  const double distance = (x - from).norm();
+  const double steps = max_step > 0 ? std::max(1.0, std::ceil(distance / max_step * (1 - 1e-12))) : 1.0;
+  double done = 0, share = 1 / steps;
+  const double least = smallest_share * share;
+  NewtonReport report;
+  do {
+    const double next = done + share >= 1 - 1e-9 ? 1.0 : done + share;
+    const Vec3 target = next == 1.0 ? x : Vec3(from + next * (x - from));
+    report = step_to(target, tolerance, max_iterations, stop);
+    if (report.status == SolveStatus::converged) {
+      done = next;
+      share = std::min(1 / steps, 2 * share);
+    } else if (report.status == SolveStatus::cancelled || share <= least) {
+      break;
+    } else {
+      share *= 0.5;
+    }
+  } while (done < 1);
+  return report;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,46 @@
+#pragma once
+// An equilibrium that is moved along: the contact goes straight from where it is to x, the tangent du/dx predicts,
+// Newton corrects, and a step that fails is halved.
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "solver/lane_solver.hpp"
+#include "solver/newton.hpp"
+
+namespace forefeel {
+
+class Continuation {
+ public:
+  explicit Continuation(std::shared_ptr<const Discretisation> discretisation);
+
+  void begin_at_rest();
+  void begin_at(const Vec3& at, const LocalField& field);    // an empty tangent is worked out when needed
+
+  // In steps of at most max_step (0: one). Ends at x, or where the last step that worked ended.
+  NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations, const std::stop_token& stop);
+
+  const Vec3& at() const { return at_; }
+  int iterations() const { return iterations_; }             // since begin
+  const LocalField& field() const { return field_; }         // with its tangent after an advance that converged
+  Mat3 stiffness() const { return newton_.factor().stiffness(); }   // after an advance that converged
+  NewtonSolver& newton() { return newton_; }
+
+ private:
+  bool take_tangent();
+  NewtonReport step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop);
+
+  std::shared_ptr<const Discretisation> d_;
+  NewtonSolver newton_;
+  LocalField field_;
+  std::vector<double> trial_;
+  Vec3 at_ = Vec3::Zero();
+  bool has_tangent_ = false;
+  int iterations_ = 0;
+};
+
+// u of the field moved by its tangent: u + V move, the contact's rows exactly at x.
+void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x, std::vector<double>& u);
+
+}  // namespace forefeel

@@ -1,0 +1,54 @@
+#pragma once
+// Up to eight neighbouring states at once, in the lanes of vector instructions, on one factor M of H near them:
+//   u <- u - M^{-1} r_f(u), accelerated by Anderson mixing (Walker, Ni 2011) over the last steps,
+// then for each state, with V = du/dx corrected once or more by M^{-1} and rho = -(H [V; I])_f, delta = M^{-1} rho,
+//   K = [V; I]^T H [V; I] - sym(rho^T delta)      second order in what V lacks, times how well M fits
+//   f = -(g_c + V^T r_f)                          second order in what u lacks
+// A state whose iteration does not contract is left to the caller.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "geometry/state.hpp"
+#include "solver/factorisation.hpp"
+
+namespace forefeel {
+
+// u (local vector) and V (local vector x 3, row by row) of one state.
+struct LocalField {
+  std::vector<double> u, tangent;
+};
+
+struct LaneResult {
+  bool converged = false;
+  int iterations = 0;
+  double residual = 0, energy = 0, min_jacobian = 0;
+  Vec3 force = Vec3::Zero();
+  Mat3 stiffness = Mat3::Zero();
+};
+
+class LaneSolver {
+ public:
+  explicit LaneSolver(std::shared_ptr<const Discretisation> discretisation);
+
+  // fields: 1 to 8 predictions, the contact's rows of u at the states' positions; those that converge are replaced by
+  // the equilibria. residual_tolerance: |r_f| / max(|f|, floor).
+  void solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
+             std::array<LaneResult, lane_count>& results);
+
+ private:
+  void load(const std::vector<LocalField*>& fields);
+  bool iterate(const Factorisation& factor, int count, double tolerance, std::array<LaneResult, lane_count>& results);
+  void mix(int iteration, const std::array<double, lane_count>& active);
+  void finish(const Factorisation& factor, int count, std::array<LaneResult, lane_count>& results);
+
+  std::shared_ptr<const Discretisation> d_;
+  std::size_t size_;                       // of a local vector in lanes
+  std::vector<double> u_, residual_, step_, tangent_, product_;
+  static constexpr int depth_ = 3;         // of the mixing
+  std::array<std::vector<double>, depth_> step_change_, move_;   // of the last iterations
+  std::vector<double> last_step_, last_move_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,201 @@
+#include "solver/sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+// A force that differs by more than this share from what the stiffness of a neighbour foretells is looked into.
+constexpr double suspicious = 0.1;
+// Values on two branches differ by more than this.
+constexpr double other_branch = 1e-4;
+constexpr double fallback_tolerance = 1e-8;
+constexpr int fallback_iterations = 60;
+
+void scale_into(const std::vector<double>& from, double factor, std::vector<double>& to) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * from[i];
+}
+
+}  // namespace
+
+SweepWorker::SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options)
+    : d_(std::move(discretisation)), options_(options), path_(d_), lanes_(d_) {}
+
+void SweepWorker::take(SweepNode& node, const LaneResult& result) const {
+  State& s = node.state;
+  s.status = SolveStatus::converged;
+  s.force = result.force;
+  s.stiffness = result.stiffness;
+  s.energy = result.energy;
+  s.iterations = result.iterations;
+  s.residual = result.residual;
+  s.min_jacobian = result.min_jacobian;
+}
+
+// Newton continuation from the given nodes in turn, then straight from rest.
+void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
+  State& s = node.state;
+  for (std::size_t attempt = 0; attempt <= starts.size(); ++attempt) {
+    const SweepNode* start = attempt < starts.size() ? starts[attempt] : nullptr;
+    if (start)
+      path_.begin_at(start->state.at, start->field);
+    else
+      path_.begin_at_rest();
+    const NewtonReport report = path_.advance(s.at, start ? 0.0 : options_.spacing, fallback_tolerance,
+                                              fallback_iterations, options_.stop);
+    s.status = report.status;
+    s.parent = start ? start->state.at : Vec3(Vec3::Zero());
+    s.iterations += path_.iterations();
+    s.residual = report.residual;
+    s.min_jacobian = report.min_jacobian;
+    if (report.status == SolveStatus::cancelled) return;
+    if (report.status != SolveStatus::converged) {
+      if (attempt == 0 && starts.size() > 1) attempt = starts.size() - 1;   // one neighbour, then rest
+      continue;
+    }
+    s.force = report.force;
+    s.energy = report.energy;
+    s.stiffness = path_.stiffness();
+    node.field = path_.field();
+    return;
+  }
+  node.field = {};
+}
+
+// The trapezium rule on the stiffnesses foretells the force to third order. Where it does not fit, or where a neighbour
+// is known to have another branch, the reference branch decides: straight from rest in steps of h.
+void SweepWorker::compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours) {
+  if (!node.solved()) return;
+  bool doubt = false;
+  for (const SweepNode* other : neighbours) {
+    const Vec3 foretold =
+        other->state.force - 0.5 * (other->state.stiffness + node.state.stiffness) * (node.state.at - other->state.at);
+    const double scale = std::max({node.state.force.norm(), other->state.force.norm(), d_->force_floor});
+    doubt = doubt || other->state.multivalued || !((foretold - node.state.force).norm() <= suspicious * scale);
+  }
+  if (!doubt) return;
+  path_.begin_at_rest();
+  const NewtonReport report =
+      path_.advance(node.state.at, options_.spacing, fallback_tolerance, fallback_iterations, options_.stop);
+  if (report.status != SolveStatus::converged) return;
+  if ((report.force - node.state.force).norm() <= other_branch * report.force.norm()) return;
+  State& s = node.state;
+  s.multivalued = true;
+  s.parent = Vec3::Zero();
+  s.force = report.force;
+  s.energy = report.energy;
+  s.stiffness = path_.stiffness();
+  s.residual = report.residual;
+  s.min_jacobian = report.min_jacobian;
+  s.iterations += path_.iterations();
+  node.field = path_.field();
+}
+
+void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
+  std::vector<double> middle(static_cast<std::size_t>(d_->local_size()), 0.0);
+  for (const SweepNode* node : nodes) scale_into(node->field.u, 1.0 / static_cast<double>(nodes.size()), middle);
+  if (!path_.newton().factorise(middle)) return;
+  std::vector<LocalField*> fields;
+  for (SweepNode* node : nodes) fields.push_back(&node->field);
+  std::array<LaneResult, lane_count> results;
+  lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (results[i].converged) take(*nodes[i], results[i]);
+}
+
+void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond) {
+  const auto start = SteadyClock::now();
+  node.state.status = SolveStatus::stalled;
+  if (!parents.empty()) {
+    const SweepNode& parent = *parents.front();
+    node.state.parent = parent.state.at;
+    const Vec3 move = node.state.at - parent.state.at;
+    node.field.tangent = parent.field.tangent;
+    LocalField slope = parent.field;
+    if (beyond) {   // V changes evenly along the three nodes
+      scale_into(parent.field.tangent, 1.0, node.field.tangent);
+      scale_into(beyond->field.tangent, -1.0, node.field.tangent);
+      scale_into(parent.field.tangent, 0.5, slope.tangent);
+      scale_into(beyond->field.tangent, -0.5, slope.tangent);
+    }
+    predict(*d_, slope, move, node.state.at, node.field.u);
+    std::vector<SweepNode*> one{&node};
+    run_lanes(one);
+  }
+  if (!node.solved()) fall_back(node, parents);
+  compare(node, parents);
+  node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+// u = mean of u_c + V_c (x - x_c)/2 over the corners; along an axis j between two corners the tangent is the
+// derivative of the cubic there, 3/2 (u+ - u-)/(2h) - V_j/2, and elsewhere the corners' mean.
+bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const {
+  std::array<bool, 3> between{};
+  std::size_t wanted = 1;
+  for (std::size_t j = 0; j < 3; ++j) {
+    between[j] = node.index[j] % 2 != 0;
+    if (between[j]) wanted *= 2;
+  }
+  if (corners.size() != wanted) return false;
+  const double share = 1.0 / static_cast<double>(wanted), h = options_.spacing;
+  LocalField& f = node.field;
+  const std::size_t size = static_cast<std::size_t>(d_->local_size());
+  f.u.assign(size, 0.0);
+  f.tangent.assign(3 * size, 0.0);
+  for (const SweepNode* corner : corners) {
+    Vec3 move = node.state.at - corner->state.at, slope, keep;
+    for (int j = 0; j < 3; ++j) {
+      const bool mid = between[static_cast<std::size_t>(j)];
+      if (!mid) move[j] = 0;
+      // towards +j from this corner the state lies at +h: the corner is on the low side
+      slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
+      keep[j] = (mid ? -0.5 : 1.0) * share;
+    }
+    const double* u = corner->field.u.data();
+    const double* v = corner->field.tangent.data();
+    for (std::size_t i = 0; i < size; ++i) {
+      const double along[3] = {0.5 * v[3 * i] * move[0], 0.5 * v[3 * i + 1] * move[1], 0.5 * v[3 * i + 2] * move[2]};
+      const double all = u[i] + along[0] + along[1] + along[2];
+      f.u[i] += share * all;
+      for (std::size_t j = 0; j < 3; ++j)
+        f.tangent[3 * i + j] += slope[static_cast<int>(j)] * (all - along[j]) + keep[static_cast<int>(j)] * v[3 * i + j];
+    }
+  }
+  return true;
+}
+
+void SweepWorker::predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const {
+  if (!predict_hermite(node, corners)) {
+    const SweepNode& corner = *corners.front();
+    node.field.tangent = corner.field.tangent;
+    predict(*d_, corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
+  }
+  for (int i = 0; i < 3; ++i) node.field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];
+}
+
+void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners) {
+  const auto start = SteadyClock::now();
+  std::vector<SweepNode*> together;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i].state.status = SolveStatus::stalled;
+    if (corners[i].empty()) continue;
+    nodes[i].state.parent = corners[i].front()->state.at;
+    predict_fine(nodes[i], corners[i]);
+    together.push_back(&nodes[i]);
+  }
+  if (!together.empty()) run_lanes(together);
+  const double each = std::chrono::duration<double>(SteadyClock::now() - start).count() /
+                      static_cast<double>(std::max<std::size_t>(1, nodes.size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto own = SteadyClock::now();
+    if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
+    compare(nodes[i], corners[i]);
+    nodes[i].state.seconds = each + std::chrono::duration<double>(SteadyClock::now() - own).count();
+  }
+}
+
+}  // namespace forefeel

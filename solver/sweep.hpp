@@ -1,0 +1,59 @@
+#pragma once
+// The two-level sweep of a lattice of spacing h, behind generate_lattice():
+// 1. the coarse lattice (2h) outward from rest, each state predicted to second order from its parent and solved on a
+//    factor at the prediction;
+// 2. the fine states of each coarse cell (seven of its eight), predicted from the coarse corners around them by
+//    u = mean of u_c + V_c (x - x_c)/2, an O(h^4) cubic Hermite value, and solved side by side on one factor.
+// What does not contract is left to full Newton continuation. A state's value depends on the body, the lattice and its
+// place alone: not on threads, and not on what a resumed file already holds.
+
+#include <array>
+#include <map>
+
+#include "solver/continuation.hpp"
+#include "solver/solver.hpp"
+
+namespace forefeel {
+
+using LatticeIndex = std::array<int, 3>;     // x = h k, or 2h k on the coarse lattice
+
+struct SweepNode {
+  LatticeIndex index{};
+  State state;
+  LocalField field;          // empty unless converged
+  bool solved() const { return state.status == SolveStatus::converged; }
+};
+
+struct SweepOptions {
+  double spacing = 0.006;            // h [m]
+  double residual_tolerance = 1e-6;
+  std::stop_token stop;
+};
+
+// One thread's work space.
+class SweepWorker {
+ public:
+  SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options);
+
+  // node.index is coarse. parents: coarse nodes nearer to rest that are solved, the first of them the one to start
+  // from (none: from rest); beyond: the node opposite to this one across the first parent, or null.
+  void solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond);
+
+  // The fine states of one cell; corners[i]: solved coarse nodes around nodes[i], with the fine index of each doubled.
+  void solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners);
+
+ private:
+  void predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
+  bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
+  void take(SweepNode& node, const LaneResult& result) const;
+  void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
+  void compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours);
+  void run_lanes(std::vector<SweepNode*>& nodes);
+
+  std::shared_ptr<const Discretisation> d_;
+  SweepOptions options_;
+  Continuation path_;
+  LaneSolver lanes_;
+};
+
+}  // namespace forefeel
