@@ -40,6 +40,13 @@ class PointOctree {
     visit_within(0, centre_, half_, q, radius * radius, visit);
   }
 
+  // visit(offset) for every occupied leaf with a state within the radius: the middle of these states where the leaf
+  // is small against its distance, else each of them.
+  template <class Visit>
+  void for_each_leaf_within(const Vec3& q, double radius, Visit&& visit) const {
+    if (!nodes_.empty()) visit_leaves(0, centre_, half_, q, radius * radius, visit);
+  }
+
  private:
   static constexpr int capacity = 16;
   struct Bucket {
@@ -90,6 +97,35 @@ class PointOctree {
         if (d <= squared) visit(bucket.id[k], offset, d);
       }
     }
+  }
+
+  template <class Visit>
+  void visit_leaves(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
+                    Visit& visit) const {
+    if (squared_to_cube(centre, half, q) > squared) return;
+    const Node& n = nodes_[static_cast<std::size_t>(node)];
+    if (n.children >= 0) {
+      for (int child = 0; child < 8; ++child)
+        visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit);
+      return;
+    }
+    const bool small = 16 * half * half <= (centre - q).squaredNorm();
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
+      const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
+      for (int i = 0; i < bucket.count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const Vec3 offset(bucket.x[k] - q.x(), bucket.y[k] - q.y(), bucket.z[k] - q.z());
+        if (offset.squaredNorm() > squared) continue;
+        if (small) {
+          sum += offset, ++count;
+        } else {
+          visit(offset);
+        }
+      }
+    }
+    if (count > 0) visit(Vec3(sum / count));
   }
 
   void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, Neighbour& best) const;
