@@ -127,6 +127,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
                      .known = {},
                      .state_file = {},
                      .cache_folder = cache_folder(),
+                     .references = {},
                      .scene_folder = fs::absolute(scene.file).parent_path(),
                      .inward = scene.inward};
   check_session(input, options);

@@ -219,7 +219,7 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
 // Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twice as much.
 // No candidate is cancelled more than twice, so that every one is solved in the end.
 void Planner::consider_preemption(double now) {
-  if (!options_.preempt || now - preemption_checked_ < std::max(0.005, 0.25 * solve_seconds_)) return;
+  if (!options_.preempt || now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_)) return;
   preemption_checked_ = now;
   rank(now);
   const double best = *std::max_element(priorities_.begin(), priorities_.end());
@@ -263,7 +263,8 @@ void Planner::update(double now, bool time_it) {
   const bool known = updater_->update(hip_.at, *model, &report);
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
   const char* cause = !published_ ? "first" : dirty_ ? "states" : "travel";
-  const bool changed = report.refit || report.replaced > 0 || report.n != updated_n_ || !published_;
+  // The same set gives the same model, unless it was stepped down to the state nearest to the HIP.
+  const bool changed = report.refit || report.replaced > 0 || report.n != updated_n_ || !published_ || model->is_tangent();
   dirty_ = false;
   updated_at_ = hip_.at;
   label_ = report.label;

@@ -67,6 +67,7 @@ void analyse(const SessionInput& input, const SessionOptions& options, Reference
       space.insert(result.states[inserted]);
     frame.label = space.label(frame.at);
     if (sample < samples.size() && samples[sample] == k) {
+      updater.forget();   // no set of an earlier moment has a say
       if (!space.empty()) fresh[sample] = updater.model_at(frame.at).force(frame.at);
       ++sample;
     }

@@ -1,0 +1,91 @@
+#pragma once
+// A beam of a few tetrahedra, 8 x 2 x 2 cm, clamped at x = 0, touched at the free end: solves in well under a
+// millisecond.
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <unistd.h>
+
+#include "scheduling/session.hpp"
+
+namespace forefeel::testing {
+
+inline TetMesh beam_mesh(int cells_x = 4, int cells_y = 1, int cells_z = 1) {
+  TetMesh mesh;
+  const auto node = [&](int i, int j, int k) { return static_cast<NodeIndex>((i * (cells_y + 1) + j) * (cells_z + 1) + k); };
+  for (int i = 0; i <= cells_x; ++i)
+    for (int j = 0; j <= cells_y; ++j)
+      for (int k = 0; k <= cells_z; ++k)
+        mesh.nodes.emplace_back(0.08 * i / cells_x, 0.02 * j / cells_y, 0.02 * k / cells_z);
+  // Kuhn's six tetrahedra along the main diagonal of each brick.
+  constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+  for (int i = 0; i < cells_x; ++i)
+    for (int j = 0; j < cells_y; ++j)
+      for (int k = 0; k < cells_z; ++k)
+        for (const auto& order : orders) {
+          std::array<int, 3> at{i, j, k};
+          Tet tet{node(i, j, k), 0, 0, 0};
+          for (int step = 0; step < 3; ++step) {
+            ++at[static_cast<std::size_t>(order[step])];
+            tet[static_cast<std::size_t>(step + 1)] = node(at[0], at[1], at[2]);
+          }
+          mesh.tets.push_back(tet);
+        }
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+    if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
+  return mesh;
+}
+
+inline std::shared_ptr<const Body> small_body(Law law = Law::neo_hookean) {
+  auto body = std::make_shared<Body>();
+  body->mesh = beam_mesh();
+  body->material = {.law = law, .young = 5000, .poisson = 0.3};
+  for (NodeIndex i = 0; i < 4; ++i) body->clamp.push_back(i);
+  for (NodeIndex i = 16; i < 20; ++i) body->contact.push_back(i);
+  return body;
+}
+
+// Box of 24 mm about rest, spacing 6 mm: 5 x 5 x 5 lattice states.
+inline SessionInput small_input(Law law = Law::neo_hookean) {
+  SessionInput input;
+  input.body = small_body(law);
+  input.identity = {{"mesh", "small beam"}, {"material", law == Law::linear ? "linear" : "neo-hookean"}};
+  input.space.spacing = 0.006;
+  input.space.box = {Vec3::Constant(-0.012), Vec3::Constant(0.012)};
+  return input;
+}
+
+inline SessionOptions virtual_options(double seconds = 1) {
+  SessionOptions options;
+  options.clock = Clock::virtual_time;
+  options.seconds = seconds;
+  options.device = "path:tour,speed=0.06";
+  options.model.neighbours = 30;
+  return options;
+}
+
+// A folder of its own, removed at the end.
+class ScratchFolder {
+ public:
+  explicit ScratchFolder(const std::string& name)
+      : path_(std::filesystem::temp_directory_path() / ("forefeel-" + name + "-" + std::to_string(getpid()))) {
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace forefeel::testing

@@ -1,0 +1,59 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "geometry/error.hpp"
+#include "scheduling/cost.hpp"
+#include "scheduling/random.hpp"
+
+using namespace forefeel;
+
+namespace {
+
+std::vector<double> draws(const CostModel& model, int count) {
+  std::vector<double> costs;
+  for (int i = 0; i < count; ++i) costs.push_back(model.seconds(Vec3(1e-3 * i, 2e-3 * i, -1e-3 * i)));
+  std::sort(costs.begin(), costs.end());
+  return costs;
+}
+
+const auto none = [] { return std::vector<double>{}; };
+
+}  // namespace
+
+TEST_CASE("cost models have the distribution they name") {
+  CHECK(make_cost("constant:0.02", 1, none)->seconds(Vec3::Zero()) == 0.02);
+  const auto lognormal = draws(*make_cost("lognormal:0.05,0.5", 1, none), 20000);
+  CHECK(lognormal[10000] == Approx(0.05).epsilon(0.03));
+  CHECK(std::log(lognormal[16827] / lognormal[3173]) / 2 == Approx(0.5).epsilon(0.03));   // +-1 sigma
+  const auto paper = draws(*make_cost("paper", 1, none), 20000);
+  CHECK(paper.front() >= 0.1);
+  CHECK(paper.back() <= 1.0);
+  CHECK(paper[10000] == Approx(std::sqrt(0.1)).epsilon(0.03));
+  const auto recorded = draws(*make_cost("recorded", 1, [] { return std::vector<double>{0.01, 0.03, 0.02}; }), 20000);
+  CHECK(recorded.front() >= 0.01);
+  CHECK(recorded.back() <= 0.03);
+  CHECK(recorded[10000] == Approx(0.02).epsilon(0.02));
+}
+
+TEST_CASE("a cost depends on seed and place alone") {
+  const auto a = make_cost("paper", 5, none), b = make_cost("paper", 5, none), other = make_cost("paper", 6, none);
+  const Vec3 x(0.006, -0.012, 0.018), y(0.012, -0.012, 0.018);
+  const double first = a->seconds(x);
+  a->seconds(y);
+  CHECK(a->seconds(x) == first);
+  CHECK(b->seconds(x) == first);
+  CHECK(b->seconds(x + Vec3::Constant(1e-9)) == first);   // round-off of a lattice point
+  CHECK(b->seconds(y) != first);
+  CHECK(other->seconds(x) != first);
+}
+
+TEST_CASE("unknown costs are refused") {
+  for (const std::string spec : {"", "constant", "constant:", "constant:0", "constant:-1", "constant:nan", "constant:1,2",
+                                 "lognormal:1", "lognormal:0,1", "lognormal:1,-1", "paper:1", "free", "constant:1e9"}) {
+    CAPTURE(spec);
+    CHECK_THROWS_AS(check_cost(spec), InputError);
+  }
+  CHECK_THROWS_AS(make_cost("recorded", 1, none), InputError);
+  CHECK_NOTHROW(check_cost("recorded"));
+}

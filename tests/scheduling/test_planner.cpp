@@ -1,0 +1,202 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <set>
+
+#include "scheduling/planner.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+
+namespace {
+
+State spring(const Vec3& x) {
+  State state;
+  state.at = x;
+  state.force = -100 * x;
+  state.stiffness = 100 * Mat3::Identity();
+  state.status = SolveStatus::converged;
+  return state;
+}
+
+// Keeps what it is given; the test decides when and how each job ends.
+class ManualWorkers final : public Generator {
+ public:
+  explicit ManualWorkers(int count) : count_(count) {}
+  int workers() const override { return count_; }
+  void dispatch(int worker, Job job) override {
+    REQUIRE(jobs.count(worker) == 0);   // only idle workers are given jobs
+    jobs[worker] = std::move(job);
+  }
+  void cancel(int worker) override { cancelled.insert(worker); }
+  JobResult end(int worker, double now, SolveStatus status = SolveStatus::converged, double took = 0.01) {
+    JobResult result{.dispatch = jobs.at(worker).dispatch, .worker = worker, .started = now - took, .finished = now,
+                     .state = spring(jobs.at(worker).at), .equilibrium = nullptr};
+    result.state.status = status;
+    jobs.erase(worker);
+    cancelled.erase(worker);
+    return result;
+  }
+  std::map<int, Job> jobs;
+  std::set<int> cancelled;
+
+ private:
+  int count_;
+};
+
+struct Bench {
+  explicit Bench(SessionOptions chosen = testing::virtual_options(), int workers = 3)
+      : options(std::move(chosen)), input(testing::small_input()), generator(workers),
+        planner(input, options, generator, link,
+                {.on_state = [this](const State& s) { told.push_back(s); }, .future = {}}) {}
+  SessionOptions options;
+  SessionInput input;
+  ManualWorkers generator;
+  LoopLink link;
+  std::vector<State> told;
+  Planner planner;
+};
+
+}  // namespace
+
+TEST_CASE("planner: every lattice point is solved once, under every policy") {
+  for (const std::string& policy : policy_names()) {
+    CAPTURE(policy);
+    SessionOptions options = testing::virtual_options();
+    options.policy = policy;
+    Bench b(options);
+    std::set<std::uint64_t> solved;
+    double now = 0;
+    for (int round = 0; round < 200 && solved.size() < 125; ++round) {
+      now += 0.004;
+      b.planner.observe({.t = now, .at = 0.012 * Vec3(std::sin(now), std::cos(3 * now), std::sin(2 * now)), .velocity = {0.01, 0, 0}});
+      b.planner.plan(now);
+      while (!b.generator.jobs.empty()) {
+        const int worker = b.generator.jobs.begin()->first;
+        const bool cancel = b.generator.cancelled.count(worker) > 0;
+        const Vec3 x = b.generator.jobs.begin()->second.at;
+        b.planner.receive(b.generator.end(worker, now, cancel ? SolveStatus::cancelled : SolveStatus::converged), now);
+        if (cancel) continue;
+        std::uint64_t key = 0;
+        for (int i = 0; i < 3; ++i) key = 100 * key + static_cast<std::uint64_t>(std::lround(x[i] / 0.006) + 10);
+        REQUIRE(solved.insert(key).second);
+      }
+    }
+    CHECK(solved.size() == 125);
+    CHECK(b.planner.space().size() == 125);
+    CHECK(b.told.size() == 125);
+  }
+}
+
+TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again") {
+  Bench b(testing::virtual_options(), 1);
+  b.planner.plan(0);
+  REQUIRE(b.generator.jobs.size() == 1);
+  const Vec3 x = b.generator.jobs.at(0).at;
+  b.planner.receive(b.generator.end(0, 0.001, SolveStatus::cancelled), 0.001);
+  CHECK(b.planner.space().size() == 0);
+  CHECK(b.told.empty());
+  CHECK(b.planner.preempted() == 1);
+  CHECK(b.link.known.load() == 0);
+  b.planner.plan(0.002);
+  REQUIRE(b.generator.jobs.size() == 1);
+  CHECK(b.generator.jobs.at(0).at == x);
+}
+
+TEST_CASE("planner: a failed solve is recorded and not tried again") {
+  Bench b(testing::virtual_options(), 1);
+  b.planner.plan(0);
+  const Vec3 x = b.generator.jobs.at(0).at;
+  b.planner.receive(b.generator.end(0, 0.01, SolveStatus::diverged), 0.01);
+  CHECK(b.planner.space().size() == 0);
+  REQUIRE(b.told.size() == 1);
+  CHECK(b.told[0].status == SolveStatus::diverged);
+  for (int i = 0; i < 200; ++i) {
+    b.planner.plan(0.02 + 0.01 * i);
+    if (b.generator.jobs.empty()) break;
+    REQUIRE(b.generator.jobs.at(0).at != x);
+    b.planner.receive(b.generator.end(0, 0.02 + 0.01 * i), 0.02 + 0.01 * i);
+  }
+  CHECK(b.planner.space().size() == 124);
+  SessionResult result;
+  b.planner.finish(result);
+  CHECK(result.start_solved_failed == std::array<std::size_t, 3>{0, 124, 1});
+  CHECK(result.notes.size() == 1);
+}
+
+TEST_CASE("planner: preempts what no longer matters, no candidate more than twice, and never when told not to") {
+  for (const bool preempt : {true, false}) {
+    SessionOptions options = testing::virtual_options();
+    options.policy = "nearest";
+    options.preempt = preempt;
+    Bench b(options, 1);
+    std::map<long, int> cancelled;
+    double now = 0;
+    for (int round = 0; round < 400; ++round) {
+      // The HIP jumps between far corners faster than a solve takes.
+      now += 0.03;
+      const double side = round % 2 == 0 ? 0.012 : -0.012;
+      b.planner.observe({.t = now, .at = Vec3(side, side, side), .velocity = Vec3::Zero()});
+      b.planner.plan(now);
+      if (b.generator.cancelled.count(0)) {
+        const Vec3 x = b.generator.jobs.at(0).at;
+        ++cancelled[std::lround((x.x() + 10 * x.y() + 100 * x.z()) / 0.006)];
+        b.planner.receive(b.generator.end(0, now, SolveStatus::cancelled), now);
+      } else if (round % 5 == 4 && b.generator.jobs.count(0)) {
+        b.planner.receive(b.generator.end(0, now, SolveStatus::converged, 0.1), now);
+      }
+    }
+    CHECK((b.planner.preempted() > 0) == preempt);
+    CHECK(b.planner.solved() > 50);
+    for (const auto& [place, count] : cancelled) CHECK(count <= 2);
+  }
+}
+
+TEST_CASE("planner: publishes when states or travel call for it, and only then") {
+  Bench b(testing::virtual_options(), 1);
+  const auto taken = [&] {
+    const auto model = b.link.models.take();
+    if (model) b.link.returned.push(*model);
+    return model.has_value();
+  };
+  b.planner.update(0);
+  CHECK_FALSE(taken());   // nothing is known
+  for (int i = 0; i < 60; ++i) {
+    b.planner.plan(0.01 * i);
+    b.planner.receive(b.generator.end(0, 0.01 * i), 0.01 * i);
+    b.planner.update(0.01 * i);
+    if (i < 30) CHECK(taken());   // each state is within the neighbour set
+    else taken();
+  }
+  b.planner.update(1);
+  CHECK_FALSE(taken());   // nothing new
+  b.planner.observe({.t = 1, .at = Vec3(0.001, 0, 0), .velocity = Vec3::Zero()});
+  b.planner.update(1);
+  CHECK_FALSE(taken());   // less than a quarter of a spacing
+  b.planner.observe({.t = 1.1, .at = Vec3(0.012, 0.012, 0.012), .velocity = Vec3::Zero()});
+  b.planner.update(1.1);
+  CHECK(taken());
+  SessionResult result;
+  b.planner.finish(result);
+  REQUIRE(result.switches.size() >= 31);
+  CHECK(result.switches.front().cause == "first");
+  CHECK(result.switches[1].cause == "states");
+  CHECK(result.switches.back().cause == "travel");
+  for (const DispatchRecord& d : result.dispatch)
+    if (!std::isnan(d.first_used)) CHECK(d.first_used >= d.finished);
+}
+
+TEST_CASE("planner: recycles models even if the loop never takes one") {
+  Bench b(testing::virtual_options(), 1);
+  for (int i = 0; i < 125; ++i) {
+    b.planner.plan(0.01 * i);
+    b.planner.receive(b.generator.end(0, 0.01 * i), 0.01 * i);
+    b.planner.update(0.01 * i);
+  }
+  const auto model = b.link.models.take();
+  REQUIRE(model);
+  // All states lie on one linear spring: whichever were chosen, the newest model gives it.
+  const Vec3 x(0.001, 0.002, -0.001);
+  CHECK(((*model)->force(x) + 100 * x).norm() < 1e-9);
+}

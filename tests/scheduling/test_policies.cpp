@@ -1,0 +1,165 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "geometry/error.hpp"
+#include "scheduling/candidates.hpp"
+#include "scheduling/policy.hpp"
+#include "scheduling/predictor.hpp"
+#include "scheduling/random.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+
+namespace {
+
+State spring(const Vec3& x) {
+  State state;
+  state.at = x;
+  state.force = -100 * x;
+  state.stiffness = 100 * Mat3::Identity();
+  return state;
+}
+
+Vec3 draw(std::uint64_t key, double size) {
+  return size * Vec3(2 * uniform(mix(key, 1)) - 1, 2 * uniform(mix(key, 2)) - 1, 2 * uniform(mix(key, 3)) - 1);
+}
+
+}  // namespace
+
+TEST_CASE("priorities are finite and not negative for every policy and input") {
+  StateSpace space(testing::small_input().space);
+  space.insert(spring(Vec3::Zero()));
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  for (const std::string& name : policy_names()) {
+    CAPTURE(name);
+    const auto policy = make_policy(name, {.seed = 9});
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      std::vector<Prediction> path;
+      for (std::uint64_t k = 0; k < i % 4; ++k)
+        path.push_back({.horizon = 0.1 * static_cast<double>(k), .at = draw(1000 * i + k, 0.1), .deviation = i % 3 == 0 ? 0.0 : 1e3});
+      const double sizes[] = {0, 1e-12, 0.05, 1e6};
+      const PlannerView view{.space = space,
+                             .now = 0.01 * static_cast<double>(i),
+                             .hip = {.t = 0, .at = draw(i, sizes[i % 4]), .velocity = draw(i + 7, sizes[(i / 4) % 4])},
+                             .predicted = path,
+                             .solve_seconds = i % 5 == 0 ? 0.0 : uniform(i),
+                             .workers = 1 + static_cast<int>(i % 7)};
+      std::vector<Candidate> candidates;
+      for (std::uint64_t k = 0; k < 20; ++k)
+        candidates.push_back({.at = draw(i * 31 + k, sizes[k % 4]),
+                              .region = static_cast<Label>(k % 4),
+                              .requested = k % 3 == 0 ? infinite : uniform(k),
+                              .delta = k % 5 == 0 ? infinite : uniform(k) * 0.1,
+                              .order = static_cast<std::uint32_t>(k)});
+      std::vector<double> priorities(candidates.size(), -1);
+      policy->prioritise(candidates, view, priorities);
+      for (const double p : priorities) {
+        REQUIRE(std::isfinite(p));
+        REQUIRE(p >= 0);
+      }
+    }
+  }
+  CHECK_THROWS_AS(make_policy("best", {}), InputError);
+}
+
+TEST_CASE("policies prefer what their names say") {
+  StateSpace space(testing::small_input().space);
+  space.insert(spring(Vec3::Zero()));
+  std::vector<Prediction> path;
+  for (int i = 0; i <= 8; ++i) path.push_back({.horizon = 0.05 * i, .at = Vec3(0.06 * 0.05 * i, 0, 0), .deviation = 1e-3});
+  const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = Vec3::Zero(), .velocity = Vec3(0.06, 0, 0)},
+                         .predicted = path, .solve_seconds = 0.01, .workers = 2};
+  const auto worth = [&](const std::string& name, const Candidate& c) { return make_policy(name, {})->priority(c, view); };
+  const Candidate ahead{.at = Vec3(0.012, 0, 0), .region = Label::blank, .requested = 2, .delta = 0.012, .order = 5};
+  const Candidate behind{.at = Vec3(-0.006, 0, 0), .region = Label::blank, .requested = 1, .delta = 0.006, .order = 4};
+  CHECK(worth("nearest", behind) > worth("nearest", ahead));
+  CHECK(worth("fifo", behind) > worth("fifo", ahead));
+  Candidate far_behind = behind;
+  far_behind.at.x() = -0.012;
+  for (const std::string name : {"direction", "coverage", "error"}) {
+    CAPTURE(name);
+    CHECK(worth(name, ahead) > worth(name, far_behind));
+  }
+  Candidate safe = ahead;
+  safe.region = Label::safe;
+  CHECK(worth("coverage", ahead) > 5 * worth("coverage", safe));
+  Candidate coarse = ahead, fine = ahead;
+  coarse.at = Vec3(0, 0.024, 0);
+  fine.at = Vec3(0, 0.018, 0);
+  CHECK(worth("coarse-to-fine", coarse) > worth("coarse-to-fine", fine));
+}
+
+TEST_CASE("the placebo permutes labels and nothing else") {
+  StateSpace space(testing::small_input().space);
+  const PlannerView view{.space = space, .now = 0, .hip = {}, .predicted = {}, .solve_seconds = 0.01, .workers = 1};
+  std::vector<Candidate> same(50), mixed(50);
+  for (std::size_t i = 0; i < 50; ++i) mixed[i].region = i < 25 ? Label::safe : Label::blank;
+  std::vector<double> truth(50), placebo(50);
+  const auto coverage = make_policy("coverage", {}), shuffled = make_policy("shuffled", {.seed = 2});
+  coverage->prioritise(same, view, truth);
+  shuffled->prioritise(same, view, placebo);
+  CHECK(truth == placebo);
+  coverage->prioritise(mixed, view, truth);
+  shuffled->prioritise(mixed, view, placebo);
+  CHECK(truth != placebo);
+  std::multiset<double> a(truth.begin(), truth.end()), b(placebo.begin(), placebo.end());
+  CHECK(a == b);
+}
+
+TEST_CASE("candidates are the unknown lattice points, each once") {
+  StateSpace space(testing::small_input().space);
+  space.insert(spring(Vec3::Zero()));
+  State failed = spring(Vec3(0.006, 0, 0));
+  failed.status = SolveStatus::diverged;
+  Candidates candidates(space, std::vector<State>{failed});
+  CHECK(candidates.open().size() == 123);
+  for (const Candidate& c : candidates.open()) {
+    REQUIRE(c.at.norm() > 1e-9);
+    REQUIRE((c.at - failed.at).norm() > 1e-9);
+    REQUIRE(c.delta == c.at.norm());
+  }
+  const Vec3 x(0, 0.006, 0);
+  space.insert(spring(x));
+  candidates.learn(x);
+  CHECK(candidates.open().size() == 122);
+  const Candidate taken = candidates.take(17);
+  CHECK(candidates.open().size() == 121);
+  candidates.learn(taken.at);   // already taken: nothing to remove
+  CHECK(candidates.open().size() == 121);
+  candidates.put_back(taken);
+  CHECK(candidates.open().size() == 122);
+  std::set<std::uint32_t> orders;
+  for (const Candidate& c : candidates.open()) orders.insert(c.order);
+  CHECK(orders.size() == 122);
+  candidates.learn(Vec3(0.0031, 0.001, 0.0007));   // off the lattice: no candidate goes
+  CHECK(candidates.open().size() == 122);
+}
+
+TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
+  for (const std::string& name : predictor_names()) {
+    CAPTURE(name);
+    const auto predictor = make_predictor(name);
+    const Vec3 velocity(0.03, -0.02, 0.01);
+    for (int k = 0; k <= 2000; ++k) predictor->observe({.t = 1e-3 * k, .at = 1e-3 * k * velocity, .velocity = velocity});
+    for (const double horizon : {0.0, 0.05, 0.2}) {
+      const Prediction p = predictor->predict(horizon);
+      CHECK((p.at - (2 + horizon) * velocity).norm() < 2e-5);
+      CHECK(p.deviation >= 0);
+    }
+    CHECK(predictor->predict(0.4).deviation > predictor->predict(0.1).deviation);
+
+    const auto device = make_device("path:lissajous,tremor=0.0001", {.box = testing::small_input().space.box, .seed = 1, .folder = {}});
+    std::vector<Vec3> motion;
+    for (int k = 0; k < 8000; ++k) motion.push_back(device->position(1e-3 * k, {}));
+    const double horizons[] = {0.02, 0.1, 0.3};
+    const auto errors = prediction_error(*make_predictor(name), motion, 1e-3, horizons);
+    REQUIRE(errors.size() == 3);
+    CHECK(errors[0].p50 < errors[1].p50);
+    CHECK(errors[1].p50 < errors[2].p50);
+    CHECK(errors[0].p50 < 0.0005);
+    CHECK(errors[1].within_deviation > 0.6);
+  }
+  CHECK_THROWS_AS(make_predictor("oracle"), InputError);
+}

@@ -1,0 +1,364 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "geometry/error.hpp"
+#include "scheduling/run_files.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+using testing::ScratchFolder;
+using testing::small_input;
+using testing::virtual_options;
+
+namespace {
+
+std::string text(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::stringstream all;
+  all << in.rdbuf();
+  return all.str();
+}
+
+// The three logs of a run, as bytes.
+std::string logs(const SessionInput& input, const SessionOptions& options, const std::filesystem::path& folder) {
+  prepare_run_folder(folder);
+  write_run_files(folder, run_session(input, options), options);
+  return text(folder / "frames.csv") + text(folder / "dispatch.csv") + text(folder / "switches.csv");
+}
+
+void expect_no_state_twice(const SessionResult& result) {
+  std::set<std::tuple<double, double, double>> solved;
+  for (const DispatchRecord& d : result.dispatch)
+    if (d.status == "solved") REQUIRE(solved.insert({d.at.x(), d.at.y(), d.at.z()}).second);
+}
+
+}  // namespace
+
+TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
+  const ScratchFolder folder("bytes");
+  for (const std::string& policy : {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
+    SessionOptions options = virtual_options(1.5);
+    options.policy = policy;
+    options.cost = "lognormal:0.02,0.8";
+    options.latency = 0.003;
+    options.workers = 3;
+    options.seed = 5;
+    options.device = "path:reach,speed=0.06,tremor=0.0001";
+    options.threads = 1;
+    const std::string one = logs(small_input(), options, folder / "one");
+    options.threads = 2;
+    CHECK(one == logs(small_input(), options, folder / "two"));
+    options.threads = 7;
+    SessionInput cached = small_input();
+    cached.cache_folder = folder / "cache";
+    CHECK(one == logs(cached, options, folder / "fresh cache"));
+    CHECK(one == logs(cached, options, folder / "full cache"));
+    options.seed = 6;
+    CHECK(one != logs(small_input(), options, folder / "other seed"));
+  }
+}
+
+TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything") {
+  SessionInput input = small_input();
+  SessionOptions options = virtual_options(2);
+  options.workers = 4;
+  const SessionResult r = run_session(input, options);
+  REQUIRE(r.frames.size() == 2000);
+  CHECK(r.frames.front().known == 0);
+  CHECK(r.frames.front().label == Label::blank);
+  CHECK(r.frames.front().force == Vec3::Zero());
+  CHECK(r.frames.front().at == Vec3::Zero());
+  CHECK(r.start_solved_failed == std::array<std::size_t, 3>{0, 125, 0});
+  CHECK(r.states.size() == 125);
+  expect_no_state_twice(r);
+  std::size_t over = 0;
+  for (std::size_t k = 1; k < r.frames.size(); ++k) {
+    REQUIRE(r.frames[k].known >= r.frames[k - 1].known);
+    over += r.frames[k].switch_change > r.frames[k].switch_bound;
+    // The change of the force is what motion and the switch make, nothing else.
+    REQUIRE((r.frames[k].force - r.frames[k - 1].force).norm() <= r.frames[k].switch_change + r.frames[k].motion_change + 1e-12);
+  }
+  CHECK(over == 0);
+  for (const DispatchRecord& d : r.dispatch) {
+    CHECK(d.started <= d.finished);
+    CHECK(d.finished - d.started == Approx(0.01).margin(2e-9));
+    CHECK(d.known == d.finished);
+    CHECK(d.worker >= 0);
+    CHECK(d.worker < 4);
+    CHECK(d.parent < static_cast<std::int64_t>(d.id));
+  }
+  // Four workers of 10 ms each: 400 states a second from the first instant.
+  CHECK(r.frames[105].known == 40);
+  // Once the box is full, what is inside it is safe and exact to well under the JND.
+  const FrameRecord& late = r.frames.back();
+  CHECK(late.known == 125);
+  double worst = 0;
+  for (const FrameRecord& f : r.frames)
+    if (f.t > 1 && std::isfinite(f.approximation) && input.space.box.contains(f.at)) {
+      CHECK(f.label == Label::safe);
+      worst = std::max(worst, f.approximation);
+    }
+  CHECK(worst > 0);
+  CHECK(worst < 0.02);
+
+  const auto json = summary_json(r, input, options);
+  CHECK(json["states"]["solved"] == 125);
+  CHECK(json["states"]["used"].get<int>() + json["states"]["wasted"].get<int>() == 125);
+  CHECK(json["switch"]["frames_over_jnd"] == 0);
+  CHECK(json["switch"]["count"] == r.switches.size());
+  CHECK(json["deadline"]["cost_us"]["p50"].is_null());
+  double shares = 0;
+  for (const auto& share : json["time_in"]) shares += share.get<double>();
+  CHECK(shares == Approx(1));
+  CHECK(json["error"]["samples"].get<std::size_t>() > 40);
+  CHECK(json["load"].get<double>() > 0);
+}
+
+TEST_CASE("summary: every key of the contract") {
+  const SessionInput input = small_input();
+  const SessionOptions options = virtual_options(0.2);
+  const auto json = summary_json(run_session(input, options), input, options);
+  for (const std::string pointer :
+       {"/clock", "/seconds", "/frames", "/deadline/missed", "/deadline/cost_us/p50", "/deadline/cost_us/p99", "/deadline/cost_us/max",
+        "/deadline/lateness_us/p50", "/deadline/lateness_us/p99", "/deadline/lateness_us/max", "/states/start", "/states/solved",
+        "/states/used", "/states/wasted", "/states/preempted", "/states/failed", "/states/age_at_use_ms/p50",
+        "/states/age_at_use_ms/p99", "/time_in/safe", "/time_in/sparse", "/time_in/gap", "/time_in/blank", "/switch/count",
+        "/switch/rule", "/switch/max_jump", "/switch/max_jump_undamped", "/switch/frames_over_jnd", "/switch/drift/ms50",
+        "/switch/drift/ms100", "/switch/drift/ms300", "/error/reference", "/error/samples", "/error/p50", "/error/p95", "/error/max",
+        "/error/within_jnd", "/error/parts/approximation", "/error/parts/switch", "/error/parts/staleness", "/error/by_label/safe",
+        "/error/first_visit/p50", "/error/first_visit/p95", "/error/first_visit/within_jnd", "/load", "/energy/generated_J",
+        "/energy/work_J", "/safety/clamped", "/safety/slewed", "/safety/stale", "/safety/non_finite", "/workers", "/policy", "/select",
+        "/seed"}) {
+    CAPTURE(pointer);
+    CHECK(json.contains(nlohmann::ordered_json::json_pointer(pointer)));
+  }
+}
+
+TEST_CASE("every policy, every switch rule, preemption and many workers run to the end") {
+  for (const std::string& policy : policy_names()) {
+    for (const int workers : {1, 40}) {
+      CAPTURE(policy, workers);
+      SessionOptions options = virtual_options(0.6);
+      options.policy = policy;
+      options.workers = workers;
+      options.cost = "constant:0.05";
+      const SessionResult r = run_session(small_input(Law::linear), options);
+      CHECK(r.frames.size() == 600);
+      expect_no_state_twice(r);
+      CHECK(r.states.size() == r.start_solved_failed[1]);
+      CHECK(r.states.size() > 5);
+    }
+  }
+  for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
+    SessionOptions options = virtual_options(0.6);
+    options.switching.rule = rule;
+    const SessionResult r = run_session(small_input(), options);
+    std::size_t over = 0;
+    for (const FrameRecord& f : r.frames) over += f.switch_change > f.switch_bound;
+    if (rule != SwitchRule::none) CHECK(over == 0);
+    if (rule == SwitchRule::none) CHECK(over > 0);
+  }
+}
+
+TEST_CASE("a linear body needs three solves: states are exact multiples") {
+  const SessionResult r = run_session(small_input(Law::linear), virtual_options(0.8));
+  REQUIRE(r.states.size() > 20);
+  const Mat3 k = r.states.front().stiffness;
+  CHECK((k - k.transpose()).norm() < 1e-9 * k.norm());
+  Solver solver(testing::small_body(Law::linear));
+  for (const State& state : r.states) {
+    CHECK((state.force + k * state.at).norm() <= 1e-12);
+    if (state.at.norm() == 0) continue;
+    const State tight = solver.reference(state.at, 0.006).state;
+    CHECK((state.force - tight.force).norm() < 1e-8 * tight.force.norm());
+    CHECK(state.energy == Approx(tight.energy).epsilon(1e-8));
+  }
+}
+
+TEST_CASE("arrivals: states are known when the file says") {
+  const ScratchFolder folder("arrivals");
+  std::ofstream(folder / "a.csv") << "t,x,y,z\n0.1,0,0,0\n0.25,0.006,0,0\n0.25,0,0.006,0\n0.05,0,0,0.006\n9,0.012,0,0\n";
+  SessionOptions options = virtual_options(0.5);
+  options.arrivals = folder / "a.csv";
+  const SessionResult r = run_session(small_input(), options);
+  const auto known = [&](double t) { return r.frames[static_cast<std::size_t>(std::lround(t * 1000))].known; };
+  CHECK(known(0.049) == 0);
+  CHECK(known(0.05) == 1);
+  CHECK(known(0.099) == 1);
+  CHECK(known(0.1) == 2);
+  CHECK(known(0.249) == 2);
+  CHECK(known(0.25) == 4);
+  CHECK(r.frames.back().known == 4);
+  REQUIRE(r.dispatch.size() == 4);
+  CHECK(r.dispatch.front().status == "arrived");
+  CHECK(r.dispatch.front().at == Vec3(0, 0, 0.006));
+
+  options.clock = Clock::real;
+  const SessionResult real = run_session(small_input(), options);
+  CHECK(real.states.size() == 4);
+  CHECK(real.dispatch.size() == 4);
+}
+
+TEST_CASE("replay: a recorded run gives the same forces again") {
+  const ScratchFolder folder("replay");
+  SessionOptions options = virtual_options(1);
+  options.cost = "lognormal:0.02,0.5";
+  options.latency = 0.002;
+  options.device = "path:tour,speed=0.06,tremor=0.0001";
+  prepare_run_folder(folder / "run");
+  const SessionResult first = run_session(small_input(), options);
+  write_run_files(folder / "run", first, options);
+  options.replay = folder / "run";
+  options.device = "path:press";
+  const SessionResult second = run_session(small_input(), options);
+  REQUIRE(second.frames.size() == first.frames.size());
+  for (std::size_t k = 0; k < first.frames.size(); ++k) {
+    REQUIRE(second.frames[k].at == first.frames[k].at);
+    REQUIRE(second.frames[k].force == first.frames[k].force);
+    REQUIRE(second.frames[k].known == first.frames[k].known);
+    REQUIRE(second.frames[k].label == first.frames[k].label);
+  }
+  CHECK(second.switches.size() == first.switches.size());
+}
+
+TEST_CASE("states of the start are used, kept and not solved again") {
+  const ScratchFolder folder("states");
+  SessionInput input = small_input();
+  input.state_file = folder / "a.states";
+  const SessionResult first = run_session(input, virtual_options(0.3));
+  const std::size_t solved = first.states.size();
+  REQUIRE(solved > 10);
+  CHECK(StateFile::open_read_only(folder / "a.states").read_all().size() == solved);
+
+  input.known = StateFile::open_read_only(folder / "a.states").read_all();
+  const SessionResult second = run_session(input, virtual_options(0.3));
+  CHECK(second.start_solved_failed[0] == solved);
+  CHECK(second.frames.front().known == solved);
+  CHECK(second.states.size() == solved + second.start_solved_failed[1]);
+  const auto all = StateFile::open_read_only(folder / "a.states").read_all();
+  CHECK(all.size() == second.states.size());
+  std::set<std::tuple<double, double, double>> places;
+  for (const State& state : all) CHECK(places.insert({state.at.x(), state.at.y(), state.at.z()}).second);
+}
+
+TEST_CASE("real clock: renders, solves and reports") {
+  SessionInput input = small_input();
+  SessionOptions options = virtual_options(0.4);
+  options.clock = Clock::real;
+  options.workers = 2;
+  const SessionResult r = run_session(input, options);
+  REQUIRE(r.frames.size() == 400);
+  CHECK(r.workers == 2);
+  CHECK(r.states.size() > 0);
+  CHECK(r.start_solved_failed[1] == r.states.size());
+  expect_no_state_twice(r);
+  std::size_t over = 0, taken = 0;
+  for (const FrameRecord& f : r.frames) {
+    REQUIRE(f.sent.allFinite());
+    REQUIRE(std::isfinite(f.cost_us));
+    REQUIRE(std::isfinite(f.lateness_us));
+    over += f.switch_change > f.switch_bound;
+    taken += f.took_model;
+  }
+  CHECK(over == 0);
+  CHECK(taken == r.switches.size());
+  CHECK(taken > 0);
+  for (const State& state : r.states) {
+    CHECK(state.usable());
+    CHECK(state.has_stiffness());
+  }
+  const auto json = summary_json(r, input, options);
+  CHECK(json["clock"] == "real");
+  CHECK(json["deadline"]["cost_us"]["p50"].is_number());
+  if (!r.realtime_priority) CHECK(!r.notes.empty());   // said so
+}
+
+TEST_CASE("bad sessions are refused before anything is solved or written") {
+  const ScratchFolder folder("bad");
+  const auto refuse = [&](auto change) {
+    SessionOptions options = virtual_options(0.1);
+    change(options);
+    SessionInput input = small_input();
+    input.state_file = folder / "none.states";
+    CHECK_THROWS_AS(check_session(input, options), InputError);
+    CHECK_THROWS_AS(run_session(input, options), InputError);
+    CHECK_FALSE(std::filesystem::exists(folder / "none.states"));
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refuse([](SessionOptions& o) { o.policy = "best"; });
+  refuse([](SessionOptions& o) { o.workers = 0; });
+  refuse([](SessionOptions& o) { o.seconds = -1; });
+  refuse([](SessionOptions& o) { o.seconds = 0; });
+  refuse([nan](SessionOptions& o) { o.seconds = nan; });
+  refuse([nan](SessionOptions& o) { o.latency = nan; });
+  refuse([](SessionOptions& o) { o.device = "trace:nowhere.csv"; });
+  refuse([](SessionOptions& o) { o.device = "path:spiral"; });
+  refuse([](SessionOptions& o) { o.cost = "free"; });
+  refuse([](SessionOptions& o) { o.predictor = "oracle"; });
+  refuse([&](SessionOptions& o) { o.replay = folder / "no run"; });
+  refuse([&](SessionOptions& o) {
+    std::ofstream(folder / "back.csv") << "t,x,y,z\n-1,0,0,0\n";
+    o.arrivals = folder / "back.csv";
+  });
+  std::ofstream(folder / "file") << "not a folder";
+  CHECK_THROWS_AS(prepare_run_folder(folder / "file"), InputError);
+  CHECK_THROWS_AS(prepare_run_folder("/proc/forefeel"), InputError);
+}
+
+// Run by the next test in a process of its own, which is killed.
+TEST_CASE("session that is killed", "[.]") {
+  SessionInput input = small_input();
+  input.space.spacing = 0.0015;   // thousands of states: far from done when it is killed
+  input.state_file = std::getenv("FOREFEEL_TEST_STATES");
+  SessionOptions options = virtual_options(20);
+  options.clock = Clock::real;
+  run_session(input, options);
+}
+
+TEST_CASE("kill -9 loses nothing that was committed") {
+  const ScratchFolder folder("kill");
+  const std::filesystem::path file = folder / "a.states";
+  const pid_t child = fork();
+  if (child == 0) {
+    setenv("FOREFEEL_TEST_STATES", file.c_str(), 1);
+    freopen("/dev/null", "w", stdout);
+    execl("/proc/self/exe", "test_scheduling", "session that is killed", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  std::size_t seen = 0;
+  for (int tries = 0; tries < 3000 && seen < 20; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (!std::filesystem::exists(file)) continue;
+    try {
+      seen = StateFile::open_read_only(file).size();
+    } catch (const InputError&) {   // not made yet
+    }
+  }
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  CHECK(WIFSIGNALED(status));
+  REQUIRE(seen >= 20);
+  const auto states = StateFile::open_read_only(file).read_all();
+  CHECK(states.size() >= seen);
+  for (const State& state : states) {
+    CHECK(state.usable());
+    CHECK(state.force.allFinite());
+  }
+  SessionInput input = small_input();
+  input.state_file = file;
+  input.known = states;
+  CHECK(run_session(input, virtual_options(0.05)).start_solved_failed[0] == states.size());
+}
