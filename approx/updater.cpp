@@ -63,7 +63,6 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
     out.impl().serial = 0;
     return false;
   }
-  std::ranges::sort(m.wanted);
   m.fit.difference(m.wanted, m.removed, m.missing);
   m.added.clear();
   for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
