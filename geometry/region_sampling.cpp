@@ -1,0 +1,145 @@
+#include "geometry/region_sampling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "geometry/error.hpp"
+
+namespace forefeel {
+namespace {
+
+struct Voxels {
+  std::array<std::int64_t, 3> count{};
+  double side = 0;
+  Vec3 origin;
+  Box box;
+  std::vector<Label> label;
+
+  std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return (k * count[1] + j) * count[0] + i;
+  }
+  Box box_of(std::int64_t i, std::int64_t j, std::int64_t k, std::int64_t width) const {
+    const Vec3 low = origin + side * Vec3(double(i), double(j), double(k));
+    return {low.cwiseMax(box.low).cwiseMin(box.high),
+            (low + Vec3::Constant(side * double(width))).cwiseMin(box.high).cwiseMax(box.low)};
+  }
+};
+
+Voxels label_voxels(const Box& box, double spacing, const std::function<Label(const Vec3&)>& label) {
+  Voxels voxels;
+  voxels.box = box;
+  voxels.side = spacing / 4;
+  double total = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double n = std::max(1.0, std::ceil(box.size()[static_cast<Eigen::Index>(axis)] / voxels.side - 1e-6));
+    total *= n;
+    if (!(total <= 4e8)) throw InputError("box", "holds more than 4e8 voxels of h/4, expected a smaller box or a larger spacing");
+    voxels.count[axis] = static_cast<std::int64_t>(n);
+  }
+  const auto& n = voxels.count;
+  voxels.origin = box.centre() - 0.5 * voxels.side * Vec3(double(n[0]), double(n[1]), double(n[2]));
+  voxels.label.resize(static_cast<std::size_t>(total));
+#pragma omp parallel for schedule(dynamic)
+  for (std::int64_t k = 0; k < n[2]; ++k)
+    for (std::int64_t j = 0; j < n[1]; ++j)
+      for (std::int64_t i = 0; i < n[0]; ++i)
+        voxels.label[static_cast<std::size_t>(voxels.index(i, j, k))] =
+            label(voxels.origin + voxels.side * Vec3(double(i) + 0.5, double(j) + 0.5, double(k) + 0.5));
+  return voxels;
+}
+
+// Component number per voxel, numbered by label, then falling volume.
+std::vector<std::uint32_t> components_of(const Voxels& voxels, RegionSummary& result) {
+  const auto& n = voxels.count;
+  std::vector<std::uint32_t> parent(voxels.label.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto find = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const std::array<std::int64_t, 3> step{1, n[0], n[0] * n[1]};
+  const auto for_each = [&](auto&& visit) {
+    for (std::int64_t k = 0; k < n[2]; ++k)
+      for (std::int64_t j = 0; j < n[1]; ++j)
+        for (std::int64_t i = 0; i < n[0]; ++i) visit(i, j, k, static_cast<std::uint32_t>(voxels.index(i, j, k)));
+  };
+  for_each([&](std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t here) {
+    const std::array<std::int64_t, 3> at{i, j, k};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 >= n[axis]) continue;
+      const auto next = here + static_cast<std::uint32_t>(step[axis]);
+      if (voxels.label[here] == voxels.label[next]) parent[find(here)] = find(next);
+    }
+  });
+  std::vector<RegionComponent> found;
+  std::vector<std::uint32_t> number(parent.size(), 0xffffffffu);
+  for_each([&](std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t here) {
+    const std::uint32_t root = find(here);
+    const Box box = voxels.box_of(i, j, k, 1);
+    if (number[root] == 0xffffffffu) {
+      number[root] = static_cast<std::uint32_t>(found.size());
+      found.push_back({.label = voxels.label[here], .bounds = box, .inner = box.centre(), .safe_neighbours = {}});
+    }
+    RegionComponent& mine = found[number[root]];
+    mine.volume += box.size().prod();
+    mine.bounds = {mine.bounds.low.cwiseMin(box.low), mine.bounds.high.cwiseMax(box.high)};
+  });
+  std::vector<std::uint32_t> order(found.size()), rank(found.size()), component(parent.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return found[a].label != found[b].label ? found[a].label < found[b].label : found[a].volume > found[b].volume;
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    rank[order[i]] = static_cast<std::uint32_t>(i);
+    result.components.push_back(std::move(found[order[i]]));
+  }
+  for (std::uint32_t i = 0; i < parent.size(); ++i) component[i] = rank[number[find(i)]];
+  return component;
+}
+
+// Appends cubes of one label, as wide as they can be; false where the cube holds more than one.
+bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component, std::array<std::int64_t, 3> low,
+             std::int64_t width, RegionSummary& result) {
+  const auto& n = voxels.count;
+  if (low[0] >= n[0] || low[1] >= n[1] || low[2] >= n[2]) return true;
+  const auto here = static_cast<std::size_t>(voxels.index(low[0], low[1], low[2]));
+  if (width == 1) {
+    result.leaves.push_back({voxels.box_of(low[0], low[1], low[2], 1), voxels.label[here], component[here]});
+    return true;
+  }
+  const std::size_t start = result.leaves.size();
+  bool whole = true;
+  for (int child = 0; child < 8; ++child) {
+    const std::int64_t half = width / 2;
+    const std::size_t before = result.leaves.size();
+    const std::array<std::int64_t, 3> part{low[0] + ((child & 1) ? half : 0), low[1] + ((child & 2) ? half : 0),
+                                           low[2] + ((child & 4) ? half : 0)};
+    whole = collect(voxels, component, part, half, result) && whole;
+    whole = whole && (result.leaves.size() == before || result.leaves.back().label == voxels.label[here]);
+  }
+  if (!whole) return false;
+  result.leaves[start].box = voxels.box_of(low[0], low[1], low[2], width);
+  result.leaves.resize(start + 1);
+  return true;
+}
+
+}  // namespace
+
+RegionSummary sample_regions(const Box& box, double spacing, const std::function<Label(const Vec3&)>& label) {
+  const Voxels voxels = label_voxels(box, spacing, label);
+  RegionSummary result;
+  const std::vector<std::uint32_t> component = components_of(voxels, result);
+  constexpr std::int64_t root = 32;
+  for (std::int64_t k = 0; k < voxels.count[2]; k += root)
+    for (std::int64_t j = 0; j < voxels.count[1]; j += root)
+      for (std::int64_t i = 0; i < voxels.count[0]; i += root) collect(voxels, component, {i, j, k}, root, result);
+  for (const RegionLeaf& leaf : result.leaves) ++result.components[leaf.component].leaves;
+  for (const RegionComponent& c : result.components) {
+    result.volume[static_cast<std::size_t>(c.label)] += c.volume;
+    ++result.component_count[static_cast<std::size_t>(c.label)];
+  }
+  return result;
+}
+
+}  // namespace forefeel
