@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "geometry/error.hpp"
 
@@ -68,15 +69,23 @@ void OutputFile::fail(int error) {
 }
 
 void OutputFile::write(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+  buffer_.append(bytes);
+  if (buffer_.size() >= (1u << 16)) flush();
+}
+
+void OutputFile::flush() {
+  std::string_view left = buffer_;
+  while (!left.empty()) {
+    const ssize_t written = ::write(descriptor_, left.data(), left.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail(errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
+    left.remove_prefix(static_cast<std::size_t>(written));
   }
+  buffer_.clear();
 }
 
 void OutputFile::commit() {
+  flush();
   if (temporary_.empty()) {
     if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
     return;

@@ -3,6 +3,7 @@
 // commit(). Without commit() nothing is left behind. Devices and pipes (/dev/stdout) are written directly.
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace forefeel {
@@ -14,14 +15,16 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  void write(std::string_view bytes);                  // InputError on a full disk
+  void write(std::string_view bytes);                  // buffered; InputError on a full disk, here or in commit()
   void commit();                                       // durable and visible on return
 
  private:
   [[noreturn]] void fail(int error);
+  void flush();
   void discard();
 
   std::filesystem::path file_, temporary_;             // temporary_ empty: written directly
+  std::string buffer_;
   int descriptor_ = -1;
 };
 

@@ -179,7 +179,7 @@ int frequency_for(std::size_t elements) {
 TetMesh smooth_mesh(std::string_view name, std::size_t elements) {
   std::string problem;
   for (int n = frequency_for(elements); n >= 1; --n) {
-    CountedFill fill = fill_to_count(smooth_surface(name, n), elements, 0.01);
+    CountedFill fill = fill_to_count(smooth_surface(name, n), elements, 0.02);
     if (fill.mesh && within_share(fill.mesh->tets.size(), elements)) return std::move(*fill.mesh);
     problem = fill.problem;
     if (!fill.mesh) break;

@@ -196,7 +196,7 @@ std::string shown(const BodyIdentity& identity, const std::string& key) {
 }
 
 void check_identity(const std::string& where, const BodyIdentity& in_file, const BodyIdentity& ours) {
-  if (ours.empty()) return;
+  if (ours.empty() || in_file.empty()) return;
   BodyIdentity keys = in_file;
   keys.insert(ours.begin(), ours.end());
   std::string differs;
@@ -333,22 +333,46 @@ std::size_t StateFile::size() const {
   return static_cast<std::size_t>(count.integer(0));
 }
 
-void StateFile::append(std::span<const State> states) {
-  if (states.empty()) return;
-  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
-  sqlite3* database = impl_->database.get();
-  execute(database, impl_->where, "BEGIN IMMEDIATE");
+namespace {
+
+// All or nothing.
+template <class Work>
+void transact(sqlite3* database, const std::string& where, Work&& work) {
+  execute(database, where, "BEGIN IMMEDIATE");
   try {
-    Statement insert(database, impl_->where, fmt::format("INSERT INTO states ({}) VALUES ({})", columns, insert_values).c_str());
-    for (const State& state : states) {
-      bind_row(insert, state);
-      insert.step(), insert.reset();
-    }
-    execute(database, impl_->where, "COMMIT");
+    work();
+    execute(database, where, "COMMIT");
   } catch (...) {
     sqlite3_exec(database, "ROLLBACK", nullptr, nullptr, nullptr);
     throw;
   }
+}
+
+void insert_states(sqlite3* database, const std::string& where, std::span<const State> states) {
+  Statement insert(database, where, fmt::format("INSERT INTO states ({}) VALUES ({})", columns, insert_values).c_str());
+  for (const State& state : states) {
+    bind_row(insert, state);
+    insert.step(), insert.reset();
+  }
+}
+
+}  // namespace
+
+void StateFile::append(std::span<const State> states) {
+  if (states.empty()) return;
+  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+  transact(impl_->database.get(), impl_->where, [&] { insert_states(impl_->database.get(), impl_->where, states); });
+}
+
+void StateFile::replace(const StateFileHeader& header, std::span<const State> states) {
+  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+  sqlite3* database = impl_->database.get();
+  transact(database, impl_->where, [&] {
+    execute(database, impl_->where, "DELETE FROM states; DELETE FROM identity; DELETE FROM header; DELETE FROM notes");
+    write_header(database, impl_->where, header);
+    insert_states(database, impl_->where, states);
+  });
+  impl_->header = header;
 }
 
 }  // namespace forefeel

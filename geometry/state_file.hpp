@@ -42,8 +42,8 @@ struct StateFileHeader {
 
 class StateFile {
  public:
-  // Opens for appending; creates where absent. InputError if unreadable, not a state file, or of another body
-  // (an empty identity accepts any).
+  // Opens for appending; creates where absent. InputError if unreadable, not a state file, or of another body.
+  // An empty identity, given or in the file (measured states), agrees with any.
   static StateFile open_or_create(const std::filesystem::path& file, const StateFileHeader& header);
   static StateFile open_read_only(const std::filesystem::path& file);
   ~StateFile();
@@ -54,6 +54,7 @@ class StateFile {
   std::vector<State> read_all() const;                 // in order of insertion; failed solves included
   std::size_t size() const;
   void append(std::span<const State> states);          // one transaction, durable on return
+  void replace(const StateFileHeader& header, std::span<const State> states);   // all that it holds, in one transaction
   
  private:
   struct Impl;

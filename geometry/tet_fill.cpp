@@ -10,6 +10,9 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <map>
+
+#include "geometry/tet_improve.hpp"
 
 // libtet was compiled with TETLIBRARY: failures are thrown as int, after its memory was released once already, and
 // released again while the stack unwinds. Our own definition takes the place of that weak function and leaves at
@@ -164,34 +167,83 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   std::optional<TetMesh> mesh = unpack(data, scale);
   if (!mesh) problem = "TetGen's answer was cut short";
   if (mesh && options.keep_surface && parts(surface) > 1) drop_cavities(*mesh, surface);
+  // With new nodes on the surface we cannot tell them from inner ones: then none moves.
+  if (mesh && options.improve) improve(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
   return mesh;
 }
 
+namespace {
+
+double log_ratio(std::size_t count, double asked) { return std::abs(std::log(static_cast<double>(count) / asked)); }
+
+// The volume bound whose mesh comes nearest to a count.
+class BoundSearch {
+ public:
+  BoundSearch(const Surface& surface, TetFillOptions options) : surface_(surface), options_(options) { options_.improve = false; }
+
+  struct Result {
+    std::optional<TetMesh> mesh;
+    bool too_fine = false;
+    std::string problem;
+  };
+  Result nearest(double asked, double share) {
+    Result best;
+    const auto attempt = [&](double bound) -> std::size_t {
+      const std::optional<TetMesh>& mesh = fill(bound, best.problem);
+      if (!mesh || mesh->tets.empty()) return 0;
+      if (!best.mesh || log_ratio(mesh->tets.size(), asked) < log_ratio(best.mesh->tets.size(), asked)) best.mesh = mesh;
+      return mesh->tets.size();
+    };
+    const auto near = [&](std::size_t count) { return log_ratio(count, asked) <= std::log1p(share); };
+    const std::size_t free = attempt(0);
+    best.too_fine = static_cast<double>(free) > asked * (1 + share);
+    if (free == 0 || best.too_fine || near(free)) return best;
+    // Mean tetrahedra are about 0.6 of the bound; from there look for bounds on both sides, then halve the interval.
+    double coarse = 0, fine = 0, bound = enclosed_volume(surface_) / asked / 0.6;
+    for (int k = 0; k < 16; ++k) {
+      const std::size_t count = attempt(bound);
+      if (count == 0 || near(count)) break;
+      (static_cast<double>(count) < asked ? coarse : fine) = bound;
+      bound = coarse == 0 ? fine * 1.3 : fine == 0 ? coarse / 1.3 : std::sqrt(coarse * fine);
+      if (coarse != 0 && fine != 0 && coarse / fine < 1 + 1e-3) break;
+    }
+    return best;
+  }
+
+ private:
+  const std::optional<TetMesh>& fill(double bound, std::string& problem) {
+    const auto known = tried_.find(bound);
+    if (known != tried_.end()) return known->second;
+    options_.max_volume = bound;
+    return tried_[bound] = fill_with_tets(surface_, options_, problem);
+  }
+
+  const Surface& surface_;
+  TetFillOptions options_;
+  std::map<double, std::optional<TetMesh>> tried_;
+};
+
+}  // namespace
+
 CountedFill fill_to_count(const Surface& surface, std::size_t elements, double share, TetFillOptions options) {
   CountedFill result;
+  BoundSearch search(surface, options);
   const auto asked = static_cast<double>(elements);
-  const auto distance = [&](std::size_t count) { return std::abs(std::log(static_cast<double>(count) / asked)); };
-  const auto attempt = [&](double bound) -> std::size_t {
-    options.max_volume = bound;
-    std::optional<TetMesh> mesh = fill_with_tets(surface, options, result.problem);
-    if (!mesh || mesh->tets.empty()) return 0;
-    const std::size_t count = mesh->tets.size();
-    if (!result.mesh || distance(count) < distance(result.mesh->tets.size())) result.mesh = std::move(mesh);
-    return count;
-  };
-  const auto near = [&](std::size_t count) { return distance(count) <= std::log1p(share); };
-  const std::size_t free = attempt(0);
-  result.too_fine = static_cast<double>(free) > asked * (1 + share);
-  if (free == 0 || result.too_fine || near(free)) return result;
-  // Mean tetrahedra are about 0.6 of the bound; from there look for bounds on both sides, then halve the interval.
-  double coarse = 0, fine = 0, bound = enclosed_volume(surface) / asked / 0.6;
-  for (int k = 0; k < 24; ++k) {
-    const std::size_t count = attempt(bound);
-    if (count == 0 || near(count)) break;
-    (static_cast<double>(count) < asked ? coarse : fine) = bound;
-    bound = coarse == 0 ? fine * 1.3 : fine == 0 ? coarse / 1.3 : std::sqrt(coarse * fine);
-    if (coarse != 0 && fine != 0 && coarse / fine < 1 + 1e-4) break;
+  // Flips take some of TetGen's tetrahedra away; how many shows after the first time.
+  double left_by_flips = 0.955;
+  for (int k = 0; k < 3; ++k) {
+    BoundSearch::Result raw = search.nearest(asked / left_by_flips, share / 2);
+    result.problem = raw.problem;
+    result.too_fine = raw.too_fine;
+    if (!raw.mesh) return result;
+    const auto before = static_cast<double>(raw.mesh->tets.size());
+    improve(*raw.mesh, {.fixed_nodes = surface.nodes.size()});
+    const std::size_t count = raw.mesh->tets.size();
+    left_by_flips = static_cast<double>(count) / before;
+    if (!result.mesh || log_ratio(count, asked) < log_ratio(result.mesh->tets.size(), asked)) result.mesh = std::move(*raw.mesh);
+    if (log_ratio(result.mesh->tets.size(), asked) <= std::log1p(share)) break;
   }
+  result.too_fine = result.too_fine && static_cast<double>(result.mesh->tets.size()) > asked * (1 + share);
   return result;
 }
 

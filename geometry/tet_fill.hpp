@@ -15,10 +15,11 @@ struct TetFillOptions {
   double radius_edge = 1.3;           // bound on circumradius / shortest edge (TetGen -q)
   double min_dihedral_deg = 14;       // asked of TetGen, not always reached
   bool keep_surface = true;           // no new nodes on the surface (TetGen -Y)
+  bool improve = true;                // flips and smoothing afterwards, see tet_improve.hpp
   std::chrono::seconds patience{120}; // after that the child is ended
 };
 
-// The nodes of the surface come first, in their order. Empty with a reason in `problem` where TetGen gives up.
+// Nodes of the surface come first. Empty with a reason in `problem` where TetGen gives up.
 std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options, std::string& problem);
 
 // TetGen fills every region that facets bound. Takes those out that lie outside the surface (winding number near 0),

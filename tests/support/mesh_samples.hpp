@@ -1,0 +1,18 @@
+#pragma once
+// One small mesh written in every format by code of its own, so that the readers have something to agree on.
+
+#include <map>
+#include <string>
+
+#include "geometry/surface.hpp"
+#include "geometry/tet_mesh.hpp"
+
+namespace forefeel::test {
+
+TetMesh sample_mesh();                                    // 3 tetrahedra on 6 nodes, group "held" = {0, 2}
+std::map<std::string, std::string> sample_mesh_files();   // name ("gmsh41_binary.msh") -> content
+Surface unit_cube();                                      // 12 triangles, outward, low corner at the origin
+std::map<std::string, std::string> surface_files(const Surface& surface);
+std::string shared_folder();                              // where reference data lie; empty where they do not
+
+}  // namespace forefeel::test
