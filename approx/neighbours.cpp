@@ -9,7 +9,7 @@ namespace {
 
 constexpr double loyalty = 0.95;            // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
-constexpr std::size_t facing = 8;           // states that decide where a side lies
+constexpr double shell = 2.5;               // spacings behind the nearest state that decide where a side lies
 constexpr double pulled_to = 0.25;          // spacings before the nearest state of a side
 
 }  // namespace
@@ -59,20 +59,21 @@ void NeighbourSelector::take_nearest(const Vec3& hip) {
   keep_first(1, n_);
 }
 
-// Direction from the HIP to the mean of the nearest states of a side, and the distance of the nearest.
-Vec3 NeighbourSelector::towards(const Vec3& hip, std::uint8_t side, double& distance) {
-  const auto end = std::partition(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.side == side; });
-  const auto count = std::min<std::ptrdiff_t>(facing, end - candidates_.begin());
+// Mean direction from the HIP of a side's states (0: both), counting those at most `shell` farther than its nearest,
+// whose distance is returned too. The length of the mean tells how one-sided they lie.
+Vec3 NeighbourSelector::towards(const Vec3& hip, std::uint8_t side, double& distance) const {
+  const double deep = shell * space_.options().spacing;
   distance = std::numeric_limits<double>::infinity();
-  if (count == 0) return Vec3::Zero();
-  for (auto c = candidates_.begin(); c != end; ++c) c->key = (space_[c->id].at - hip).norm();
-  std::partial_sort(candidates_.begin(), candidates_.begin() + count, end,
-                    [](const Candidate& a, const Candidate& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
-  distance = candidates_.front().key;
-  Vec3 mean = Vec3::Zero();
-  for (auto c = candidates_.begin(); c != candidates_.begin() + count; ++c) mean += space_[c->id].at - hip;
-  const double length = mean.norm();
-  return length > 0 ? Vec3(mean / length) : Vec3::Zero();
+  for (const Candidate& c : candidates_)
+    if (side == 0 || c.side == side) distance = std::min(distance, c.key);
+  Vec3 sum = Vec3::Zero();
+  double count = 0;
+  for (const Candidate& c : candidates_) {
+    if ((side != 0 && c.side != side) || c.key > distance + deep) continue;
+    if (c.key > 0) sum += (space_[c.id].at - hip) / c.key;
+    ++count;
+  }
+  return count > 0 ? Vec3(sum / count) : sum;
 }
 
 void NeighbourSelector::take_sides(const Vec3& hip) {
@@ -82,12 +83,12 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   const auto split = [&](const Vec3& axis) {
     for (Candidate& c : candidates_) c.side = (space_[c.id].at - hip).dot(axis) >= 0 ? 1 : 2;
   };
-  // First by the nearest state, then by where its side lies as a whole.
-  const auto nearest = std::ranges::min_element(candidates_, {}, &Candidate::key);
-  split(space_[nearest->id].at - hip);
   double d1, d2;
+  const Vec3 all = towards(hip, 0, d1);
+  const auto nearest = std::ranges::min_element(candidates_, {}, &Candidate::key);
+  split(all.norm() > 0.2 ? all : Vec3(space_[nearest->id].at - hip));   // in the middle of a gap the mean is nothing
   split(towards(hip, 1, d1));
-  const Vec3 to1 = towards(hip, 1, d1), to2 = towards(hip, 2, d2);
+  const Vec3 to1 = towards(hip, 1, d1).normalized(), to2 = towards(hip, 2, d2).normalized();
 
   double share = 0;
   if (d2 < limit && d1 + d2 > 0) share = d1 / (d1 + d2) * std::clamp((limit - d2) / (1.5 * h), 0.0, 1.0);

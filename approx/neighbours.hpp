@@ -32,7 +32,7 @@ class NeighbourSelector {
   void take_nearest(const Vec3& hip);
   void take_sides(const Vec3& hip);
   void gather(const Vec3& q, std::size_t least, double radius);
-  Vec3 towards(const Vec3& hip, std::uint8_t side, double& distance);
+  Vec3 towards(const Vec3& hip, std::uint8_t side, double& distance) const;
   void prefer_members();
   void keep_first(std::uint8_t side, std::size_t count);
 
