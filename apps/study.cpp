@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "apps/suggest.hpp"
 
@@ -85,6 +86,7 @@ class Reader {
   void read_vary();
   StudyAxis read_axis(const std::string& column, const toml::node& node);
   StudyValue read_value(const std::string& column, const toml::node& node, const std::string& place);
+  StudyValue read_together(const std::string& section, const toml::node& node, const std::string& place);
   void read_baseline();
   void read_sustained();
 
@@ -97,6 +99,7 @@ class Reader {
   toml::table root_;
   std::map<std::string, std::pair<std::string, std::string>> claimed_;   // key -> how, where
   std::vector<std::string> set_;
+  std::vector<std::string> together_;   // keys of the axis being read, where it is a section
 };
 
 Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin(), set.end()) {
@@ -159,6 +162,7 @@ std::string Reader::scene_key(const std::string& written, const std::string& pla
     throw InputError(place, fmt::format("unknown section, did you mean '{}{}'? Expected one of {}",
                                         nearest_word(section, scene_sections), written.substr(section.size()),
                                         listed(scene_sections)));
+  if (pseudo_allowed && std::ranges::find(scene_sections, written) != scene_sections.end()) return written;
   const std::vector<std::string>& words = pseudo_allowed ? vary_words : short_keys;
   throw InputError(place, fmt::format("unknown key, did you mean '{}'? Expected one of {}, or a scene key in quotes "
                                       "(\"model.kernel\")",
@@ -237,8 +241,25 @@ void Reader::read_fixed() {
   }
 }
 
+// Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }.
+StudyValue Reader::read_together(const std::string& section, const toml::node& node, const std::string& place) {
+  const toml::table* table = node.as_table();
+  if (!table || table->empty())
+    throw InputError(place, fmt::format("holds {}, expected tables of keys of [{}]", toml_of(node), section));
+  const toml::node* name = table->get("name");
+  StudyValue value{.text = name ? shown(*name) : shown(node), .overrides = {}, .number = {}};
+  for (const auto& [word, child] : in_file_order(*table)) {
+    const std::string key = scene_key(fmt::format("{}.{}", section, word), place, false);
+    if (word == "name") continue;
+    value.overrides.push_back(fmt::format("{}={}", key, rebased(key, *child)));
+    if (std::ranges::find(together_, key) == together_.end()) together_.push_back(key);
+  }
+  return value;
+}
+
 StudyValue Reader::read_value(const std::string& column, const toml::node& node, const std::string& place) {
   const std::string key = scene_key(column, place, true);
+  if (std::ranges::find(scene_sections, key) != scene_sections.end()) return read_together(key, node, place);
   StudyValue value{.text = shown(node), .overrides = {}, .number = {}};
   if (key == "target_load" || key == "speed") {
     value.number = node.value<double>();
@@ -262,7 +283,8 @@ StudyAxis Reader::read_axis(const std::string& column, const toml::node& node) {
       throw InputError(where(&element, "vary." + column), fmt::format("holds '{}' twice, expected each value once", value.text));
     axis.values.push_back(std::move(value));
   }
-  claim(key, axis.where, "varied");
+  if (together_.empty()) claim(key, axis.where, "varied");
+  for (const std::string& one : std::exchange(together_, {})) claim(one, axis.where, "varied");
   return axis;
 }
 

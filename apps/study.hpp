@@ -11,6 +11,7 @@
 //   target_load = [0.5, 1, 2]              # cost = load x workers / demand of the path, spread as the paper's
 //   speed = [0.03, 0.06]                   # of path devices [m/s]
 //   "model.kernel" = ["cubic", "quintic"]  # any scene key, in quotes
+//   material = [{ name = "soft", young = 2e3, poisson = 0.4 }, …]   # keys of one section that change together
 //   [[step]]                               # instead of or beside [vary]: an ablation. Each step keeps what the
 //   name = "predecessor"                   # former ones changed and adds its own keys
 //   policy = "nearest"

@@ -130,10 +130,10 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumn
   const StudyMetric metric = primary_metric(study);
   const std::size_t levels = study.axes.front().values.size();
   const std::vector<Observation> whole = observations(study, cells, 0, metric);
-  if (study.axes.front().column == "step" && !study.baseline) {
+  if (study.axes.front().column == "step") {
     for (std::size_t level = 1; level < levels; ++level)
       all.push_back({level, level - 1, {}, compare_levels(whole, level, level - 1)});
-    return all;
+    if (!study.baseline) return all;
   }
   std::size_t reference = study.baseline.value_or(0);
   if (!study.baseline) {

@@ -46,8 +46,8 @@ struct Contrast {
   std::optional<StudySlice> slice;
   Comparison comparison;
 };
-// Steps: each against the one before. Otherwise: each value against the baseline (without one, against the best
-// over all), over everything and at each value of every other axis but the traces.
+// Steps: each against the one before. Each value against the baseline (without one: steps not at all, others against the
+// best over all), over everything and at each value of every other axis but the traces.
 std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells);
 
 bool is_trace_axis(const StudyAxis& axis);

@@ -156,18 +156,16 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
   if (compared.empty()) return "";
   const StudyMetric metric = primary_metric(study);
   const StudyAxis& axis = study.axes.front();
-  const bool steps = axis.column == "step" && !study.baseline;
-  std::string html = steps ? "<h2>What each step is worth</h2>\n"
-                           : fmt::format("<h2>Against {}</h2>\n", html_escaped(axis.values[compared.front().b].text));
+  std::string html = axis.column == "step" ? "<h2>What each step is worth</h2>\n" : "<h2>One against another</h2>\n";
   html += fmt::format("<p class=\"muted\">{}; paired by trace and seed. \"Not shown\": at least one 95 % interval holds no difference.</p>\n",
                       html_escaped(metric.title));
-  html += head({axis.column, steps ? "against" : "where", "difference [bootstrap]", "[Student]", "won / lost / pairs", "traces", ""});
+  html += head({axis.column, "against", "where", "difference [bootstrap]", "[Student]", "won / lost / pairs", "traces", ""});
   for (const Contrast& c : compared) {
-    const std::string where = steps ? axis.values[c.b].text
-                              : c.slice ? study.axes[c.slice->axis].column + " = " + study.axes[c.slice->axis].values[c.slice->value].text
-                                        : "everywhere";
+    const std::string where = c.slice ? study.axes[c.slice->axis].column + " = " + study.axes[c.slice->axis].values[c.slice->value].text
+                                      : "everywhere";
     html += row(axis.values[c.a].text,
-                "<td>" + html_escaped(where) + "</td>" + cell(shown_difference(metric, c.comparison.bootstrap, true)) +
+                "<td>" + html_escaped(axis.values[c.b].text) + "</td><td>" + html_escaped(where) + "</td>" +
+                    cell(shown_difference(metric, c.comparison.bootstrap, true)) +
                     cell(shown_difference(metric, c.comparison.student, false)) +
                     cell(fmt::format("{} / {} / {}", c.comparison.won, c.comparison.lost, c.comparison.pairs)) +
                     cell(std::to_string(c.comparison.groups)) + cell(verdict(metric, c.comparison)));
