@@ -1,0 +1,78 @@
+// Against an implementation that is not ours: scipy.interpolate.RBFInterpolator.
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+
+#include "approx/updater.hpp"
+#include "tests/approx/sets.hpp"
+
+using namespace forefeel;
+using namespace forefeel::testing;
+
+namespace {
+
+bool have_scipy() {
+  return std::filesystem::exists("/usr/bin/python3") && std::system("/usr/bin/python3 -c 'import scipy.interpolate' 2>/dev/null") == 0;
+}
+
+std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vector<Vec3>& points, Kernel kernel,
+                               std::size_t n) {
+  const auto folder = std::filesystem::temp_directory_path() / ("forefeel_scipy_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  {
+    std::ofstream out(file("states.csv")), at(file("points.csv"));
+    out << std::setprecision(17);
+    at << std::setprecision(17);
+    for (const auto& s : states)
+      out << s.at[0] << ',' << s.at[1] << ',' << s.at[2] << ',' << s.force[0] << ',' << s.force[1] << ',' << s.force[2] << '\n';
+    for (const auto& p : points) at << p[0] << ',' << p[1] << ',' << p[2] << '\n';
+  }
+  const std::string command = "/usr/bin/python3 " FOREFEEL_SOURCE_DIR "/tests/approx/scipy_oracle.py " + file("states.csv") +
+                              " " + file("points.csv") + " " + std::string(name(kernel)) + " " + std::to_string(n) + " " +
+                              file("forces.csv");
+  REQUIRE(std::system(command.c_str()) == 0);
+  std::ifstream in(file("forces.csv"));
+  std::vector<Vec3> forces(points.size());
+  char comma;
+  for (auto& f : forces) in >> f[0] >> comma >> f[1] >> comma >> f[2];
+  REQUIRE(in.good());
+  std::filesystem::remove_all(folder);
+  return forces;
+}
+
+}  // namespace
+
+TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1", "[scipy]") {
+  if (!have_scipy()) {
+    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
+    return;
+  }
+  StateSpaceOptions options;
+  options.spacing = 0.006;
+  StateSpace space(options);
+  const auto states = states_at(lattice_points(4, 0.006));
+  for (const auto& s : states) space.insert(s);
+  std::vector<Vec3> points;
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> inside(-0.024, 0.024), outside(-0.033, 0.033);
+  for (int i = 0; i < 40; ++i) points.emplace_back(inside(random), inside(random), inside(random));
+  for (int i = 0; i < 20; ++i) points.emplace_back(outside(random), outside(random), outside(random));
+  for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
+    for (const std::size_t n : {std::size_t{0}, std::size_t{100}}) {
+      CAPTURE(name(kernel), n);
+      const auto expected = scipy_forces(states, points, kernel, n);
+      ModelUpdater updater(space, {.kernel = kernel, .neighbours = n == 0 ? states.size() : n, .select = Select::nearest});
+      double worst = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const Model model = updater.model_at(points[i]);
+        worst = std::max(worst, (model.force(points[i]) - expected[i]).norm() / std::max(expected[i].norm(), 0.05));
+      }
+      CHECK(worst < 1e-9);
+    }
+}
