@@ -9,6 +9,7 @@ namespace forefeel {
 namespace {
 
 constexpr int most_iterations = 14;
+constexpr double settled_share = 1e-5;    // of K: how much the last correction of V may still have changed it
 
 double& lane(std::vector<double>& v, std::size_t row, int l) {
   return v[row * lane_count + static_cast<std::size_t>(l)];
@@ -158,16 +159,17 @@ void LaneSolver::finish(const Factorisation& factor, int count, std::array<LaneR
       LaneResult& result = results[static_cast<std::size_t>(l)];
       const Mat3 whole = plain[static_cast<std::size_t>(l)] - gain[static_cast<std::size_t>(l)];
       result.stiffness = 0.5 * (whole + whole.transpose());
-      if (result.converged && !(gain[static_cast<std::size_t>(l)].norm() <= 3e-6 * result.stiffness.norm())) settled = false;
+      result.stiffness_settled = gain[static_cast<std::size_t>(l)].norm() <= settled_share * result.stiffness.norm();
+      settled = settled && (result.stiffness_settled || !result.converged);
     }
     if (settled) break;
   }
   for (int c = 0; c < 3; ++c) {
     k.dot_lanes(rows, &tangent_[static_cast<std::size_t>(c) * size_], residual_.data(), dot.data());
-    for (int l = 0; l < count; ++l) results[static_cast<std::size_t>(l)].force[c] -= dot[static_cast<std::size_t>(l)];
+    for (int l = 0; l < count; ++l)
+      if (results[static_cast<std::size_t>(l)].stiffness_settled)
+        results[static_cast<std::size_t>(l)].force[c] -= dot[static_cast<std::size_t>(l)];
   }
-  for (int l = 0; l < count; ++l)
-    if (!results[static_cast<std::size_t>(l)].stiffness.allFinite()) results[static_cast<std::size_t>(l)].converged = false;
 }
 
 void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,

@@ -4,7 +4,7 @@
 // then for each state, with V = du/dx corrected once or more by M^{-1} and rho = -(H [V; I])_f, delta = M^{-1} rho,
 //   K = [V; I]^T H [V; I] - sym(rho^T delta)      second order in what V lacks, times how well M fits
 //   f = -(g_c + V^T r_f)                          second order in what u lacks
-// A state whose iteration does not contract is left to the caller.
+// A state whose iteration does not contract is left to the caller, and so is one whose stiffness does not settle.
 
 #include <array>
 #include <memory>
@@ -22,6 +22,7 @@ struct LocalField {
 
 struct LaneResult {
   bool converged = false;
+  bool stiffness_settled = false;    // false: M fits too badly for K and V, which then hold nothing
   int iterations = 0;
   double residual = 0, energy = 0, min_jacobian = 0;
   Vec3 force = Vec3::Zero();

@@ -103,8 +103,28 @@ void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
   for (SweepNode* node : nodes) fields.push_back(&node->field);
   std::array<LaneResult, lane_count> results;
   lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (results[i].converged) take(*nodes[i], results[i]);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!results[i].converged) continue;
+    if (!results[i].stiffness_settled && !own_factor(*nodes[i], results[i])) continue;
+    take(*nodes[i], results[i]);
+  }
+}
+
+// Stiffness and tangent from a factor at the equilibrium itself; false where it is not stable.
+bool SweepWorker::own_factor(SweepNode& node, LaneResult& result) {
+  if (!path_.newton().factorise(node.field.u)) return false;
+  const Factorisation& factor = path_.newton().factor();
+  result.stiffness = factor.stiffness();
+  factor.tangent(node.field.tangent.data());
+  std::vector<double> gradient(node.field.u.size(), 0.0);
+  d_->kernels->gradient(d_->view(), node.field.u.data(), gradient.data());
+  const auto contact = static_cast<std::size_t>(3 * d_->free_nodes);
+  for (std::size_t c = 0; c < 3; ++c) {
+    double force = -gradient[contact + c];
+    for (std::size_t i = 0; i < contact; ++i) force -= node.field.tangent[3 * i + c] * gradient[i];
+    result.force[static_cast<int>(c)] = force;
+  }
+  return true;
 }
 
 void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond) {

@@ -1,0 +1,235 @@
+// forefeel bench solver [SCENE]: states per second over the scene's whole lattice, beside full Newton on Eigen's
+// SimplicialLDLT and on CHOLMOD in the same run. A baseline solves a sample of the lattice, each state warm-started
+// from its lattice neighbour towards rest, on the same number of threads; errors are against tight solves on the
+// reference branch at a random sample.
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <random>
+
+#include "apps/command.hpp"
+#include "apps/provenance.hpp"
+#include "apps/scene.hpp"
+#include "geometry/phantom.hpp"
+#include "solver/baselines/baseline.hpp"
+#include "solver/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+struct BenchCase {
+  std::shared_ptr<const Body> body;
+  StateSpaceOptions space;
+  std::string name;
+};
+
+BenchCase take_case(const Globals& globals, const std::string& file) {
+  if (!file.empty()) {
+    const Scene scene = load_scene(file, globals.set);
+    for (const std::string& warning : scene.warnings) warn(globals, warning);
+    return {scene.body, scene.space, scene.file.string()};
+  }
+  auto body = std::make_shared<Body>();
+  body->mesh = phantom("liver");
+  body->clamp = body->mesh.groups.at("clamp");
+  body->contact = body->mesh.groups.at("contact");
+  StateSpaceOptions space;
+  space.spacing = 0.006;
+  space.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)};
+  return {body, space, "liver phantom"};
+}
+
+struct Errors {
+  std::vector<double> values;
+  double at(double share) {
+    if (values.empty()) return unknown;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+  }
+};
+
+// Relative force errors of a random sample of states against tight solves on the reference branch.
+Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::size_t count, std::uint64_t seed, int threads) {
+  std::mt19937_64 random(seed + 1);
+  std::vector<const State*> sample;
+  for (const State& s : states)
+    if (s.usable() && s.at.norm() > 0) sample.push_back(&s);
+  std::shuffle(sample.begin(), sample.end(), random);
+  sample.resize(std::min(sample.size(), count));
+  std::vector<double> values(sample.size(), unknown);
+#pragma omp parallel num_threads(threads)
+  {
+    Solver solver(bench.body);
+#pragma omp for schedule(dynamic)
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+      const State tight = solver.reference(sample[i]->at, bench.space.spacing).state;
+      if (tight.usable()) values[i] = (sample[i]->force - tight.force).norm() / std::max(tight.force.norm(), 0.05);
+    }
+  }
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  return {values};
+}
+
+struct BaselineRun {
+  double per_state = 0;     // [s], all threads together
+  std::size_t states = 0, failed = 0;
+  double iterations = 0;
+  std::vector<State> solved;
+};
+
+// Each of the sample from the displacements of its neighbour one spacing nearer to rest, which are not charged.
+BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
+                         const std::vector<std::size_t>& sample, int threads, double tolerance) {
+  const auto d = std::make_shared<const Discretisation>(discretise(*bench.body));
+  const double h = bench.space.spacing;
+  const auto key = [&](const Vec3& x) {
+    return std::array<long, 3>{std::lround(x[0] / h), std::lround(x[1] / h), std::lround(x[2] / h)};
+  };
+  std::map<std::array<long, 3>, const State*> known;
+  for (const State& s : states)
+    if (s.displacements) known[key(s.at)] = &s;
+  std::vector<std::pair<Vec3, std::vector<double>>> starts;
+  for (const std::size_t i : sample) {
+    std::array<long, 3> k = key(states[i].at);
+    const auto longest = static_cast<std::size_t>(
+        std::max_element(k.begin(), k.end(), [](long a, long b) { return std::abs(a) < std::abs(b); }) - k.begin());
+    k[longest] -= k[longest] > 0 ? 1 : k[longest] < 0 ? -1 : 0;
+    const auto from = known.find(k);
+    if (from == known.end()) continue;
+    std::vector<double> u(static_cast<std::size_t>(d->local_size())), by_node = *from->second->displacements;
+    for (const auto& [a, b] : d->edges)      // mid-edge nodes start between their ends
+      for (std::size_t c = 0; c < 3; ++c)
+        by_node.push_back(0.5 * (by_node[3 * static_cast<std::size_t>(a) + c] + by_node[3 * static_cast<std::size_t>(b) + c]));
+    d->to_local(by_node, u.data());
+    starts.emplace_back(states[i].at, std::move(u));
+  }
+  BaselineRun run;
+  run.solved.resize(starts.size());
+  std::vector<std::unique_ptr<BaselineNewton>> solvers;
+  for (int i = 0; i < threads; ++i) solvers.push_back(std::make_unique<BaselineNewton>(d, which));
+  const auto start = SteadyClock::now();
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(starts[i].second, starts[i].first, tolerance);
+  const double seconds = seconds_since(start);
+  for (const State& s : run.solved) {
+    run.failed += !s.usable();
+    run.iterations += s.iterations;
+  }
+  run.states = starts.size();
+  run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));
+  run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states));
+  return run;
+}
+
+double median(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  return v.empty() ? unknown : v[v.size() / 2];
+}
+
+double peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024 * std::strtod(line.c_str() + 6, nullptr);
+  return unknown;
+}
+
+nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours, double theirs,
+                                Errors& errors, std::size_t n, int threads, double tolerance) {
+  nlohmann::ordered_json row;
+  row["name"] = "generate";
+  row["baseline"] = baseline;
+  row["ratio"] = number(theirs / ours);
+  row["ours_us"] = number(1e6 * ours);
+  row["baseline_us"] = number(1e6 * theirs);
+  row["error"] = {{"p50", number(errors.at(0.5))}, {"p95", number(errors.at(0.95))}, {"max", number(errors.at(1))}};
+  row["n"] = n;
+  row["k"] = nullptr;
+  row["scene"] = bench.name;
+  row["law"] = name(bench.body->material.law);
+  row["elements"] = bench.body->mesh.tets.size();
+  row["threads"] = threads;
+  row["tolerance"] = tolerance;
+  return row;
+}
+
+}  // namespace
+
+int bench_solver(const Globals& globals, const std::string& scene) {
+  constexpr double tolerance = 1e-6;
+  constexpr std::size_t error_sample = 60;
+  constexpr int rounds = 3;
+  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
+  const BenchCase bench = take_case(globals, scene);
+  GenerateOptions options;
+  options.spacing = bench.space.spacing;
+  options.box = bench.space.box;
+  options.threads = threads;
+  options.tolerance = tolerance;
+  options.want_displacements = true;
+
+  Progress progress(globals, "bench solver");
+  std::vector<State> states;
+  GenerateReport report;
+  std::vector<double> ours, eigen, cholmod;
+  BaselineRun last_eigen, last_cholmod;
+  for (int round = 0; round < rounds; ++round) {
+    progress.show(static_cast<double>(round) / rounds, "whole lattice");
+    states.clear();
+    report = generate_lattice(bench.body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+    ours.push_back(report.seconds / static_cast<double>(std::max<std::size_t>(1, report.solved)));
+    std::sort(states.begin(), states.end(), [](const State& a, const State& b) {
+      return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+    });
+    // As many as take about the time of our whole lattice, drawn anew in each round.
+    std::vector<std::size_t> sample(states.size());
+    for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
+    std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
+    std::shuffle(sample.begin(), sample.end(), random);
+    sample.resize(std::min(sample.size(), std::max<std::size_t>(20, states.size() / 20)));
+    last_eigen = run_baseline(Baseline::eigen_ldlt, bench, states, sample, threads, tolerance);
+    last_cholmod = run_baseline(Baseline::cholmod, bench, states, sample, threads, tolerance);
+    eigen.push_back(last_eigen.per_state);
+    cholmod.push_back(last_cholmod.per_state);
+  }
+  progress.show(1, "errors");
+  Errors errors = sample_errors(bench, states, error_sample, globals.seed, threads);
+
+  nlohmann::ordered_json document;
+  document["rows"] = nlohmann::ordered_json::array();
+  const std::size_t n = report.solved;
+  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", median(ours), median(eigen), errors, n, threads, tolerance));
+  document["rows"].push_back(make_row(bench, "CHOLMOD full Newton", median(ours), median(cholmod), errors, n, threads, tolerance));
+  document["blas"] = cholmod_blas();
+  document["instruction_set"] = instruction_set();
+  document["failed"] = report.failed;
+  document["baseline_iterations"] = number(last_eigen.iterations);
+  document["baseline_failed"] = last_eigen.failed + last_cholmod.failed;
+  document["peak_bytes"] = number(peak_bytes());
+  document["provenance"] = provenance("");
+  if (globals.json) print_json(document);
+  say(globals, fmt::format("{}: {}, {} tetrahedra, {} states, {} failed, {} threads, {}", bench.name,
+                           name(bench.body->material.law), bench.body->mesh.tets.size(), n, report.failed, threads, instruction_set()));
+  say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
+  say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * median(ours)));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * median(eigen), median(eigen) / median(ours)));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * median(cholmod), median(cholmod) / median(ours), cholmod_blas()));
+  say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}", errors.values.size(),
+                           errors.at(0.5), errors.at(0.95), errors.at(1)));
+  return 0;
+}
+
+}  // namespace forefeel

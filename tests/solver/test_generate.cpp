@@ -1,0 +1,111 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "block_body.hpp"
+#include "geometry/state_space.hpp"
+
+using namespace forefeel;
+
+namespace {
+
+GenerateOptions small_box(int threads) {
+  GenerateOptions options;
+  options.spacing = 0.006;
+  options.box = {Vec3(-0.018, -0.013, -0.012), Vec3(0.024, 0.013, 0.018)};    // odd and even ends
+  options.threads = threads;
+  return options;
+}
+
+std::map<std::array<long, 3>, State> generate(const std::shared_ptr<const Body>& body, const GenerateOptions& options,
+                                              const std::vector<State>& known = {}, GenerateReport* report = nullptr) {
+  std::map<std::array<long, 3>, State> states;
+  const auto keep = [&](State s) {
+    const std::array<long, 3> k{std::lround(s.at[0] / 0.006), std::lround(s.at[1] / 0.006), std::lround(s.at[2] / 0.006)};
+    CHECK(states.emplace(k, std::move(s)).second);
+  };
+  const GenerateReport result = generate_lattice(body, options, known, keep, {});
+  if (report) *report = result;
+  return states;
+}
+
+bool same_bits(const State& a, const State& b) {
+  return std::memcmp(a.force.data(), b.force.data(), sizeof(Vec3)) == 0 &&
+         std::memcmp(a.stiffness.data(), b.stiffness.data(), sizeof(Mat3)) == 0 && a.energy == b.energy &&
+         a.status == b.status && a.at == b.at;
+}
+
+}  // namespace
+
+TEST_CASE("fast states are within 1e-6 of tight ones, all laws; stiffness and energy too") {
+  for (const Law law : all_laws) {
+    const auto body = block_body(law);
+    GenerateReport report;
+    const auto states = generate(body, small_box(2), {}, &report);
+    CHECK(report.failed == 0);
+    CHECK(states.size() == lattice(small_box(2).box, 0.006).size());
+    Solver solver(body);
+    std::size_t i = 0;
+    for (const auto& [k, state] : states) {
+      if (++i % 23 != 0 || state.at.norm() == 0) continue;
+      const State tight = solver.reference(state.at, 0.006).state;
+      REQUIRE(tight.status == SolveStatus::converged);
+      INFO(name(law) << " at " << state.at.transpose());
+      const double tolerance = law == Law::st_venant_kirchhoff ? 5e-6 : 1e-6;
+      CHECK((state.force - tight.force).norm() < tolerance * tight.force.norm());
+      CHECK((state.stiffness - tight.stiffness).norm() < 1e-4 * tight.stiffness.norm());
+      CHECK(state.energy == Approx(tight.energy).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("the states are the same whatever the thread count, bit for bit") {
+  const auto body = block_body(Law::neo_hookean);
+  const auto one = generate(body, small_box(1));
+  for (const int threads : {2, 3}) {
+    const auto more = generate(body, small_box(threads));
+    REQUIRE(more.size() == one.size());
+    for (const auto& [k, state] : one) CHECK(same_bits(state, more.at(k)));
+  }
+}
+
+TEST_CASE("a lattice left half done is gone on with and ends with the same states; failed ones are not tried again") {
+  const auto body = block_body(Law::neo_hookean);
+  const auto whole = generate(body, small_box(2));
+  std::vector<State> known;
+  std::size_t i = 0;
+  for (const auto& [k, state] : whole)
+    if (i++ % 3 != 0) known.push_back(state);
+  known[5].status = SolveStatus::diverged;
+  GenerateReport report;
+  const auto rest = generate(body, small_box(2), known, &report);
+  CHECK(report.resumed == known.size());
+  CHECK(rest.size() + known.size() == whole.size());
+  for (const auto& [k, state] : rest) CHECK(same_bits(state, whole.at(k)));
+}
+
+TEST_CASE("a stopped lattice hands over only finished states, and what it did is kept") {
+  const auto body = block_body(Law::neo_hookean);
+  std::stop_source stop;
+  GenerateOptions options = small_box(2);
+  options.stop = stop.get_token();
+  std::vector<State> kept;
+  const GenerateReport report = generate_lattice(
+      body, options, {},
+      [&](State s) {
+        kept.push_back(std::move(s));
+        if (kept.size() == 20) stop.request_stop();
+      },
+      {});
+  CHECK(kept.size() >= 20);
+  CHECK(kept.size() < lattice(options.box, 0.006).size());
+  CHECK(report.solved == kept.size());
+  for (const State& s : kept) CHECK(s.status == SolveStatus::converged);
+}
+
+TEST_CASE("an exception in the sink comes out of generate_lattice") {
+  const auto body = block_body(Law::neo_hookean);
+  const auto full = [](State) { throw std::runtime_error("disk full"); };
+  CHECK_THROWS_WITH(generate_lattice(body, small_box(2), {}, full, {}), "disk full");
+}
