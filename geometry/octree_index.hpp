@@ -36,6 +36,7 @@ class OctreeIndex {
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
 
+  const Vec3& position(StateId id) const { return at_[id.value]; }
   const AdaptiveLattice* lattice() const { return lattice_.get(); }
   AdaptiveLattice* lattice() { return lattice_.get(); }
   // Where to add states: points of the adaptive lattice with no state within half their spacing, outward from rest.

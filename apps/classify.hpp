@@ -1,0 +1,56 @@
+#pragma once
+// What `forefeel classify` is made of: its options, a set of states prepared for labelling, and its three tasks.
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/command.hpp"
+#include "geometry/octree_index.hpp"
+#include "geometry/regions.hpp"
+#include "geometry/state_space.hpp"
+
+namespace forefeel {
+
+struct ClassifyArguments {
+  std::string states, index = "delaunay", box, points, line, output, scene, through, known;
+  std::vector<std::string> diff;
+  std::optional<double> spacing, grid;
+  std::size_t snapshots = 40;
+  CoverageOptions coverage;
+};
+
+// States under the chosen index. The triangulation is built only where it is the index.
+struct Classified {
+  std::vector<State> states;              // usable ones, in the order of the file
+  std::size_t unusable = 0;
+  double spacing = unknown;               // [m]
+  bool spacing_estimated = false;
+  Box box;
+  std::unique_ptr<StateSpace> space;      // index delaunay
+  std::unique_ptr<OctreeIndex> octree;    // index octree
+  std::vector<std::array<Vec3, 3>> body;  // outline, where a scene is given
+  RegionSummary regions;
+  double fill_distance = unknown;
+  std::optional<LargestHole> hole;
+
+  Coverage coverage(const Vec3& q) const { return space ? space->coverage(q) : octree->coverage(q); }
+  Label label(const Vec3& q) const { return space ? space->label(q) : octree->label(q); }
+};
+
+Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file);
+// Spacing, box and outline without labelling; states may be empty where a box is given.
+Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
+                          double header_spacing, const Globals& globals);
+// Builds the index (spatially sorted) and the regions.
+void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes);
+
+int classify_run(const Globals& globals, const ClassifyArguments& arguments);     // RUN/ to a .pvd series
+int classify_diff(const Globals& globals, const ClassifyArguments& arguments);    // --diff A B
+
+nlohmann::ordered_json by_label(const std::array<double, 4>& values);
+std::int64_t peak_bytes();
+
+}  // namespace forefeel

@@ -1,0 +1,195 @@
+// States prepared for labelling: spacing, box, index, regions.
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "apps/classify.hpp"
+#include "apps/scene.hpp"
+#include "geometry/error.hpp"
+#include "geometry/point_octree.hpp"
+#include "geometry/region_sampling.hpp"
+#include "geometry/state_file.hpp"
+#include "solver/body.hpp"
+
+namespace forefeel {
+namespace {
+
+// The median distance of a state to its nearest other one.
+double estimate_spacing(const std::vector<State>& states) {
+  PointOctree points;
+  for (std::uint32_t i = 0; i < states.size(); ++i) points.insert(i, states[i].at);
+  std::vector<double> distance;
+  std::vector<PointOctree::Neighbour> two;
+  const std::size_t step = 1 + states.size() / 20000;
+  for (std::size_t i = 0; i < states.size(); i += step) {
+    points.nearest(states[i].at, 2, two);
+    if (two.size() == 2 && two[1].squared > 0) distance.push_back(std::sqrt(two[1].squared));
+  }
+  if (distance.empty()) return unknown;
+  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
+  std::nth_element(distance.begin(), middle, distance.end());
+  return *middle;
+}
+
+Box parse_box(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos)
+    throw InputError("--box", fmt::format("'{}' is not a box, expected X0,Y0,Z0:X1,Y1,Z1", text));
+  const Box box{parse_vector(text.substr(0, colon), "--box"), parse_vector(text.substr(colon + 1), "--box")};
+  if ((box.low.array() > box.high.array()).any())
+    throw InputError("--box", fmt::format("'{}' has its first corner above its second, expected low:high", text));
+  return box;
+}
+
+void take_scene(const ClassifyArguments& arguments, const Globals& globals, Classified& result) {
+  const Scene scene = load_scene(arguments.scene, globals.set);
+  if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
+  result.box = scene.space.box;
+  // HIP coordinates count from the rest position of the contact.
+  Vec3 contact = Vec3::Zero();
+  for (const NodeIndex node : scene.body->contact)
+    contact += scene.body->mesh.nodes[static_cast<std::size_t>(node)] / double(scene.body->contact.size());
+  for (const Triangle& t : boundary_triangles(scene.body->mesh)) {
+    std::array<Vec3, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.body->mesh.nodes[static_cast<std::size_t>(t[i])] - contact;
+    result.body.push_back(corners);
+  }
+}
+
+// Neighbours in space become neighbours in time: insertion walks a cell or two instead of across the set.
+std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const Box& box, double spacing) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> code(states.size());
+  for (std::uint32_t i = 0; i < states.size(); ++i) {
+    std::uint64_t value = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell = std::clamp((states[i].at[axis] - box.low[axis]) / spacing + 0.5, 0.0, 2097151.0);
+      auto bits = static_cast<std::uint64_t>(cell);
+      for (int b = 0; b < 21; ++b) value |= (bits >> b & 1) << (3 * b + axis);
+    }
+    code[i] = {value, i};
+  }
+  std::sort(code.begin(), code.end());
+  std::vector<std::uint32_t> order(states.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = code[i].second;
+  return order;
+}
+
+// The largest ball without a state whose centre is accepted: best of the samples, then a compass search.
+std::optional<LargestHole> search_hole(const OctreeIndex& octree, const RegionSummary& regions, const Box& box,
+                                       double spacing, bool blank_too) {
+  std::vector<StateId> nearest;
+  const auto radius = [&](const Vec3& q) {
+    octree.nearest(q, 1, nearest);
+    return std::sqrt((octree.position(nearest[0]) - q).squaredNorm());
+  };
+  LargestHole best{-1, Vec3::Zero()};
+  for (const RegionLeaf& leaf : regions.leaves) {
+    if (leaf.label == Label::blank && !blank_too) continue;
+    if (const double r = radius(leaf.box.centre()); r > best.radius) best = {r, leaf.box.centre()};
+  }
+  if (best.radius < 0) return std::nullopt;
+  for (double step = spacing; step > 1e-4 * spacing;) {
+    const LargestHole before = best;
+    for (int direction = 0; direction < 26; ++direction) {
+      const int k = direction < 13 ? direction : direction + 1;
+      const Vec3 q = (before.centre + step * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)).cwiseMax(box.low).cwiseMin(box.high);
+      if (!blank_too && octree.label(q) == Label::blank) continue;
+      if (const double r = radius(q); r > best.radius * (1 + 1e-12)) best = {r, q};
+    }
+    if (best.radius == before.radius) step /= 2;
+  }
+  return best;
+}
+
+void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
+  result.octree = std::make_unique<OctreeIndex>(result.spacing, arguments.coverage);
+  for (std::uint32_t i = 0; i < result.states.size(); ++i) result.octree->insert({i}, result.states[i].at);
+  result.regions =
+      sample_regions(result.box, result.spacing, [&](const Vec3& q) { return result.octree->label(q); });
+  if (!with_holes || result.states.empty()) return;
+  result.hole = search_hole(*result.octree, result.regions, result.box, result.spacing, false);
+  const auto any = search_hole(*result.octree, result.regions, result.box, result.spacing, true);
+  result.fill_distance = any ? any->radius : unknown;
+}
+
+}  // namespace
+
+Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
+                          double header_spacing, const Globals& globals) {
+  Classified result;
+  const std::size_t all = states.size();
+  std::erase_if(states, [](const State& s) { return !s.usable() || !s.at.allFinite(); });
+  result.unusable = all - states.size();
+  result.states = std::move(states);
+  result.spacing = arguments.spacing.value_or(unknown);
+  bool have_box = !arguments.box.empty();
+  if (!arguments.scene.empty()) {
+    take_scene(arguments, globals, result);
+    have_box = true;
+  }
+  if (!std::isfinite(result.spacing)) result.spacing = header_spacing;
+  if (!std::isfinite(result.spacing))
+    for (const State& s : result.states)
+      if (std::isfinite(s.spacing) && !(s.spacing <= result.spacing)) result.spacing = s.spacing;
+  if (!std::isfinite(result.spacing)) {
+    result.spacing = estimate_spacing(result.states);
+    result.spacing_estimated = true;
+  }
+  if (!(result.spacing > 0))
+    throw InputError(where, "gives no spacing and has too few states to estimate one, expected --spacing METRES");
+  if (!arguments.box.empty()) result.box = parse_box(arguments.box);
+  if (!have_box) {
+    if (result.states.empty()) throw InputError(where, "holds no usable state, expected states or --box");
+    result.box = {result.states[0].at, result.states[0].at};
+    for (const State& s : result.states)
+      result.box = {result.box.low.cwiseMin(s.at), result.box.high.cwiseMax(s.at)};
+  }
+  return result;
+}
+
+void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes) {
+  if (arguments.index == "octree") return label_octree(result, arguments, with_holes);
+  result.space = std::make_unique<StateSpace>(
+      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.coverage});
+  Progress progress(globals, "classify");
+  std::size_t done = 0;
+  for (const std::uint32_t i : morton_order(result.states, result.box, result.spacing)) {
+    State light = result.states[i];
+    light.displacements.reset();
+    result.space->insert(std::move(light));
+    if (++done % 1024 == 0)
+      progress.show(0.5 * double(done) / double(result.states.size()), fmt::format("{} states", done));
+  }
+  result.space->regions().settle(static_cast<std::size_t>(-1),
+                                 [&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
+  result.regions = result.space->regions().summary();
+  if (!with_holes) return;
+  result.fill_distance = result.space->regions().fill_distance();
+  result.hole = result.space->regions().largest_hole();
+}
+
+Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file) {
+  LoadedStates loaded = load_states(file);
+  Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.header.spacing, globals);
+  label_regions(result, arguments, globals, true);
+  return result;
+}
+
+nlohmann::ordered_json by_label(const std::array<double, 4>& values) {
+  nlohmann::ordered_json result;
+  for (int i = 0; i < 4; ++i)
+    result[std::string(name(static_cast<Label>(i)))] = number(values[static_cast<std::size_t>(i)]);
+  return result;
+}
+
+std::int64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace forefeel
