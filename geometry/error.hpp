@@ -13,10 +13,17 @@ namespace forefeel {
 class InputError : public std::runtime_error {
  public:
   InputError(std::string where, const std::string& problem)
-      : std::runtime_error(where + ": " + problem), where_(std::move(where)) {}
+      : std::runtime_error(one_line(where + ": " + problem)), where_(std::move(where)) {}
   const std::string& where() const { return where_; }
 
  private:
+  // Messages quote files, and files hold anything.
+  static std::string one_line(std::string text) {
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+    return text;
+  }
+
   std::string where_;
 };
 

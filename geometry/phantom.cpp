@@ -107,7 +107,7 @@ const Blueprint& blueprint(std::string_view name) {
 }
 
 bool within_share(std::size_t count, std::size_t asked) {
-  return std::abs(static_cast<double>(count) - static_cast<double>(asked)) <= 0.05 * static_cast<double>(asked);
+  return std::abs(static_cast<double>(count) - static_cast<double>(asked)) < 0.0499 * static_cast<double>(asked);
 }
 
 Surface smooth_surface(std::string_view name, int n) {

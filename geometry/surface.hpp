@@ -43,7 +43,7 @@ double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
 
 struct TetrahedraliseOptions {
   std::size_t elements = 0;            // asked count, met within 5 %; 0: as the surface gives
-  std::optional<double> length;        // rescale so that the longest side is this [m]
+  std::optional<double> length = std::nullopt;   // rescale so that the longest side is this [m]
   std::string name = "surface";        // named in errors
 };
 

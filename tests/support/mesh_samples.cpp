@@ -158,8 +158,12 @@ std::string vtu(const TetMesh& m, VtuKind kind) {
   };
   std::string s = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
   s += fmt::format("<UnstructuredGrid>\n<!-- a <comment> -->\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", m.nodes.size(), m.tets.size());
-  s += array("Float64", "Points", points) + "</Points>\n<Cells>\n" + array("Int64", "connectivity", connectivity);
-  s += array("Int64", "offsets", offsets) + array("UInt8", "types", types) + "</Cells>\n</Piece>\n</UnstructuredGrid>\n";
+  s += array("Float64", "Points", points);
+  s += "</Points>\n<Cells>\n";
+  s += array("Int64", "connectivity", connectivity);
+  s += array("Int64", "offsets", offsets);
+  s += array("UInt8", "types", types);
+  s += "</Cells>\n</Piece>\n</UnstructuredGrid>\n";
   if (!appended.empty())
     s += fmt::format("<AppendedData encoding=\"{}\">\n_{}\n</AppendedData>\n", kind == VtuKind::appended_raw ? "raw" : "base64", appended);
   return s + "</VTKFile>\n";

@@ -1,0 +1,127 @@
+// forefeel mesh, import, export and info, run as a person would.
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "tests/apps/executable.hpp"
+
+using forefeel::test::Workshop;
+
+namespace {
+
+const char* const cube_off =
+    "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n"
+    "3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n";
+
+void check_refused(const Workshop& shop, const std::string& arguments, const char* mention) {
+  const std::string before = shop.files();
+  const Workshop::Outcome outcome = shop.forefeel(arguments);
+  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  CHECK(outcome.out.empty());
+  CHECK_THAT(outcome.err, Catch::Contains(mention));
+  CHECK(shop.files() == before);
+}
+
+}  // namespace
+
+TEST_CASE("mesh fills a surface, rescales a mesh, and makes phantoms", "[mesh]") {
+  const Workshop shop;
+  shop.write("cube.off", cube_off);
+  const auto made = shop.forefeel("mesh cube.off -o cube.msh --elements 600 --length 0.1 --json").json();
+  CHECK(made["elements"].get<double>() == Approx(600).epsilon(0.05));
+  CHECK(made["volume"].get<double>() == Approx(1e-3).epsilon(1e-6));
+  CHECK(made["hausdorff"].get<double>() < 1e-5);
+  CHECK(made["min_dihedral_deg"].get<double>() > 10);
+  CHECK(made["repaired"]["self_intersections"] == 0);
+  const auto info = shop.forefeel("info cube.msh --json").json();
+  CHECK(info["kind"] == "mesh");
+  CHECK(info["elements"] == made["elements"]);
+  CHECK(info["components"] == 1);
+  const auto longer = shop.forefeel("mesh cube.msh -o longer.msh --length 0.2 --json").json();
+  CHECK(longer["volume"].get<double>() == Approx(8e-3).epsilon(1e-6));
+  CHECK(longer["elements"] == made["elements"]);
+  const auto finer = shop.forefeel("mesh cube.msh -o finer.msh --elements 1500 --json").json();
+  CHECK(finer["elements"].get<double>() == Approx(1500).epsilon(0.05));
+  const auto liver = shop.forefeel("mesh --phantom liver -o liver.msh --json").json();
+  CHECK(liver["elements"].get<double>() == Approx(1777).epsilon(0.05));
+  CHECK(liver["groups"].contains("clamp"));
+  CHECK(shop.forefeel("info liver.msh --json").json()["groups"]["contact"] == liver["groups"]["contact"]);
+  CHECK(shop.forefeel("info cube.off --json").json()["closed"] == true);
+}
+
+TEST_CASE("mesh refuses what it cannot use", "[mesh]") {
+  const Workshop shop;
+  shop.write("cube.off", cube_off);
+  shop.write("empty.off", "");
+  shop.write("cut.off", std::string(cube_off).substr(0, 60));
+  shop.write("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  shop.write("cut.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1");
+  shop.write("notes.txt", "hello\n");
+  check_refused(shop, "mesh absent.off -o a.msh", "absent.off: cannot be read");
+  check_refused(shop, "mesh empty.off -o a.msh", "empty.off: is empty");
+  check_refused(shop, "mesh cut.off -o a.msh", "cut.off");
+  check_refused(shop, "mesh flat.off -o a.msh", "flat.off");
+  check_refused(shop, "mesh cut.msh -o a.msh", "cut.msh:7");
+  check_refused(shop, "mesh notes.txt -o a.msh", "unknown kind of file");
+  check_refused(shop, "mesh -o a.msh", "expected a file or --phantom");
+  check_refused(shop, "mesh cube.off --phantom ball -o a.msh", "expected one of them");
+  check_refused(shop, "mesh --phantom kidney -o a.msh", "liver, beam, ball, slab");
+  check_refused(shop, "mesh cube.off -o a.vtk", "ends in .msh");
+  check_refused(shop, "mesh cube.off -o none/a.msh", "does not exist");
+  check_refused(shop, "mesh cube.off -o a.msh --elements=0", "--elements");
+  check_refused(shop, "mesh cube.off -o a.msh --elements=-5", "--elements");
+  check_refused(shop, "mesh cube.off -o a.msh --elements=many", "--elements");
+  check_refused(shop, "mesh cube.off -o a.msh --length=-1", "--length");
+  check_refused(shop, "mesh cube.off -o a.msh --length=nan", "--length");
+}
+
+TEST_CASE("a flipped mesh is turned with a warning", "[mesh]") {
+  const Workshop shop;
+  shop.write("flipped.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.1 0 0\n3 0 0.1 0\n4 0 0 0.1\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 3 2 4\n$EndElements\n");
+  const Workshop::Outcome outcome = shop.forefeel("mesh flipped.msh -o turned.msh --json");
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.err, Catch::Contains("all tetrahedra were turned"));
+  CHECK(outcome.json()["volume"].get<double>() > 0);
+  CHECK(shop.forefeel("info turned.msh --json").json()["warnings"].empty());
+}
+
+TEST_CASE("states go in and out unchanged", "[states]") {
+  const Workshop shop;
+  shop.write("a.csv", "x,y,z,fx,fy,fz,h\n0,0,0,0,0,0,0.01\n0.01,0,0,-0.125,1e-17,3,0.01\n");
+  const auto in = shop.forefeel("import a.csv -o a.states --spacing 0.01 --json").json();
+  CHECK(in["states"] == 2);
+  CHECK(shop.forefeel("import a.csv -o a.states --spacing 0.01 --quiet").code == 0);      // safe to repeat
+  const auto info = shop.forefeel("info a.states --json").json();
+  CHECK(info["kind"] == "states");
+  CHECK(info["states"] == 2);
+  CHECK(info["spacing"] == 0.01);
+  CHECK(info["by_status"]["measured"] == 2);
+  CHECK(info["max_force"].get<double>() == Approx(std::hypot(0.125, 3)));
+  CHECK(shop.forefeel("export a.states -o b.csv --quiet").code == 0);
+  CHECK(shop.shell("cmp a.csv b.csv").code == 0);
+  CHECK(shop.forefeel("export a.csv -o b.vtu --json").json()["written"] == 2);
+}
+
+TEST_CASE("import, export and info refuse what they cannot use", "[states]") {
+  const Workshop shop;
+  shop.write("good.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n");
+  shop.write("short.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n1,2,3\n");
+  shop.write("nan.csv", "x,y,z,fx,fy,fz\n0,0,nan,0,0,0\n");
+  shop.write("fake.states", "not a database at all");
+  shop.write("empty.states", "");
+  check_refused(shop, "import short.csv -o s.states --spacing 0.01", "short.csv:3: 3 columns, expected 6");
+  check_refused(shop, "import nan.csv -o s.states --spacing 0.01", "nan.csv:2: column z");
+  check_refused(shop, "import absent.csv -o s.states --spacing 0.01", "absent.csv");
+  check_refused(shop, "import good.csv -o s.states --spacing=0", "--spacing");
+  check_refused(shop, "import good.csv -o s.states", "--spacing");
+  check_refused(shop, "import good.csv -o none/s.states --spacing 0.01", "does not exist");
+  check_refused(shop, "import good.csv -o fake.states --spacing 0.01", "is not a state file");
+  check_refused(shop, "export absent.states -o a.csv", "absent.states: cannot be read");
+  check_refused(shop, "export good.csv -o a.xlsx", ".csv or .vtu");
+  check_refused(shop, "info empty.states", "is empty");
+  check_refused(shop, "info fake.states", "fake.states");
+  check_refused(shop, "info absent", "absent: cannot be read");
+}
