@@ -5,11 +5,13 @@
 #include <omp.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <memory>
 #include <optional>
 
 #include "apps/command.hpp"
+#include "apps/generate_error.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
 #include "geometry/error.hpp"
@@ -53,11 +55,13 @@ StateFileHeader header_of(const Scene& scene) {
 }
 
 int run_generate(const Globals& globals, const GenerateArguments& arguments) {
-  if (arguments.error) throw InputError("--error", "not in this build, which fills the lattice of the scene");
+  if (arguments.error && !(*arguments.error > 0 && std::isfinite(*arguments.error)))
+    throw InputError("--error", fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
   check_writable(arguments.output);
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
+  if (arguments.error) return generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error);
   const std::vector<State> known = file.read_all();
 
   std::stop_source stop;

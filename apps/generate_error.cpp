@@ -1,0 +1,126 @@
+#include "apps/generate_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <optional>
+
+#include "geometry/error.hpp"
+#include "scheduling/placement.hpp"
+
+namespace forefeel {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+extern "C" void forefeel_generate_error_interrupt(int) {
+  interrupted = 1;
+}
+
+nlohmann::ordered_json to_json(const ErrorQuantiles& q) {
+  nlohmann::ordered_json object;
+  object["p50"] = number(q.p50);
+  object["p95"] = number(q.p95);
+  object["max"] = number(q.max);
+  return object;
+}
+
+nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
+  nlohmann::ordered_json document;
+  document["states"] = report.states;
+  document["solved"] = report.solved;
+  document["failed"] = report.failed;
+  document["resumed"] = report.resumed;
+  document["seconds"] = number(report.seconds);
+  document["threads"] = report.threads;
+  document["error"] = error;
+  document["error_estimate"] = number(report.estimate.held());  // the least E that is held
+  document["error_estimate_quantiles"] = to_json(report.estimate);
+  nlohmann::ordered_json truth = to_json(report.truth);
+  truth["held"] = number(report.truth.held());
+  truth["samples"] = report.truth_samples;
+  truth["failed"] = report.truth_failed;
+  truth["fresh"] = report.truth_is_fresh;
+  document["error_true"] = truth;
+  document["linear"] = report.linear;
+  document["estimate_holds"] = report.estimate_holds;
+  document["truth_holds"] = report.truth_holds;
+  return document;
+}
+
+std::string in_words(const ErrorQuantiles& q) {
+  return fmt::format("p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %", 100 * q.p50, 100 * q.p95, 100 * q.max);
+}
+
+std::string in_words(const PlacementProgress& p) {
+  if (p.truth_total > 0)
+    return fmt::format("{} states, truth {} of {}", p.states, p.truth_done, p.truth_total);
+  return std::isfinite(p.estimate)
+             ? fmt::format("{} states, estimated error {:.3g} %", p.states, 100 * p.estimate)
+             : fmt::format("{} states", p.states);
+}
+
+// Why the answer is incomplete; empty where it is not.
+std::string complaint(const PlacementReport& report, double error) {
+  if (report.stopped) return "interrupted; the same command goes on from here";
+  if (!report.estimate_holds)
+    return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
+                       report.states, report.estimate.held(), error, report.failed);
+  if (!report.truth_holds)
+    return fmt::format("the true error of {:.3g} at {} random positions is above {:.3g}", report.truth.held(),
+                       report.truth_samples, error);
+  return {};
+}
+
+}  // namespace
+
+int generate_to_error(const Globals& globals, const Scene& scene, StateFile file, const std::string& output,
+                      double error) {
+  PlacementOptions options;
+  options.error = error;
+  options.space = scene.space;
+  options.estimate.model = scene.model;
+  options.estimate.floor = scene.session.error_floor;
+  options.seed = globals.seed;
+  options.threads = globals.threads;
+  options.want_displacements = scene.displacements;
+  std::stop_source stop;
+  options.stop = stop.get_token();
+
+  std::optional<Progress> progress(std::in_place, globals, "generate");
+  double first = 0;
+  interrupted = 0;
+  std::signal(SIGINT, forefeel_generate_error_interrupt);
+  std::signal(SIGTERM, forefeel_generate_error_interrupt);
+  const PlacementReport report = place_states(
+      scene.body, options, file.read_all(), [&](State state) { file.append(std::span(&state, 1)); },
+      [&](const PlacementProgress& p) {
+        if (interrupted != 0) stop.request_stop();
+        // The error falls about by halves: the share done is that of its logarithm.
+        if (first == 0 && std::isfinite(p.estimate)) first = p.estimate;
+        const bool known = first > error && p.estimate > error;
+        progress->show(
+            known ? std::clamp(std::log(first / p.estimate) / std::log(first / error), 0.0, 1.0) : 0.0,
+            in_words(p));
+      });
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  progress.reset();
+
+  if (globals.json) print_json(to_json(report, error));
+  say(globals, fmt::format("{}: {} states, {} solved in {:.2f} s, {} there before, {} failed{}", output,
+                           report.states, report.solved, report.seconds, report.resumed, report.failed,
+                           report.linear ? "; linear: three solves give the whole state space" : ""));
+  say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
+  if (report.truth_samples > 0)
+    say(globals,
+        fmt::format("true error at {} random positions: {}{}", report.truth_samples, in_words(report.truth),
+                    report.truth_is_fresh ? "" : " (some of them became states)"));
+  const std::string why = complaint(report, error);
+  if (why.empty()) return 0;
+  warn(globals, why);
+  return 1;
+}
+
+}  // namespace forefeel

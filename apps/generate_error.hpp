@@ -1,0 +1,14 @@
+#pragma once
+// forefeel generate --error E: as few states as hold the estimated error below E (scheduling/placement.hpp).
+
+#include "apps/command.hpp"
+#include "apps/scene.hpp"
+#include "geometry/state_file.hpp"
+
+namespace forefeel {
+
+// Appends to the open file; the exit code. error is positive and finite.
+int generate_to_error(const Globals& globals, const Scene& scene, StateFile file, const std::string& output,
+                      double error);
+
+}  // namespace forefeel
