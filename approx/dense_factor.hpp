@@ -11,6 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "approx/aligned.hpp"
+
 namespace forefeel {
 
 class DenseFactor {
@@ -31,7 +33,7 @@ class DenseFactor {
   // their rows of B. Row-major, stride panel_stride(); valid until the next append().
   double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
   double* panel_border(std::size_t r) { return cross_border_ + r * border; }
-  std::size_t panel_stride() const { return row_capacity_ + panel; }
+  std::size_t panel_stride() const { return (row_capacity_ + 2 * panel - 1) / 8 * 8; }
   // Appends the first `used` of `count` = 4 or 8 panel rows; the others, and holes on purpose, are marked in skip.
   // A row whose pivot falls below tolerance[r] times its diagonal entry carries nothing new and becomes a hole.
   // Returns the rows that were taken, bit r for row r.
@@ -51,9 +53,9 @@ class DenseFactor {
   const double* column(std::size_t c) const { return columns_.data() + c * stride_ + border; }
 
   std::size_t row_capacity_, stride_ = 0, rows_ = 0;
-  std::vector<double> columns_;  // column c: 16 of Y, then column c of L
-  std::vector<double> inverse_diagonal_;
-  std::vector<double> cross_, solved_, removed_;
+  AlignedArray columns_;  // column c: 16 of Y, then column c of L
+  AlignedArray inverse_diagonal_;
+  AlignedArray cross_, solved_, removed_;
   double cross_border_[panel * border] = {};
 };
 

@@ -67,6 +67,10 @@ FOREFEEL_INLINE void products(const double* __restrict x, const double* __restri
   }
 }
 
+// Lane numbers, to leave alone the first lanes of a vector that starts before the first row meant.
+typedef long long Lanes8 __attribute__((vector_size(64)));
+constexpr Lanes8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
+
 FOREFEEL_INLINE void rotation(double diagonal, double x, double& c, double& s, double& r) {
   r = std::sqrt(diagonal * diagonal + x * x);
   c = diagonal / r;
@@ -111,7 +115,17 @@ FOREFEEL_INLINE void rotate_one(double* __restrict l, std::size_t stride, double
     };
     sweep(-16);
     sweep(-8);
-    for (std::size_t i = col + 4; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
+    const std::size_t start = (col + 4) / 8 * 8;
+    if (start < m) {   // the vector that holds row col + 4; lanes before it stay
+      Pack8* at[5] = {reinterpret_cast<Pack8*>(b0 + start), reinterpret_cast<Pack8*>(b1 + start),
+                      reinterpret_cast<Pack8*>(b2 + start), reinterpret_cast<Pack8*>(b3 + start),
+                      reinterpret_cast<Pack8*>(v + start)};
+      const Pack8 old[5] = {*at[0], *at[1], *at[2], *at[3], *at[4]};
+      const auto below = lane >= static_cast<long long>(col + 4 - start);
+      sweep(static_cast<std::ptrdiff_t>(start));
+      for (int t = 0; t < 5; ++t) *at[t] = below ? *at[t] : old[t];
+    }
+    for (std::size_t i = start + 8; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
   }
   for (; col < last; ++col) {
     double* __restrict b = l + col * stride;
@@ -159,7 +173,20 @@ FOREFEEL_INLINE void rotate_many(double* __restrict l, std::size_t stride, doubl
     };
     sweep(-16);
     sweep(-8);
-    for (std::size_t i = col + 1; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
+    const std::size_t start = (col + 1) / 8 * 8;
+    if (start < m) {
+      const auto below = lane >= static_cast<long long>(col + 1 - start);
+      const Pack8 old = *reinterpret_cast<Pack8*>(b + start);
+      Pack8 old_v[V];
+      for (int t = 0; t < V; ++t) old_v[t] = *reinterpret_cast<Pack8*>(v + t * vs + start);
+      sweep(static_cast<std::ptrdiff_t>(start));
+      *reinterpret_cast<Pack8*>(b + start) = below ? *reinterpret_cast<Pack8*>(b + start) : old;
+      for (int t = 0; t < V; ++t) {
+        Pack8* at = reinterpret_cast<Pack8*>(v + t * vs + start);
+        *at = below ? *at : old_v[t];
+      }
+    }
+    for (std::size_t i = start + 8; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
   }
 }
 
@@ -222,17 +249,21 @@ FOREFEEL_CLONES void solve_transposed3(const double* l, std::size_t stride, cons
     const double* __restrict b2 = b1 + stride;
     const double* __restrict b3 = b2 + stride;
     Pack8 s0[3] = {}, s1[3] = {}, s2[3] = {}, s3[3] = {};
-    for (std::size_t i = c; i < m; i += 8) {
+    const std::size_t start = c / 8 * 8;
+    const auto add = [&](std::size_t i, bool whole) __attribute__((always_inline)) {
       const Pack8 l0 = *reinterpret_cast<const Pack8*>(b0 + i), l1 = *reinterpret_cast<const Pack8*>(b1 + i);
       const Pack8 l2 = *reinterpret_cast<const Pack8*>(b2 + i), l3 = *reinterpret_cast<const Pack8*>(b3 + i);
       for (int k = 0; k < 3; ++k) {
-        const Pack8 x = *reinterpret_cast<const Pack8*>(y[k] + i);
+        Pack8 x = *reinterpret_cast<const Pack8*>(y[k] + i);
+        if (!whole) x = lane >= static_cast<long long>(c - start) ? x : Pack8{};
         s0[k] += l0 * x;
         s1[k] += l1 * x;
         s2[k] += l2 * x;
         s3[k] += l3 * x;
       }
-    }
+    };
+    if (start < m) add(start, false);
+    for (std::size_t i = start + 8; i < m; i += 8) add(i, true);
     for (int k = 0; k < 3; ++k) {
       double* __restrict z = y[k] + c0;
       z[3] = (z[3] - sum_of(s3[k])) * inverse_diagonal[c0 + 3];

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "approx/aligned.hpp"
 #include "approx/model.hpp"
 
 namespace forefeel {
@@ -25,7 +26,7 @@ struct Model::Impl {
   int degree = 0;
   std::size_t padded = 0;    // centres, padded to a multiple of 8
   std::size_t stride = 0;
-  std::vector<double> data;  // see kernel_sums.hpp
+  AlignedArray data;  // see kernel_sums.hpp
   std::array<std::array<double, 10>, 3> polynomial{};  // per component over 1 x y z xx yy zz xy xz yz
   Vec3 centre = Vec3::Zero();
   double scale = 1, inverse_scale = 1;

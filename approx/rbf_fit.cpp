@@ -36,7 +36,7 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   slot_capacity_ = capacity_ + std::max<std::size_t>(hermite ? 8 : 32, capacity_ / 8) + DenseFactor::panel;
   factor_ = DenseFactor(rows * slot_capacity_ + DenseFactor::panel);
   slot_.resize(slot_capacity_ + DenseFactor::panel);
-  row_stride_ = factor_.row_capacity() + 16;
+  row_stride_ = (factor_.row_capacity() + 23) / 8 * 8;
   for (auto* v : {&px_, &py_, &pz_}) v->assign(slot_capacity_ + 2 * DenseFactor::panel, 0.0);
   lagrange_.assign(max_terms * row_stride_, 0.0);
   dual_.assign(max_terms * row_stride_, 0.0);

@@ -90,11 +90,11 @@ class RbfFit {
 
   DenseFactor factor_;
   std::vector<Slot> slot_;
-  std::vector<double> px_, py_, pz_;                     // scaled positions by slot
+  AlignedArray px_, py_, pz_;                     // scaled positions by slot
   std::size_t row_stride_ = 0;
-  std::vector<double> lagrange_, dual_;                  // l_j and v_j of each row: #terms x row_stride
-  std::vector<double> weight_;                           // by row: the sign s, 0 for holes
-  std::vector<double> orthogonal_;                       // (terms + 3) x row_stride: Y, then Q and the residual
+  AlignedArray lagrange_, dual_;                  // l_j and v_j of each row: #terms x row_stride
+  AlignedArray weight_;                           // by row: the sign s, 0 for holes
+  AlignedArray orthogonal_;                       // (terms + 3) x row_stride: Y, then Q and the residual
   struct Entry {
     StateId id;
     std::uint32_t slot;
