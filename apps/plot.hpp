@@ -16,8 +16,8 @@ std::string_view colour(Label label);
 
 namespace ink {  // curves, by meaning
 inline constexpr std::string_view rendered = "#1b1b1b", undamped = "#d1495b", reference = "#1f77b4",
-                                  muted = "#8a8a8a", approximation = "#1f77b4", switching = "#d1495b",
-                                  staleness = "#e0a021";
+                                  reference_light = "#8ec3ea", approximation = "#1f77b4",
+                                  switching = "#d1495b", staleness = "#e0a021";
 }
 
 bool have_gnuplot();

@@ -89,7 +89,9 @@ std::string shown(const Json& value) {
 }
 
 std::string percent(const Json& share) {
-  return share.is_number() ? fmt::format("{:.1f} %", 100 * share.get<double>()) : "–";
+  if (!share.is_number()) return "–";
+  const double value = 100 * share.get<double>();
+  return value != 0 && value < 0.1 ? fmt::format("{:.2g} %", value) : fmt::format("{:.1f} %", value);
 }
 std::string with_unit(const Json& value, const std::string& unit) {
   return value.is_null() ? "–" : shown(value) + " " + unit;
@@ -143,8 +145,8 @@ std::string figure(const Figure& f) {
 std::string pictures(const Run& run, const Scene& scene) {
   if (!have_gnuplot())
     return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
-  std::string html =
-      "<h2>Force, coverage and error over time</h2>\n" + legend(run.summary) + figure(time_figure(run));
+  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(run.summary) +
+                     figure(time_figure(run)) + figure(start_figure(run));
   html += "<h2>What was known where</h2>\n" + figure(slice_figure(run, scene.space));
   if (has_deadlines(run)) html += "<h2>Deadlines</h2>\n" + figure(deadline_figure(run));
   return html;

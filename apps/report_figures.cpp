@@ -58,6 +58,80 @@ set tics nomirror out scale 0.5 textcolor rgb '#3a3a3a'
 set grid ytics lc rgb '#e4e1da' lw 0.7
 )";
 
+// Forces over time, as data blocks and as one plot.
+struct Curves {
+  std::vector<double> t, rendered, undamped, reference;
+  double end = 1e-3;  // [s]
+
+  explicit Curves(const Run& run)
+      : t(run.frames.numbers("t")),
+        rendered(norms(run.frames, "fx", "fy", "fz")),
+        undamped(norms(run.frames, "ux", "uy", "uz")),
+        reference(norms(run.frames, "rx", "ry", "rz")) {
+    if (t.size() > 1) end = t.back() + t[1] - t[0];
+  }
+  std::pair<std::size_t, std::size_t> rows(double from, double until) const {
+    return {static_cast<std::size_t>(std::ranges::lower_bound(t, from) - t.begin()),
+            static_cast<std::size_t>(std::ranges::upper_bound(t, until) - t.begin())};
+  }
+  std::string blocks(double from, double until, std::size_t bins) const {
+    const auto [begin, last] = rows(from, until);
+    const auto part = [&, first = begin, n = last - begin](const std::vector<double>& values) {
+      return std::span(values).subspan(first, n);
+    };
+    return data_block("rendered", thinned_curve(part(t), part(rendered), bins)) +
+           data_block("undamped", thinned_curve(part(t), part(undamped), bins)) +
+           data_block("reference", scatter(t, reference));
+  }
+  std::string plot(double from, double until) const {
+    const auto [begin, last] = rows(from, until);
+    double top = 0.1;
+    for (std::size_t i = begin; i < last; ++i) top = std::max(top, rendered[i]);
+    return fmt::format(
+        "set key top right horizontal samplen 2 width -4 textcolor rgb '#3a3a3a'\nset yrange [0:{:.4g}]\nset "
+        "ylabel 'force, N' offset 1\n"
+        "plot $reference with points pt 7 ps 0.55 lc rgb '{}' title 'reference', $undamped with lines lw 1 "
+        "lc rgb '{}' title 'newest model, undamped', "
+        "$rendered with lines lw 1.3 lc rgb '{}' title 'rendered'\n",
+        1.2 * top, ink::reference_light, ink::undamped, ink::rendered);
+  }
+};
+
+std::string screen_part(double top, double bottom) {
+  return fmt::format("set tmargin at screen {}\nset bmargin at screen {}\n", top, bottom);
+}
+
+std::string strip_plot() {
+  std::string text;
+  for (const Label label : labels)
+    text +=
+        fmt::format("{}$strip_{} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder fc rgb '{}' notitle",
+                    text.empty() ? "plot " : ", ", name(label), colour(label));
+  return text + "\n";
+}
+
+std::string error_plot() {
+  return fmt::format(
+      "set key top right horizontal samplen 2 width -4 textcolor rgb '#3a3a3a'\nset logscale y\nset format y "
+      "'10^{{%T}}'\n"
+      "set yrange [1e-6:3]\nset ylabel 'relative error' offset 1\nset arrow from graph 0, first 0.07 to "
+      "graph 1, first 0.07 nohead lw 0.8 dt 2 lc rgb '#6a6a6a' back\n"
+      "set label '7 %' at graph 0.97, first 0.12 textcolor rgb '#6a6a6a'\n"
+      "plot $error with lines lw 1 lc rgb '{}' title 'rendered', $approximation with points pt 7 ps 0.3 lc "
+      "rgb '{}' title 'approximation', "
+      "$staleness with points pt 7 ps 0.3 lc rgb '{}' title 'staleness', $switch with points pt 7 ps 0.3 lc "
+      "rgb '{}' title 'switch'\n",
+      ink::rendered, ink::approximation, ink::staleness, ink::switching);
+}
+
+// The round number (1, 2 or 5 times a power of ten) at or above a value.
+double round_step(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (value <= factor * power) return factor * power;
+  return 10 * power;
+}
+
 // ---- slices
 // -------------------------------------------------------------------------------------------------------
 
@@ -158,9 +232,9 @@ std::string panel(const Run& run, const StateSpaceOptions& options, const Plane&
         fmt::format("$slice{}_{} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder fc rgb '{}' notitle, ",
                     number, name(label), colour(label));
   return script + fmt::format(
-                      "$elsewhere{0} with points pt 7 ps 0.16 lc rgb '#a7a7a7' notitle, "
-                      "$in_plane{0} with points pt 7 ps 0.34 lc rgb '#ffffff' notitle, "
-                      "$in_plane{0} with points pt 6 ps 0.34 lw 0.6 lc rgb '#1b1b1b' notitle, "
+                      "$elsewhere{0} with points pt 7 ps 0.2 lc rgb '#9a9a9a' notitle, "
+                      "$in_plane{0} with points pt 7 ps 0.45 lc rgb '#ffffff' notitle, "
+                      "$in_plane{0} with points pt 6 ps 0.45 lw 0.7 lc rgb '#1b1b1b' notitle, "
                       "$trail{0} with lines lw 1.3 lc rgb '#c2185b' notitle\n",
                       number);
 }
@@ -191,62 +265,49 @@ std::string histogram(const std::vector<double>& values, double& peak) {
 }  // namespace
 
 Figure time_figure(const Run& run) {
-  const std::vector<double> t = run.frames.numbers("t");
-  const std::vector<double> rendered = norms(run.frames, "fx", "fy", "fz");
-  const std::vector<double> undamped = norms(run.frames, "ux", "uy", "uz");
-  const std::vector<double> reference = norms(run.frames, "rx", "ry", "rz");
-  const double force_top = 1.15 * std::max(largest(rendered, 0.1), largest(reference, 0.1));
-  std::string data = data_block("rendered", thinned_curve(t, rendered, 1400)) +
-                     data_block("undamped", thinned_curve(t, undamped, 1400)) +
-                     data_block("reference", scatter(t, reference)) +
-                     data_block("known", thinned_curve(t, run.frames.numbers("known"), 700)) +
-                     strip_blocks(run, t);
+  const Curves curves(run);
+  std::string script = curves.blocks(0, curves.end, 1400) + common_style + strip_blocks(run, curves.t) +
+                       data_block("known", thinned_curve(curves.t, run.frames.numbers("known"), 700));
   for (const std::string part : {"error", "approximation", "switch", "staleness"})
-    data += data_block(part, scatter(t, run.frames.numbers(part)));
-  std::string strip;
-  for (const Label label : labels)
-    strip +=
-        fmt::format("{}$strip_{} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder fc rgb '{}' notitle",
-                    label == Label::safe ? "plot " : ", ", name(label), colour(label));
-  const std::string script =
-      data + common_style +
-      fmt::format(
-          "set multiplot\nset xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\nset "
-          "format x ''\n"
-          "set key top right horizontal samplen 2 textcolor rgb '#3a3a3a'\n",
-          t.empty() ? 1 : std::max(t.back(), 1e-3)) +
-      fmt::format(
-          "set tmargin at screen 0.985\nset bmargin at screen 0.60\nset yrange [0:{:.4g}]\nset ylabel "
-          "'force, N' offset 1\n"
-          "plot $undamped with lines lw 1 lc rgb '{}' title 'newest model, undamped', $rendered with lines "
-          "lw 1.6 lc rgb '{}' title 'rendered', "
-          "$reference with points pt 7 ps 0.3 lc rgb '{}' title 'reference'\n",
-          force_top, ink::undamped, ink::rendered, ink::reference) +
-      "set tmargin at screen 0.585\nset bmargin at screen 0.555\nunset ylabel\nset yrange [0:1]\nunset "
-      "ytics\nunset grid\nset border 0\nunset xtics\n" +
-      strip + "\nset border 3\nset xtics nomirror out scale 0.5\nset ytics nomirror\nset grid ytics\n" +
-      fmt::format(
-          "set tmargin at screen 0.535\nset bmargin at screen 0.385\nset yrange [0:*]\nset ylabel 'states "
-          "known' offset 1\n"
-          "plot $known with lines lw 1.6 lc rgb '{}' notitle\n",
-          ink::rendered) +
-      fmt::format(
-          "set tmargin at screen 0.365\nset bmargin at screen 0.065\nset format x '%g'\nset xlabel 'time, s' "
-          "offset 0,0.6\nset logscale y\nset format y '10^{{%T}}'\n"
-          "set yrange [1e-5:2]\nset ylabel 'relative error' offset 1\nset arrow from graph 0, first 0.07 to "
-          "graph 1, first 0.07 nohead lw 0.8 dt 2 lc rgb '#6a6a6a' back\n"
-          "set label '7 %' at graph 0.003, first 0.1 textcolor rgb '#6a6a6a'\n"
-          "plot $staleness with points pt 7 ps 0.22 lc rgb '{}' title 'staleness', $switch with points pt "
-          "7 ps 0.22 lc rgb '{}' title 'switch', "
-          "$approximation with points pt 7 ps 0.22 lc rgb '{}' title 'approximation', $error with lines lw "
-          "1.2 lc rgb '{}' title 'rendered'\nunset multiplot\n",
-          ink::staleness, ink::switching, ink::approximation, ink::rendered);
+    script += data_block(part, scatter(curves.t, run.frames.numbers(part)));
+  script += fmt::format(
+      "set multiplot\nset xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\n"
+      "set format x ''\n",
+      curves.end);
+  script += screen_part(0.985, 0.60) + curves.plot(0, curves.end);
+  script +=
+      screen_part(0.585, 0.555) +
+      "unset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\nset border 0\nunset xtics\nunset key\n" +
+      strip_plot();
+  script += "set border 3\nset xtics nomirror out scale 0.5\nset ytics nomirror autofreq\nset grid ytics\n";
+  const double known = largest(run.frames.numbers("known"), 1);
+  script +=
+      screen_part(0.535, 0.385) + fmt::format(
+                                      "set yrange [0:{}]\nset ytics {}\nset ylabel 'states known' offset 1\n"
+                                      "plot $known with lines lw 1.6 lc rgb '{}' notitle\n",
+                                      1.1 * known, round_step(known / 4), ink::rendered);
+  script += screen_part(0.365, 0.065) +
+            "set format x '%g'\nset ytics autofreq\nset xlabel 'time, s' offset 0,0.6\n" + error_plot();
   return {"time",
           "Force of the body on the hand, the label where the hand is, how many states are known, and the "
-          "error of the "
-          "rendered force with its three parts (dots below the axis are smaller still). Reference: tight "
-          "solves on the reference branch.",
-          960, 820, script};
+          "error of the rendered force with "
+          "its three parts where they are above 1e-6. Reference: tight solves on the reference branch, "
+          "sampled along the path.",
+          960, 820, script + "unset multiplot\n"};
+}
+
+Figure start_figure(const Run& run) {
+  const Curves curves(run);
+  const double end = std::min(curves.end, 1.5);
+  return {"start",
+          "The first moments: nothing is known yet, the first models fade in, and each new model is taken in "
+          "steps below what a hand can tell.",
+          960, 290,
+          curves.blocks(0, end, 1500) + common_style +
+              fmt::format("set xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\n"
+                          "set xlabel 'time, s' offset 0,0.5\n",
+                          end) +
+              curves.plot(0, end)};
 }
 
 Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
@@ -267,15 +328,16 @@ Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
   const Window window{left, right, bottom, top};
   const double end = t.empty() ? 0 : t.back();
   const char* const axes[] = {"x", "y", "z"};
+  const int height = static_cast<int>(std::clamp(267 * (top - bottom) / (right - left), 90.0, 700.0)) + 98;
   std::string script =
       common_style +
       fmt::format(
-          "unset grid\nset multiplot layout 1,3 margins 0.065,0.99,0.14,0.9 spacing 0.045,0.1\nset size "
+          "unset grid\nset multiplot layout 1,3 margins 0.065,0.99,{:.4f},{:.4f} spacing 0.045,0.1\nset size "
           "ratio -1\nset xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:{:.5g}]\n"
           "set xlabel '{}, mm' offset 0,0.5\nset object 1 rectangle from {:.5g},{:.5g} to {:.5g},{:.5g} fs "
           "empty border rgb '#1b1b1b' dt 3 front\n",
-          1e3 * left, 1e3 * right, 1e3 * bottom, 1e3 * top, axes[plane.across],
-          1e3 * space.box.low[plane.across], 1e3 * space.box.low[plane.up],
+          62.0 / height, 1 - 36.0 / height, 1e3 * left, 1e3 * right, 1e3 * bottom, 1e3 * top,
+          axes[plane.across], 1e3 * space.box.low[plane.across], 1e3 * space.box.low[plane.up],
           1e3 * space.box.high[plane.across], 1e3 * space.box.high[plane.up]) +
       fmt::format("set ylabel '{}, mm' offset 1\n", axes[plane.up]);
   int number = 0;
@@ -283,14 +345,12 @@ Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
     script += panel(run, space, plane, window, path, t, share * end, ++number);
     script += "unset ylabel\n";
   }
-  const double aspect = (top - bottom) / (right - left);
   return {"slice",
           fmt::format("Labels in the plane {} = {:.3g} mm, states (circles: within half a spacing of the "
                       "plane; grey: elsewhere), "
                       "path of the hand so far, and the box (dotted).",
                       axes[plane.through], 1e3 * plane.level),
-          960, static_cast<int>(std::clamp(280 * aspect / 0.76 + 75, 220.0, 640.0)),
-          script + "unset multiplot\n"};
+          960, height, script + "unset multiplot\n"};
 }
 
 bool has_deadlines(const Run& run) {

@@ -26,6 +26,8 @@ struct Figure {
 
 // Force, label strip, states known, error and its parts over one time axis.
 Figure time_figure(const Run& run);
+// Force over the first 1.5 s.
+Figure start_figure(const Run& run);
 // Labels in the plane of most motion, states and path, at an eighth, at half and at the end of the session.
 Figure slice_figure(const Run& run, const StateSpaceOptions& space);
 // Cost and wake-up lateness of the loop; only with a real clock.
