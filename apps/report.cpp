@@ -189,7 +189,9 @@ std::string all_numbers(const Json& summary) {
       continue;
     }
     std::string rows;
-    rows_of(value, "", rows);
+    Json rest = value;
+    if (key == "error") rest.erase("by_label");   // has a table of its own
+    rows_of(rest, "", rows);
     html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
   }
   return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div></details>\n";

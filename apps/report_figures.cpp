@@ -88,7 +88,7 @@ struct Curves {
     double top = 0.1;
     for (std::size_t i = begin; i < last; ++i) top = std::max(top, rendered[i]);
     return fmt::format(
-        "set key top right horizontal samplen 2 width -4 textcolor rgb '#3a3a3a'\nset yrange [0:{:.4g}]\nset "
+        "set key top right horizontal samplen 2 textcolor rgb '#3a3a3a'\nset yrange [0:{:.4g}]\nset "
         "ylabel 'force, N' offset 1\n"
         "plot $reference with points pt 7 ps 0.55 lc rgb '{}' title 'reference', $undamped with lines lw 1 "
         "lc rgb '{}' title 'newest model, undamped', "
@@ -112,7 +112,7 @@ std::string strip_plot() {
 
 std::string error_plot() {
   return fmt::format(
-      "set key top right horizontal samplen 2 width -4 textcolor rgb '#3a3a3a'\nset logscale y\nset format y "
+      "set key top right horizontal samplen 2 textcolor rgb '#3a3a3a'\nset logscale y\nset format y "
       "'10^{{%T}}'\n"
       "set yrange [1e-6:3]\nset ylabel 'relative error' offset 1\nset arrow from graph 0, first 0.07 to "
       "graph 1, first 0.07 nohead lw 0.8 dt 2 lc rgb '#6a6a6a' back\n"
@@ -298,7 +298,7 @@ Figure time_figure(const Run& run) {
 
 Figure start_figure(const Run& run) {
   const Curves curves(run);
-  const double end = std::min(curves.end, 1.5);
+  const double end = std::min(curves.end, 0.6);
   return {"start",
           "The first moments: nothing is known yet, the first models fade in, and each new model is taken in "
           "steps below what a hand can tell.",

@@ -26,7 +26,7 @@ struct Figure {
 
 // Force, label strip, states known, error and its parts over one time axis.
 Figure time_figure(const Run& run);
-// Force over the first 1.5 s.
+// Force over the first 0.6 s.
 Figure start_figure(const Run& run);
 // Labels in the plane of most motion, states and path, at an eighth, at half and at the end of the session.
 Figure slice_figure(const Run& run, const StateSpaceOptions& space);
