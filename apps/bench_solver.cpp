@@ -14,6 +14,7 @@
 #include <memory>
 #include <random>
 
+#include "apps/bench_hard_cases.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
@@ -169,6 +170,7 @@ nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& basel
 }  // namespace
 
 int bench_solver(const Globals& globals, const std::string& scene) {
+  if (scene == "hard-cases") return bench_hard_cases(globals);
   constexpr double tolerance = 1e-6;
   constexpr std::size_t error_sample = 60;
   constexpr int rounds = 3;

@@ -47,6 +47,9 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < points.size(); ++i) {
       outcomes[i] = solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
+      State& state = outcomes[i].state;
+      state.multivalued = second_way_differs(solver, state, scene.space.spacing);
+      if (state.multivalued) outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
       const std::size_t count = ++done;
 #pragma omp critical(forefeel_solve)
       progress.show(static_cast<double>(count) / static_cast<double>(points.size()),

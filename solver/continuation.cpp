@@ -12,8 +12,8 @@ constexpr double smallest_share = 1.0 / 256;   // of a continuation step, after 
 
 void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x, std::vector<double>& u) {
   u.resize(field.u.size());
-  for (std::size_t i = 0; i < u.size(); ++i)
-    u[i] = field.u[i] + field.tangent[3 * i] * move[0] + field.tangent[3 * i + 1] * move[1] + field.tangent[3 * i + 2] * move[2];
+  const double *va = field.tangent.data(), *vb = va + u.size(), *vc = vb + u.size();
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = field.u[i] + va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2];
   for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * d.free_nodes + i)] = x[i];
 }
 
@@ -52,11 +52,23 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
     return report;
   }
   predict(*d_, field_, x - at_, x, trial_);
-  report = newton_.solve(trial_, tolerance, max_iterations, stop);
+  return correct_trial(x, tolerance, max_iterations, stop);
+}
+
+NewtonReport Continuation::correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
+                                   const std::stop_token& stop) {
+  trial_ = u;
+  iterations_ = 0;
+  return correct_trial(x, tolerance, max_iterations, stop);
+}
+
+NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop) {
+  const NewtonReport report = newton_.solve(trial_, tolerance, max_iterations, stop);
   iterations_ += report.iterations;
   if (report.status != SolveStatus::converged) return report;
   std::swap(field_.u, trial_);
   at_ = x;
+  has_tangent_ = true;
   newton_.factor().tangent(field_.tangent.data());
   return report;
 }

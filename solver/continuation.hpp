@@ -23,12 +23,17 @@ class Continuation {
 
   const Vec3& at() const { return at_; }
   int iterations() const { return iterations_; }             // since begin
+  // Newton at x from the prediction u.
+  NewtonReport correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
+                       const std::stop_token& stop);
+
   const LocalField& field() const { return field_; }         // with its tangent after an advance that converged
   Mat3 stiffness() const { return newton_.factor().stiffness(); }   // after an advance that converged
   NewtonSolver& newton() { return newton_; }
 
  private:
   bool take_tangent();
+  NewtonReport correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop);
   NewtonReport step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop);
 
   std::shared_ptr<const Discretisation> d_;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "solver/law.hpp"
@@ -189,6 +190,8 @@ Discretisation discretise(const Body& body) {
   fill_pattern(d);
   const double length = longest_side(body.mesh);
   d.force_floor = 1e-12 * body.material.young * length * length;
+  const LawConstants moduli = law_constants(body.material);
+  d.round_off = 1e-17 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length;
   d.needs_positive_jacobian = needs_positive_jacobian(body.material.law);
   d.constants = law_constants(body.material);
   d.kernels = &element_kernels(static_cast<int>(body.material.law));

@@ -28,6 +28,7 @@ struct Discretisation {
   std::vector<std::int32_t> local;                      // node -> local node
   BlockPattern pattern;
   double force_floor = 0;                               // 1e-12 E L^2 [N]
+  double round_off = 0;                                 // no residual can be told from zero below this [N]
   bool needs_positive_jacobian = false;
   const ElementKernels* kernels = nullptr;
 

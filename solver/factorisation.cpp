@@ -216,8 +216,8 @@ void Factorisation::tangent(double* v) const {
   std::vector<double> lanes(static_cast<std::size_t>((n + 6) * lane_count), 0.0);
   for (int c = 0; c < 3; ++c) lanes[static_cast<std::size_t>((n + c) * lane_count + c)] = 1;
   f.kernels.backward_lanes(f.layout->tree(), f.panels.data(), lanes.data(), f.work.data());
-  for (std::int64_t i = 0; i < n + 6; ++i)
-    for (int c = 0; c < 3; ++c) v[3 * i + c] = lanes[static_cast<std::size_t>(i * lane_count + c)];
+  for (int c = 0; c < 3; ++c)
+    for (std::int64_t i = 0; i < n + 6; ++i) v[c * (n + 6) + i] = lanes[static_cast<std::size_t>(i * lane_count + c)];
 }
 
 FactorCost Factorisation::cost() const {

@@ -27,7 +27,7 @@ class Factorisation {
   void solve(double* b) const;              // b, a local vector: its free part becomes H_ff^{-1} b, the contact's 0
   void solve_lanes(double* b) const;        // the same for eight right-hand sides side by side
   Mat3 stiffness() const;                   // K [N/m]
-  void tangent(double* v) const;            // (n+2) x 3 local nodes by 3 directions, row by row; contact = I, clamp = 0
+  void tangent(double* v) const;            // three local vectors du/dx_c one after the other; contact = I, clamp = 0
   FactorCost cost() const;
 
  private:

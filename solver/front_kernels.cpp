@@ -51,21 +51,33 @@ FOREFEEL_INLINE void update_rows(std::int64_t depth, const double* a, const doub
 
 // Upper triangle of C (rows x width) -= A^T B over `depth` rows of one panel; row i of C starts at its column i.
 // Rows are padded to a multiple of eight, so whole vectors may be treated to the end.
+// Large fronts are taken in pieces of the panel that stay in the cache.
+constexpr std::int64_t depth_block = 96, width_block = 480;
+
 inline void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t width, const double* panel,
                              std::int64_t ld, double* c, std::int64_t ldc) {
-  std::int64_t i = 0;
-  for (; i + block_rows <= rows; i += block_rows)
-    update_rows<block_rows>(depth, panel + i, panel, ld, c + i * ldc, ldc, i / lane_count * lane_count, width);
-  for (; i + 2 <= rows; i += 2)
-    update_rows<2>(depth, panel + i, panel, ld, c + i * ldc, ldc, i / lane_count * lane_count, width);
-  for (; i < rows; ++i)
-    update_rows<1>(depth, panel + i, panel, ld, c + i * ldc, ldc, i / lane_count * lane_count, width);
+  for (std::int64_t p = 0; p < depth; p += depth_block)
+    for (std::int64_t first = 0; first < width; first += width_block) {
+      const std::int64_t deep = depth - p < depth_block ? depth - p : depth_block;
+      const std::int64_t last = width - first < width_block ? width : first + width_block;
+      const double* piece = panel + p * ld;
+      const std::int64_t end = rows < last ? rows : last;   // rows below hold nothing in these columns
+      std::int64_t i = 0;
+      const auto from = [&](std::int64_t row) {
+        const std::int64_t start = row / lane_count * lane_count;
+        return start < first ? first : start;
+      };
+      for (; i + block_rows <= end; i += block_rows)
+        update_rows<block_rows>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+      for (; i + 2 <= end; i += 2) update_rows<2>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+      for (; i < end; ++i) update_rows<1>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+    }
 }
 
-// Cholesky of the pivot rows of a panel, eight rows at a time. `width` is a multiple of eight.
-inline bool eliminate(double* panel, std::int64_t pivots, std::int64_t ld, std::int64_t width) {
-  for (std::int64_t first = 0; first < pivots; first += lane_count) {
-    const std::int64_t last = first + lane_count < pivots ? first + lane_count : pivots;
+// Cholesky of rows begin to end of a panel, eight at a time. `width` and `begin` are multiples of eight.
+inline bool eliminate_rows(double* panel, std::int64_t begin, std::int64_t end, std::int64_t ld, std::int64_t width) {
+  for (std::int64_t first = begin; first < end; first += lane_count) {
+    const std::int64_t last = first + lane_count < end ? first + lane_count : end;
     for (std::int64_t p = first; p < last; ++p) {
       double* row = panel + p * ld;
       const double pivot = row[p];
@@ -82,8 +94,18 @@ inline bool eliminate(double* panel, std::int64_t pivots, std::int64_t ld, std::
       row[p] = inverse;
     }
     const double* done = panel + first * ld + last;
+    if (last < end) symmetric_update(last - first, end - last, width - last, done, ld, panel + last * ld + last, ld);
+  }
+  return true;
+}
+
+// Cholesky of the pivot rows of a panel, in blocks of rows that later ones are updated by at once.
+inline bool eliminate(double* panel, std::int64_t pivots, std::int64_t ld, std::int64_t width) {
+  for (std::int64_t first = 0; first < pivots; first += depth_block) {
+    const std::int64_t last = first + depth_block < pivots ? first + depth_block : pivots;
+    if (!eliminate_rows(panel, first, last, ld, width)) return false;
     if (last < pivots)
-      symmetric_update(last - first, pivots - last, width - last, done, ld, panel + last * ld + last, ld);
+      symmetric_update(last - first, pivots - last, width - last, panel + first * ld + last, ld, panel + last * ld + last, ld);
   }
   return true;
 }

@@ -105,7 +105,7 @@ class Sweep {
   void run_sweep() {
     SweepOptions sweep;
     sweep.spacing = options_.spacing;
-    sweep.residual_tolerance = options_.tolerance;
+    sweep.residual_tolerance = 10 * options_.tolerance;
     sweep.stop = options_.stop;
     for (int i = 0; i < report_.threads; ++i) workers_.push_back(std::make_unique<SweepWorker>(d_, sweep));
     march_coarse();

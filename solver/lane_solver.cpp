@@ -9,7 +9,7 @@ namespace forefeel {
 namespace {
 
 constexpr int most_iterations = 14;
-constexpr double settled_share = 1e-5;    // of K: how much the last correction of V may still have changed it
+constexpr double settled_share = 3e-5;    // of K: how much the last correction of V may still have changed it
 
 double& lane(std::vector<double>& v, std::size_t row, int l) {
   return v[row * lane_count + static_cast<std::size_t>(l)];
@@ -35,25 +35,28 @@ void LaneSolver::load(const std::vector<LocalField*>& fields) {
     const LocalField& f = *fields[static_cast<std::size_t>(l) < fields.size() ? static_cast<std::size_t>(l) : 0];
     for (std::size_t i = 0; i < rows; ++i) {
       lane(u_, i, l) = f.u[i];
-      for (std::size_t c = 0; c < 3; ++c) tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)] = f.tangent[3 * i + c];
     }
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < rows; ++i)
+        tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)] = f.tangent[c * rows + i];
   }
+}
+
+// The change of the step over the last move, and that move, as the known-th pair (a ring).
+void LaneSolver::remember(int known) {
+  const std::array<double, lane_count> minus = [] { std::array<double, lane_count> a{}; a.fill(-1); return a; }();
+  const auto at = static_cast<std::size_t>(known % depth_);
+  step_change_[at] = step_;
+  front_kernels().add_lanes(static_cast<std::int64_t>(3 * d_->free_nodes), minus.data(), last_step_.data(), step_change_[at].data());
+  move_[at].swap(last_move_);
 }
 
 // Replaces the step by Anderson's: with S the changes of the step over the last iterations and Y the moves that caused
 // them, u + s - (Y + S) argmin |s - S g|. Lanes that have ended get no step.
-void LaneSolver::mix(int iteration, const std::array<double, lane_count>& active) {
+void LaneSolver::mix(int pairs, const std::array<double, lane_count>& active) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
-  const std::array<double, lane_count> minus = [] { std::array<double, lane_count> a{}; a.fill(-1); return a; }();
-  if (iteration > 0) {
-    auto& change = step_change_[static_cast<std::size_t>((iteration - 1) % depth_)];
-    change = step_;
-    k.add_lanes(rows, minus.data(), last_step_.data(), change.data());
-    move_[static_cast<std::size_t>((iteration - 1) % depth_)] = last_move_;
-  }
-  last_step_ = step_;
-  const int known = std::min(iteration, depth_);
+  const int known = std::min(pairs, depth_);
   std::array<std::array<double, lane_count>, depth_ * depth_> gram{};
   std::array<std::array<double, lane_count>, depth_> right{}, weight{};
   for (int i = 0; i < known; ++i) {
@@ -81,11 +84,6 @@ void LaneSolver::mix(int iteration, const std::array<double, lane_count>& active
     k.add_lanes(rows, weight[at].data(), move_[at].data(), step_.data());
     k.add_lanes(rows, weight[at].data(), step_change_[at].data(), step_.data());
   }
-  std::fill(last_move_.begin(), last_move_.end(), 0.0);
-  k.add_lanes(rows, active.data(), step_.data(), last_move_.data());
-  std::array<double, lane_count> one{};
-  one.fill(1);
-  k.add_lanes(rows, one.data(), last_move_.data(), u_.data());
 }
 
 bool LaneSolver::iterate(const Factorisation& factor, int count, double tolerance,
@@ -95,11 +93,13 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
   std::array<double, lane_count> active{}, energy{}, min_jacobian{}, squares{}, best{};
   for (int l = 0; l < count; ++l) active[static_cast<std::size_t>(l)] = 1;
   best.fill(std::numeric_limits<double>::infinity());
+  bool mixing = false, previous = false;
+  int pairs = 0;
   for (int iteration = 0;; ++iteration) {
     std::fill(residual_.begin(), residual_.end(), 0.0);
     d_->kernels->gradient_lanes(d_->view(), u_.data(), residual_.data(), energy.data(), min_jacobian.data());
     k.dot_lanes(rows, residual_.data(), residual_.data(), squares.data());
-    bool any = false;
+    bool any = false, slow = false;
     for (int l = 0; l < count; ++l) {
       const auto at = static_cast<std::size_t>(l);
       if (active[at] == 0) continue;
@@ -112,6 +112,7 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
       result.converged = result.residual <= tolerance && std::isfinite(result.energy);
       const bool hopeless = !std::isfinite(result.energy) || !std::isfinite(result.residual) ||
                             result.residual > 20 * best[at] || iteration == most_iterations;
+      slow = slow || (iteration > 0 && result.residual > 0.125 * best[at]);
       best[at] = std::min(best[at], result.residual);
       if (result.converged || hopeless) active[at] = 0;
       if (hopeless && !result.converged)   // keep what it holds harmless to the other lanes' arithmetic
@@ -121,7 +122,17 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
     if (!any) break;
     for (std::size_t i = 0; i < size_; ++i) step_[i] = -residual_[i];
     factor.solve_lanes(step_.data());
-    mix(iteration, active);
+    // Mixing costs as much as an element loop: it begins when a plain step gains less than a factor of eight.
+    mixing = mixing || slow;
+    if (mixing) {
+      if (previous) remember(pairs++);
+      last_step_ = step_;
+      mix(pairs, active);
+      std::fill(last_move_.begin(), last_move_.end(), 0.0);
+      k.add_lanes(rows, active.data(), step_.data(), last_move_.data());
+      previous = true;
+    }
+    k.add_lanes(rows, active.data(), step_.data(), u_.data());
   }
   for (int l = 0; l < count; ++l)
     if (results[static_cast<std::size_t>(l)].converged) return true;
@@ -139,26 +150,25 @@ void LaneSolver::finish(const Factorisation& factor, int count, std::array<LaneR
     d_->kernels->product_lanes(d_->view(), static_cast<std::int64_t>(size_), u_.data(), tangent_.data(), product_.data());
     std::array<Mat3, lane_count> plain, gain;
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) {
+      for (int b = a; b < 3; ++b) {
         const double* y = &product_[static_cast<std::size_t>(b) * size_];
         k.dot_lanes(rows, &tangent_[static_cast<std::size_t>(a) * size_], y, dot.data());
         for (int l = 0; l < count; ++l)
-          plain[static_cast<std::size_t>(l)](a, b) = dot[static_cast<std::size_t>(l)] + y[(rows + a) * lane_count + l];
+          plain[static_cast<std::size_t>(l)](a, b) = plain[static_cast<std::size_t>(l)](b, a) = dot[static_cast<std::size_t>(l)] + y[(rows + a) * lane_count + l];
       }
     for (int c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < size_; ++i) step_[i] = -product_[static_cast<std::size_t>(c) * size_ + i];
       factor.solve_lanes(step_.data());
-      for (int a = 0; a < 3; ++a) {
+      for (int a = 0; a <= c; ++a) {
         k.dot_lanes(rows, &product_[static_cast<std::size_t>(a) * size_], step_.data(), dot.data());
-        for (int l = 0; l < count; ++l) gain[static_cast<std::size_t>(l)](a, c) = -dot[static_cast<std::size_t>(l)];
+        for (int l = 0; l < count; ++l) gain[static_cast<std::size_t>(l)](a, c) = gain[static_cast<std::size_t>(l)](c, a) = -dot[static_cast<std::size_t>(l)];
       }
       k.add_lanes(rows, one.data(), step_.data(), &tangent_[static_cast<std::size_t>(c) * size_]);
     }
     bool settled = true;
     for (int l = 0; l < count; ++l) {
       LaneResult& result = results[static_cast<std::size_t>(l)];
-      const Mat3 whole = plain[static_cast<std::size_t>(l)] - gain[static_cast<std::size_t>(l)];
-      result.stiffness = 0.5 * (whole + whole.transpose());
+      result.stiffness = plain[static_cast<std::size_t>(l)] - gain[static_cast<std::size_t>(l)];
       result.stiffness_settled = gain[static_cast<std::size_t>(l)].norm() <= settled_share * result.stiffness.norm();
       settled = settled && (result.stiffness_settled || !result.converged);
     }
@@ -185,8 +195,10 @@ void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fi
     LocalField& f = *fields[static_cast<std::size_t>(l)];
     for (std::size_t i = 0; i < rows; ++i) {
       f.u[i] = lane(u_, i, l);
-      for (std::size_t c = 0; c < 3; ++c) f.tangent[3 * i + c] = tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)];
     }
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < rows; ++i)
+        f.tangent[c * rows + i] = tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)];
   }
 }
 

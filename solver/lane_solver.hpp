@@ -15,7 +15,7 @@
 
 namespace forefeel {
 
-// u (local vector) and V (local vector x 3, row by row) of one state.
+// u (a local vector) and V = du/dx (three local vectors, one after the other) of one state.
 struct LocalField {
   std::vector<double> u, tangent;
 };
@@ -41,7 +41,8 @@ class LaneSolver {
  private:
   void load(const std::vector<LocalField*>& fields);
   bool iterate(const Factorisation& factor, int count, double tolerance, std::array<LaneResult, lane_count>& results);
-  void mix(int iteration, const std::array<double, lane_count>& active);
+  void mix(int known, const std::array<double, lane_count>& active);
+  void remember(int known);
   void finish(const Factorisation& factor, int count, std::array<LaneResult, lane_count>& results);
 
   std::shared_ptr<const Discretisation> d_;

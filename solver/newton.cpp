@@ -100,14 +100,16 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
     }
     // The factor serves on while each step with it takes the residual down fivefold: a step without a new factor
     // costs a tenth. The equilibrium itself always gets its own, which also shows that it is stable.
-    const bool keep = has_factor && report.residual > tolerance && report.residual < 0.2 * before;
+    const bool settled = report.residual <= tolerance ||
+                         report.residual * std::max(report.force.norm(), d_->force_floor) <= d_->round_off;
+    const bool keep = has_factor && !settled && report.residual < 0.2 * before;
     has_factor = keep || factorise_shifted(u);
     before = report.residual;
     if (!has_factor) {
       report.status = SolveStatus::diverged;
       return report;
     }
-    if (report.residual <= tolerance && shift_ == 0) {
+    if (settled && shift_ == 0) {
       report.status = SolveStatus::converged;
       return report;
     }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -37,7 +39,9 @@ struct Solver::Impl {
       const auto clamp = static_cast<std::int32_t>(d->free_nodes + 1);
       for (std::size_t node = 0; node < d->local.size(); ++node)
         if (d->local[node] != clamp)
-          std::copy_n(&start.tangent[9 * node], 9, &field.tangent[9 * static_cast<std::size_t>(d->local[node])]);
+          for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+              field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i] = start.tangent[9 * node + 3 * i + c];
     }
     path.begin_at(start.at, field);
   }
@@ -48,7 +52,9 @@ struct Solver::Impl {
     equilibrium->displacements = d->to_nodes(field.u.data());
     equilibrium->tangent.resize(9 * d->local.size());
     for (std::size_t node = 0; node < d->local.size(); ++node)
-      std::copy_n(&field.tangent[9 * static_cast<std::size_t>(d->local[node])], 9, &equilibrium->tangent[9 * node]);
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+          equilibrium->tangent[9 * node + 3 * i + c] = field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i];
     if (options.want_displacements)
       out.state.displacements = std::make_shared<const std::vector<double>>(
           equilibrium->displacements.begin(),
@@ -114,6 +120,26 @@ SolveOutcome Solver::reference(const Vec3& x, double spacing, const SolveOptions
   }
   out.state.seconds = seconds_since(start);
   return out;
+}
+
+bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options) {
+  if (is_linear(solver.body()) || state.status != SolveStatus::converged) return false;
+  std::array<int, 3> axes{0, 1, 2};        // the longest part last
+  std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return std::abs(state.at[a]) < std::abs(state.at[b]); });
+  SolveOptions leg = options;
+  leg.max_step = spacing;
+  leg.want_displacements = false;
+  std::shared_ptr<const Equilibrium> at = solver.rest();
+  Vec3 target = Vec3::Zero(), force = state.force;
+  for (const int axis : axes) {
+    if (state.at[axis] == 0) continue;
+    target[axis] = state.at[axis];
+    const SolveOutcome outcome = solver.from(*at, target, leg);
+    if (!outcome.equilibrium) return false;
+    at = outcome.equilibrium;
+    force = outcome.state.force;
+  }
+  return (force - state.force).norm() > 1e-4 * std::max(force.norm(), state.force.norm());
 }
 
 SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOptions& options, std::stop_token stop) {

@@ -54,6 +54,10 @@ class Solver {
   std::unique_ptr<Impl> impl_;
 };
 
+// Whether a second way, along the axes one after the other instead of straight, ends in another stable equilibrium at
+// state.at: its force differs by more than 1e-4. False where the second way does not arrive.
+bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
+
 // True where f = -K x exactly, so that three solves give the whole state space.
 bool is_linear(const Body& body);
 

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "geometry/simd.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -13,8 +15,27 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr double suspicious = 0.1;
 // Values on two branches differ by more than this.
 constexpr double other_branch = 1e-4;
+constexpr double coarse_tolerance = 1e-7;
+constexpr int prediction_iterations = 12;     // of Newton from a prediction, before the way there is halved
 constexpr double fallback_tolerance = 1e-8;
 constexpr int fallback_iterations = 60;
+
+// One corner's part in predict_hermite.
+FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v, double share,
+                                const double* move, const double* slope, const double* keep, double* __restrict to,
+                                double* __restrict tangent) {
+  const double *__restrict va = v, *__restrict vb = v + size, *__restrict vc = v + 2 * size;
+  double *__restrict ta = tangent, *__restrict tb = tangent + size, *__restrict tc = tangent + 2 * size;
+  const double ma = 0.5 * move[0], mb = 0.5 * move[1], mc = 0.5 * move[2];
+  const double sa = slope[0], sb = slope[1], sc = slope[2], ka = keep[0], kb = keep[1], kc = keep[2];
+  for (std::size_t i = 0; i < size; ++i) {
+    const double a = ma * va[i], b = mb * vb[i], c = mc * vc[i], all = u[i] + a + b + c;
+    to[i] += share * all;
+    ta[i] += sa * (all - a) + ka * va[i];
+    tb[i] += sb * (all - b) + kb * vb[i];
+    tc[i] += sc * (all - c) + kc * vc[i];
+  }
+}
 
 void scale_into(const std::vector<double>& from, double factor, std::vector<double>& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * from[i];
@@ -47,20 +68,17 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
       path_.begin_at_rest();
     const NewtonReport report = path_.advance(s.at, start ? 0.0 : options_.spacing, fallback_tolerance,
                                               fallback_iterations, options_.stop);
-    s.status = report.status;
     s.parent = start ? start->state.at : Vec3(Vec3::Zero());
-    s.iterations += path_.iterations();
-    s.residual = report.residual;
-    s.min_jacobian = report.min_jacobian;
-    if (report.status == SolveStatus::cancelled) return;
     if (report.status != SolveStatus::converged) {
+      s.status = report.status;
+      s.iterations += path_.iterations();
+      s.residual = report.residual;
+      s.min_jacobian = report.min_jacobian;
+      if (report.status == SolveStatus::cancelled) return;
       if (attempt == 0 && starts.size() > 1) attempt = starts.size() - 1;   // one neighbour, then rest
       continue;
     }
-    s.force = report.force;
-    s.energy = report.energy;
-    s.stiffness = path_.stiffness();
-    node.field = path_.field();
+    take(node, report);
     return;
   }
   node.field = {};
@@ -86,6 +104,12 @@ void SweepWorker::compare(SweepNode& node, const std::vector<const SweepNode*>& 
   State& s = node.state;
   s.multivalued = true;
   s.parent = Vec3::Zero();
+  take(node, report);
+}
+
+void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
+  State& s = node.state;
+  s.status = report.status;
   s.force = report.force;
   s.energy = report.energy;
   s.stiffness = path_.stiffness();
@@ -121,7 +145,7 @@ bool SweepWorker::own_factor(SweepNode& node, LaneResult& result) {
   const auto contact = static_cast<std::size_t>(3 * d_->free_nodes);
   for (std::size_t c = 0; c < 3; ++c) {
     double force = -gradient[contact + c];
-    for (std::size_t i = 0; i < contact; ++i) force -= node.field.tangent[3 * i + c] * gradient[i];
+    for (std::size_t i = 0; i < contact; ++i) force -= node.field.tangent[c * gradient.size() + i] * gradient[i];
     result.force[static_cast<int>(c)] = force;
   }
   return true;
@@ -134,17 +158,15 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
     const SweepNode& parent = *parents.front();
     node.state.parent = parent.state.at;
     const Vec3 move = node.state.at - parent.state.at;
-    node.field.tangent = parent.field.tangent;
     LocalField slope = parent.field;
     if (beyond) {   // V changes evenly along the three nodes
-      scale_into(parent.field.tangent, 1.0, node.field.tangent);
-      scale_into(beyond->field.tangent, -1.0, node.field.tangent);
       scale_into(parent.field.tangent, 0.5, slope.tangent);
       scale_into(beyond->field.tangent, -0.5, slope.tangent);
     }
     predict(*d_, slope, move, node.state.at, node.field.u);
-    std::vector<SweepNode*> one{&node};
-    run_lanes(one);
+    const NewtonReport report =
+        path_.correct(node.field.u, node.state.at, coarse_tolerance, prediction_iterations, options_.stop);
+    if (report.status == SolveStatus::converged) take(node, report);
   }
   if (!node.solved()) fall_back(node, parents);
   compare(node, parents);
@@ -175,15 +197,8 @@ bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const Sweep
       slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
       keep[j] = (mid ? -0.5 : 1.0) * share;
     }
-    const double* u = corner->field.u.data();
-    const double* v = corner->field.tangent.data();
-    for (std::size_t i = 0; i < size; ++i) {
-      const double along[3] = {0.5 * v[3 * i] * move[0], 0.5 * v[3 * i + 1] * move[1], 0.5 * v[3 * i + 2] * move[2]};
-      const double all = u[i] + along[0] + along[1] + along[2];
-      f.u[i] += share * all;
-      for (std::size_t j = 0; j < 3; ++j)
-        f.tangent[3 * i + j] += slope[static_cast<int>(j)] * (all - along[j]) + keep[static_cast<int>(j)] * v[3 * i + j];
-    }
+    add_corner(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(), slope.data(), keep.data(),
+               f.u.data(), f.tangent.data());
   }
   return true;
 }

@@ -1,7 +1,7 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h, behind generate_lattice():
-// 1. the coarse lattice (2h) outward from rest, each state predicted to second order from its parent and solved on a
-//    factor at the prediction;
+// 1. the coarse lattice (2h) outward from rest, each state predicted to second order from its parent and corrected by Newton
+//    that keeps its factor while it contracts;
 // 2. the fine states of each coarse cell (seven of its eight), predicted from the coarse corners around them by
 //    u = mean of u_c + V_c (x - x_c)/2, an O(h^4) cubic Hermite value, and solved side by side on one factor.
 // What does not contract is left to full Newton continuation. A state's value depends on the body, the lattice and its
@@ -26,7 +26,8 @@ struct SweepNode {
 
 struct SweepOptions {
   double spacing = 0.006;            // h [m]
-  double residual_tolerance = 1e-6;
+  // Of the lanes, |r_f|/|f|. The force is corrected by V^T r_f afterwards and far better than that.
+  double residual_tolerance = 1e-5;
   std::stop_token stop;
 };
 
@@ -47,6 +48,7 @@ class SweepWorker {
   bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
   bool own_factor(SweepNode& node, LaneResult& result);
   void take(SweepNode& node, const LaneResult& result) const;
+  void take(SweepNode& node, const NewtonReport& report);      // of path_
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours);
   void run_lanes(std::vector<SweepNode*>& nodes);
