@@ -82,7 +82,10 @@ std::string SceneTable::where(const std::string& key) const {
   const toml::node* value = node(key);
   if (value && value->source().begin)
     return fmt::format("{}:{}: {}", file_, value->source().begin.line, full(key));
-  return file_ + ": " + full(key);
+  const std::string below = full(key) + ".";  // a table that only overrides speak of
+  const bool made =
+      std::ranges::any_of(*overridden_, [&](const std::string& path) { return path.starts_with(below); });
+  return made ? "--set " + full(key) : file_ + ": " + full(key);
 }
 
 InputError SceneTable::wrong(const std::string& key, const std::string& expected) const {

@@ -11,7 +11,8 @@ using forefeel::test::Workshop;
 namespace {
 
 const char* const cube_off =
-    "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n"
+    "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 "
+    "6\n3 0 1 4\n3 1 5 4\n"
     "3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n";
 
 void check_refused(const Workshop& shop, const std::string& arguments, const char* mention) {
@@ -80,7 +81,9 @@ TEST_CASE("mesh refuses what it cannot use", "[mesh]") {
 
 TEST_CASE("a flipped mesh is turned with a warning", "[mesh]") {
   const Workshop shop;
-  shop.write("flipped.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.1 0 0\n3 0 0.1 0\n4 0 0 0.1\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 3 2 4\n$EndElements\n");
+  shop.write("flipped.msh",
+             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.1 0 0\n3 0 0.1 0\n4 0 0 "
+             "0.1\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 3 2 4\n$EndElements\n");
   const Workshop::Outcome outcome = shop.forefeel("mesh flipped.msh -o turned.msh --json");
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.err, Catch::Contains("all tetrahedra were turned"));
@@ -93,7 +96,7 @@ TEST_CASE("states go in and out unchanged", "[states]") {
   shop.write("a.csv", "x,y,z,fx,fy,fz,h\n0,0,0,0,0,0,0.01\n0.01,0,0,-0.125,1e-17,3,0.01\n");
   const auto in = shop.forefeel("import a.csv -o a.states --spacing 0.01 --json").json();
   CHECK(in["states"] == 2);
-  CHECK(shop.forefeel("import a.csv -o a.states --spacing 0.01 --quiet").code == 0);      // safe to repeat
+  CHECK(shop.forefeel("import a.csv -o a.states --spacing 0.01 --quiet").code == 0);  // safe to repeat
   const auto info = shop.forefeel("info a.states --json").json();
   CHECK(info["kind"] == "states");
   CHECK(info["states"] == 2);
