@@ -328,7 +328,7 @@ Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
   const Window window{left, right, bottom, top};
   const double end = t.empty() ? 0 : t.back();
   const char* const axes[] = {"x", "y", "z"};
-  const int height = static_cast<int>(std::clamp(267 * (top - bottom) / (right - left), 90.0, 700.0)) + 98;
+  const int height = static_cast<int>(std::clamp(267 * (top - bottom) / (right - left), 90.0, 700.0)) + 106;
   std::string script =
       common_style +
       fmt::format(
@@ -336,7 +336,7 @@ Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
           "ratio -1\nset xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:{:.5g}]\n"
           "set xlabel '{}, mm' offset 0,0.5\nset object 1 rectangle from {:.5g},{:.5g} to {:.5g},{:.5g} fs "
           "empty border rgb '#1b1b1b' dt 3 front\n",
-          62.0 / height, 1 - 36.0 / height, 1e3 * left, 1e3 * right, 1e3 * bottom, 1e3 * top,
+          62.0 / height, 1 - 44.0 / height, 1e3 * left, 1e3 * right, 1e3 * bottom, 1e3 * top,
           axes[plane.across], 1e3 * space.box.low[plane.across], 1e3 * space.box.low[plane.up],
           1e3 * space.box.high[plane.across], 1e3 * space.box.high[plane.up]) +
       fmt::format("set ylabel '{}, mm' offset 1\n", axes[plane.up]);

@@ -72,7 +72,7 @@ fs::path Workshop::write(const std::string& name, const std::string& text) const
 std::string Workshop::files() const {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(path_))
-    names.push_back(fs::relative(entry.path(), path_).string());
+    names.push_back(entry.path().lexically_relative(path_).string());
   std::ranges::sort(names);
   std::string text;
   for (const std::string& name : names) text += name + "\n";
