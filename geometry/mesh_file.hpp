@@ -10,7 +10,8 @@ namespace forefeel {
 
 bool is_mesh_file(const std::filesystem::path& file);   // by extension: .msh .vtk .vtu .mesh
 
-// Reads by extension; does not check quality (see check_and_orient).
+// Reads by extension. Physical groups of Gmsh become groups by name (of any dimension; one that holds the whole body is
+// left out), references of Medit ref_vertices_R, ref_triangles_R, …. Does not check quality (see check_and_orient).
 TetMesh read_mesh(const std::filesystem::path& file);
 
 // Gmsh 2.2 ASCII, written to a temporary name and renamed; groups become physical node groups.

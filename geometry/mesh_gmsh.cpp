@@ -42,6 +42,7 @@ class GmshReader {
     if (!seen_nodes_) throw InputError(in_.name(), "holds no $Nodes section");
     if (!seen_elements_) throw InputError(in_.name(), "holds no $Elements section");
     for (const auto& [group, nodes] : physical_) {
+      if (group.first == 3 && covers_all(nodes)) continue;      // "the body" says nothing
       const auto named = names_.find(group);
       const std::string name = named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
       auto& target = mesh_.groups[name];
@@ -52,6 +53,12 @@ class GmshReader {
 
  private:
   using Group = std::pair<int, std::int64_t>;   // dimension, physical tag
+
+  bool covers_all(const std::vector<NodeIndex>& nodes) const {
+    std::vector<char> there(mesh_.nodes.size(), 0);
+    for (const NodeIndex node : nodes) there[static_cast<std::size_t>(node)] = 1;
+    return std::ranges::all_of(there, [](char c) { return c != 0; });
+  }
 
   void read_format() {
     if (in_.token("$MeshFormat") != "$MeshFormat") in_.fail("is not a Gmsh file, expected $MeshFormat");

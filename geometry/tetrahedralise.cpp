@@ -21,6 +21,12 @@ void scale(Surface& surface, double length, const std::string& name) {
   for (Vec3& node : surface.nodes) node *= length / side;
 }
 
+// Coarse triangles cut round ends off; the mesh still has the asked length.
+void match_length(TetMesh& mesh, double length, const Vec3& centre) {
+  const double factor = length / longest_side(mesh);
+  for (Vec3& node : mesh.nodes) node = centre + factor * (node - centre);
+}
+
 // Edge of the tetrahedra when `elements` of about equal size fill the body; 0.15 l^3 is what a tetrahedron of
 // TetGen's takes in the mean (a regular one 0.118 l^3).
 double edge_for(const Surface& surface, std::size_t elements) {
@@ -104,6 +110,7 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
     if (error.where() != "surface" || options.name == "surface") throw;
     throw InputError(options.name, std::string(error.what()).substr(std::string("surface: ").size()));
   }
+  if (options.length) match_length(mesh, *options.length, bounding_box(input).centre());
   if (report) out.hausdorff = hausdorff_distance(input, boundary_surface(mesh));
   return mesh;
 }

@@ -184,6 +184,7 @@ TEST_CASE("the real liver is meshed to the asked counts", "[shared]") {
     CHECK(check_and_orient(mesh, "liver").warnings.empty());
     CHECK(std::abs(double(mesh.tets.size()) / double(elements) - 1) <= 0.05);
     CHECK(report.repair.self_intersections > 0);
+    CHECK(longest_side(mesh) == Approx(0.22).epsilon(1e-12));
     CHECK(quality(mesh).min_dihedral_deg > 8);
     CHECK(report.hausdorff < 0.011);
   }
