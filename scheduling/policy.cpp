@@ -53,9 +53,9 @@ std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions
 bool knows_the_future(const std::string& name) { return name == "clairvoyant"; }
 
 double time_to_reach(const Vec3& at, const PlannerView& view) {
-  const double h = view.space.options().spacing;
-  const double slowest = h / std::max(view.solve_seconds, 1e-3);
-  const double speed = std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
+  constexpr double slowest = 0.01;   // [m/s]: a hand that holds still may move on
+  // Off the path the hand has to turn first: half its speed.
+  const double speed = 0.5 * std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
   const auto path = view.predicted;
   if (path.empty()) return (at - view.hip.at).norm() / speed;
   double best = path[0].horizon + (at - path[0].at).norm() / speed;

@@ -65,8 +65,8 @@ std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions
 // True for the policy whose predictions are the motion itself, as far as the session knows it.
 bool knows_the_future(const std::string& name);
 
-// Soonest time at which the predicted path is within reach of a position: min over the path of
-// horizon + distance / speed, the speed no less than a spacing per solve [s].
+// Soonest time at which the HIP may be at a position: min over the predicted path of horizon + 2 distance / speed,
+// since leaving the path takes a turn; the speed no less than 10 mm/s [s].
 double time_to_reach(const Vec3& at, const PlannerView& view);
 // Distance from a position to the predicted path [m].
 double distance_to_path(const Vec3& at, const PlannerView& view);

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "geometry/error.hpp"
 
@@ -13,34 +14,39 @@ namespace {
 
 constexpr double memory = 0.03;   // [s] over which the velocity is smoothed
 
+// Its deviation is measured: predictions over a probing horizon are kept until they can be compared, and their mean
+// square error gives the acceleration that a constant velocity misses.
 class ConstantVelocity final : public Predictor {
  public:
   void observe(const HipSample& sample) override {
     const double dt = sample.t - last_.t;
     if (seen_ && dt > 0) {
-      const double share = 1 - std::exp(-dt / memory);
-      const Vec3 velocity = (sample.at - last_.at) / dt;
-      const Vec3 change = velocity - velocity_;
-      velocity_ += share * change;
-      // Acceleration seen over the smoothing time, for the deviation.
-      const double slow = 1 - std::exp(-dt / 0.5);
-      acceleration2_ += slow * ((velocity_ - slow_velocity_).squaredNorm() / (0.3 * 0.3 * 3) - acceleration2_);
-      slow_velocity_ += (1 - std::exp(-dt / 0.3)) * (velocity_ - slow_velocity_);
+      velocity_ += (1 - std::exp(-dt / memory)) * ((sample.at - last_.at) / dt - velocity_);
+      while (!made_.empty() && made_.front().t <= sample.t) {
+        const double error2 = (made_.front().at - sample.at).squaredNorm() / 3;
+        made_.pop_front();
+        error2_ += (1 - std::exp(-dt / 0.5)) * (error2 - error2_);
+      }
     }
     last_ = sample;
     seen_ = true;
+    made_.push_back({.t = sample.t + probe, .at = sample.at + probe * velocity_, .velocity = velocity_});
   }
 
   Prediction predict(double horizon) const override {
-    const double drift = 0.5 * std::sqrt(acceleration2_) * horizon * horizon;
-    return {.horizon = horizon, .at = last_.at + horizon * velocity_, .deviation = std::hypot(0.0005, drift)};
+    const double share = horizon / probe;
+    return {.horizon = horizon,
+            .at = last_.at + horizon * velocity_,
+            .deviation = std::hypot(0.0002, std::sqrt(error2_) * share * std::max(1.0, share))};
   }
 
  private:
+  static constexpr double probe = 0.1;   // [s]
   bool seen_ = false;
   HipSample last_;
-  Vec3 velocity_ = Vec3::Zero(), slow_velocity_ = Vec3::Zero();
-  double acceleration2_ = 0.01;   // mean square per axis [m^2/s^4]
+  Vec3 velocity_ = Vec3::Zero();
+  std::deque<HipSample> made_;           // predictions, by the time they are for
+  double error2_ = 1e-6;                 // mean square per axis over the probing horizon [m^2]
 };
 
 // One filter for the three axes: they share covariance and gain, which do not depend on the data.

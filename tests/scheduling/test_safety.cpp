@@ -82,17 +82,17 @@ TEST_CASE("guard: what is not finite never reaches the device") {
 
 TEST_CASE("energy: a spring gives nothing it did not get, an active body does") {
   Safety spring(plain), active(plain);
-  double gross = 0, expected = 0;
+  double gross = 0;
   for (int k = 0; k <= 4000; ++k) {
     const double angle = 2 * M_PI * k / 1000.0;
     const Vec3 x(0.01 * (1 - std::cos(angle)), 0.005 * std::sin(angle), 0);
     spring.apply(-100 * x, x, 1, 0);
     // A force that turns with the motion puts energy in at every loop: curl c gives c times the area enclosed.
-    active.apply(Vec3(-20 * x.y(), 20 * (x.x() - 0.01), 0), x, 1, 0);
+    active.apply(Vec3(20 * x.y(), -20 * (x.x() - 0.01), 0), x, 1, 0);
     if (k == 1000) gross = spring.work();
   }
   CHECK(spring.generated() < 1e-12);
   CHECK(gross > 0.5 * 100 * 0.02 * 0.02);
-  expected = 4 * 40 * M_PI * 0.01 * 0.005;
+  const double expected = 4 * 40 * M_PI * 0.01 * 0.005;
   CHECK(active.generated() == Approx(expected).epsilon(0.01));
 }
