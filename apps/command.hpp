@@ -41,7 +41,6 @@ void add_classify(CLI::App& app, Commands& commands);    // command_classify.cpp
 void add_evaluate(CLI::App& app, Commands& commands);    // command_evaluate.cpp
 void add_session(CLI::App& app, Commands& commands);     // command_session.cpp
 void add_study(CLI::App& app, Commands& commands);       // command_study.cpp
-void add_reproduce(CLI::App& app, Commands& commands);   // command_reproduce.cpp
 void add_bench(CLI::App& app, Commands& commands);       // command_bench.cpp, which calls the three below
 int bench_coverage(const Globals& globals);              // bench_coverage.cpp
 int bench_solver(const Globals& globals, const std::string& scene);   // bench_solver.cpp

@@ -15,20 +15,13 @@ struct BenchOptions {
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
-#ifdef FOREFEEL_HAS_BENCH_COVERAGE
   if (options.what == "coverage") {
     if (!options.scene.empty())
       throw InputError("bench coverage", "takes no scene, got '" + options.scene + "'");
     return bench_coverage(globals);
   }
-#endif
-#ifdef FOREFEEL_HAS_BENCH_SOLVER
   if (options.what == "solver") return bench_solver(globals, options.scene);
-#endif
-#ifdef FOREFEEL_HAS_BENCH_APPROX
   if (options.what == "approx") return bench_approx(globals, options.scene);
-#endif
-  (void)globals;
   throw InputError("bench " + options.what, "not in this build");
 }
 

@@ -14,68 +14,13 @@
 namespace forefeel {
 namespace {
 
-// Commands of the contract that this build does not have.
-const std::vector<std::string> not_in_this_build{
-#ifndef FOREFEEL_HAS_STUDY
-    "study",
-#endif
-#ifndef FOREFEEL_HAS_REPRODUCE
-    "reproduce",
-#endif
-#ifndef FOREFEEL_HAS_MESH
-    "mesh",
-#endif
-#ifndef FOREFEEL_HAS_STATES
-    "import",   "export",    "info",
-#endif
-#ifndef FOREFEEL_HAS_SOLVE
-    "solve",
-#endif
-#ifndef FOREFEEL_HAS_GENERATE
-    "generate",
-#endif
-#ifndef FOREFEEL_HAS_CLASSIFY
-    "classify",
-#endif
-#ifndef FOREFEEL_HAS_EVALUATE
-    "evaluate",
-#endif
-#ifndef FOREFEEL_HAS_SESSION
-    "session",
-#endif
-};
+// A command of the contract that this build does not have.
+const std::vector<std::string> not_in_this_build{"reproduce"};
 
 void add_commands(CLI::App& app, Commands& commands) {
-#ifdef FOREFEEL_HAS_MESH
-  add_mesh(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_SOLVE
-  add_solve(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_GENERATE
-  add_generate(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_STATES
-  add_import(app, commands);
-  add_export(app, commands);
-  add_info(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_CLASSIFY
-  add_classify(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_EVALUATE
-  add_evaluate(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_SESSION
-  add_session(app, commands);
-#endif
-  add_bench(app, commands);
-#ifdef FOREFEEL_HAS_STUDY
-  add_study(app, commands);
-#endif
-#ifdef FOREFEEL_HAS_REPRODUCE
-  add_reproduce(app, commands);
-#endif
+  for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_classify,
+                         add_evaluate, add_session, add_study, add_bench})
+    add(app, commands);
 }
 
 std::vector<std::string> command_names(const CLI::App& app) {
