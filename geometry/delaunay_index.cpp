@@ -192,9 +192,16 @@ double DelaunayIndex::Impl::least_circumradius(CellHandle cell, const Simplex& s
     while (++around != first);
   }
   if (carried == 1) {
-    std::vector<CellHandle> incident;
-    triangulation.finite_incident_cells(cell->vertex(on[0]), std::back_inserter(incident));
-    for (const CellHandle other : incident) take(other);
+    // CGAL's own traversal marks cells, which would be a race between queries.
+    const VertexHandle here = cell->vertex(on[0]);
+    std::vector<CellHandle> star{cell};
+    for (std::size_t next = 0; next < star.size(); ++next) {
+      take(star[next]);
+      for (int i = 0; i < 4; ++i) {
+        const CellHandle other = star[next]->neighbor(i);
+        if (other->has_vertex(here) && std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
+      }
+    }
   }
   return least;
 }
