@@ -23,6 +23,7 @@ struct SolveArguments {
   std::string scene;
   std::vector<std::string> at;
   std::string points, output;
+  bool discretisation_error = false;
 };
 
 std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
@@ -59,6 +60,21 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
   return outcomes;
 }
 
+// What the mesh itself gets wrong, estimated by one refinement of its elements: |f - f_quadratic| / |f_quadratic|.
+std::vector<double> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
+  auto refined = std::make_shared<Body>(*scene.body);
+  refined->element = Element::quadratic;
+  Solver solver(refined);
+  std::vector<double> errors;
+  for (const SolveOutcome& outcome : outcomes) {
+    errors.push_back(unknown);
+    if (!outcome.state.usable() || outcome.state.at.norm() == 0) continue;
+    const State better = solver.reference(outcome.state.at, scene.space.spacing).state;
+    if (better.usable()) errors.back() = (better.force - outcome.state.force).norm() / better.force.norm();
+  }
+  return errors;
+}
+
 nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
   const State& s = outcome.state;
   nlohmann::ordered_json entry;
@@ -92,6 +108,12 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   const std::vector<SolveOutcome> outcomes = solve_all(scene, points, globals);
 
+  std::vector<double> mesh_errors;
+  if (arguments.discretisation_error) {
+    if (scene.body->element == Element::quadratic)
+      throw InputError("--discretisation-error", "the scene's elements are quadratic already, expected linear ones");
+    mesh_errors = discretisation_errors(scene, outcomes);
+  }
   std::size_t failed = 0;
   std::vector<State> states;
   nlohmann::ordered_json document{{"states", nlohmann::ordered_json::array()}};
@@ -99,6 +121,7 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
     failed += outcome.state.status != SolveStatus::converged;
     states.push_back(outcome.state);
     document["states"].push_back(to_json(outcome));
+    if (!mesh_errors.empty()) document["states"].back()["discretisation_error"] = number(mesh_errors[states.size() - 1]);
     for (const std::string& warning : outcome.warnings)
       warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
                                 outcome.state.at[2], warning));
@@ -106,7 +129,9 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   if (!arguments.output.empty()) write_states_csv(arguments.output, states);
   if (globals.json) print_json(document);
   if (!globals.json)
-    for (const State& state : states) say(globals, line_for(state));
+    for (std::size_t i = 0; i < states.size(); ++i)
+      say(globals, line_for(states[i]) +
+                       (mesh_errors.empty() ? "" : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));
   if (failed == 0) return 0;
   warn(globals, fmt::format("{} of {} states did not converge", failed, states.size()));
   return 1;
@@ -123,6 +148,8 @@ void add_solve(CLI::App& app, Commands& commands) {
                  ->allow_extra_args(false)
                  ->type_name("X,Y,Z");
   sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->type_name("F.csv")->excludes(at);
+  sub.add_flag("--discretisation-error", arguments->discretisation_error,
+               "Estimate what the mesh gets wrong by quadratic elements on it");
   sub.add_option("-o,--output", arguments->output, "States as CSV")->type_name("OUT.csv");
 }
 

@@ -38,6 +38,15 @@ std::vector<LatticeIndex> towards_rest(const LatticeIndex& k) {
   return parents;
 }
 
+bool is_coarse(const LatticeIndex& k) { return k[0] % 2 == 0 && k[1] % 2 == 0 && k[2] % 2 == 0; }
+
+// The coarse cell that a fine index lies in, named by its lowest corner.
+LatticeIndex cell_of(const LatticeIndex& k) {
+  LatticeIndex cell{};
+  for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(std::floor(0.5 * k[axis]));
+  return cell;
+}
+
 // Coarse corners around a fine index.
 std::vector<LatticeIndex> corners_of(const LatticeIndex& k) {
   std::vector<LatticeIndex> corners{LatticeIndex{}};
@@ -119,8 +128,17 @@ class Sweep {
     const auto need = [&](const LatticeIndex& c) {
       if (all_.count({2 * c[0], 2 * c[1], 2 * c[2]}) != 0 && needed.insert(c).second) open.push_back(c);
     };
-    for (const LatticeIndex& k : missing_)
-      for (const LatticeIndex& c : corners_of(k)) need(c);
+    for (const LatticeIndex& k : missing_) {
+      if (is_coarse(k)) {
+        need(cell_of(k));
+        continue;
+      }
+      for (int m = 0; m < 8; ++m) {     // a cell is solved as a whole, so all its corners are
+        LatticeIndex c = cell_of(k);
+        for (std::size_t axis = 0; axis < 3; ++axis) c[axis] += (m >> axis) & 1;
+        need(c);
+      }
+    }
     while (!open.empty()) {
       const LatticeIndex c = open.back();
       open.pop_back();
@@ -168,9 +186,8 @@ class Sweep {
     std::map<LatticeIndex, std::vector<LatticeIndex>> cells;
     std::vector<LatticeIndex> order;
     for (const LatticeIndex& k : missing_) {
-      if (k[0] % 2 == 0 && k[1] % 2 == 0 && k[2] % 2 == 0) continue;
-      LatticeIndex cell{};
-      for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(std::floor(0.5 * k[axis]));
+      if (is_coarse(k)) continue;
+      const LatticeIndex cell = cell_of(k);
       auto& list = cells[cell];
       if (list.empty()) order.push_back(cell);
       list.push_back(k);
