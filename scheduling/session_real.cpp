@@ -123,6 +123,8 @@ struct PlannerRun {
               .label = planner.label(), .phase = "session"});
       }
     }
+    workers.collect(results, 0);   // what was solved meanwhile is kept
+    for (JobResult& result : results) planner.receive(std::move(result), now());
   }
 };
 

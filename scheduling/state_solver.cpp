@@ -72,8 +72,9 @@ SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::sto
   options.tolerance = options_.tolerance;
   options.want_displacements = options_.displacements;
   SolveOutcome outcome = solver().from(start ? *start : *solver().rest(), x, options, stop);
-  if (outcome.state.usable() || outcome.state.status == SolveStatus::cancelled || stop.stop_requested()) return outcome;
-  return reference(x);
+  if (outcome.state.usable()) return outcome;
+  if (stop.stop_requested()) outcome.state.status = SolveStatus::cancelled;   // however it ended: it proves nothing
+  return outcome.state.status == SolveStatus::cancelled ? outcome : reference(x);
 }
 
 }  // namespace forefeel
