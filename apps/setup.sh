@@ -4,7 +4,7 @@
 # or sudo, only when something is missing.
 set -euo pipefail
 
-packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libtet1.5-dev libsqlite3-dev libcli11-dev
+packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboost-dev libtet1.5-dev libsqlite3-dev libcli11-dev
           libtomlplusplus-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libnanoflann-dev
           zlib1g-dev catch2 gnuplot-nox)
 case "${1:-}" in
