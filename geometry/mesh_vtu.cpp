@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 
@@ -161,7 +162,8 @@ class VtuReader {
         in_.seek(end);
       }
       const std::string key = section == "Points" ? "Points" : section == "Cells" ? tag.attributes["Name"] : std::string();
-      if (!key.empty()) arrays[key] = {tag.attributes, in_.content().substr(start, end - start)};
+      const std::size_t stop = std::min(in_.content().find('<', start), end);     // before <InformationKey> and the like
+      if (!key.empty()) arrays[key] = {tag.attributes, in_.content().substr(start, stop - start)};
     }
     for (const char* key : {"Points", "connectivity", "offsets", "types"})
       if (!arrays.contains(key) && (n_cells > 0 || key[0] == 'P'))
