@@ -114,7 +114,7 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<StateId>& out) {
     return label;
   }
   chosen_.clear();
-  if (label == Label::safe)
+  if (label == Label::safe || space_.size() <= n_)   // where all fit there is nothing to choose
     take_nearest(hip);
   else
     take_sides(hip);
