@@ -114,7 +114,8 @@ class Sweep {
   void run_sweep() {
     SweepOptions sweep;
     sweep.spacing = options_.spacing;
-    sweep.residual_tolerance = 10 * options_.tolerance;
+    const bool soft = body_->material.law == Law::st_venant_kirchhoff || body_->material.poisson >= 0.49;
+    sweep.residual_tolerance = (soft ? 5 : 20) * options_.tolerance;
     sweep.stop = options_.stop;
     for (int i = 0; i < report_.threads; ++i) workers_.push_back(std::make_unique<SweepWorker>(d_, sweep));
     march_coarse();
