@@ -139,7 +139,7 @@ std::string figure(const Figure& f) {
   const std::optional<std::string> svg = draw_svg(f.name, f.width, f.height, f.script);
   if (!svg)
     return fmt::format("<p class=\"note\">The picture \"{}\" could not be drawn by gnuplot.</p>\n", f.name);
-  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
+  return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
 }
 
 std::string pictures(const Run& run, const Scene& scene) {
