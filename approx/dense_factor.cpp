@@ -49,8 +49,8 @@ void DenseFactor::remove(std::span<const std::size_t> removed) {
   }
 }
 
-std::uint32_t DenseFactor::append(std::size_t count, std::size_t used, std::uint32_t skip, const double* tolerance,
-                                  std::size_t used_border) {
+std::uint32_t DenseFactor::append(std::size_t count, std::size_t used, std::uint32_t skip,
+                                  const double* tolerance, std::size_t used_border) {
   assert(count == 4 || count == panel);
   assert(rows_ + count <= row_capacity_);
   const std::size_t m = rows_;

@@ -1,10 +1,10 @@
 #pragma once
 // A Cholesky factor that grows and shrinks, with a border of right-hand sides that follows it:
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
-// remove() takes rows and columns out of A by Givens rotations (a positive rank-one update of the trailing factor, which
-// is stable; a downdate is never needed), append() adds up to 8 at the end by a triangular solve. Both carry Y
-// along, so that it is never solved for again. A removed row stays as a hole (a unit row) until compact().
-// O(k m^2) for k rows. Nothing allocates after construction.
+// remove() takes rows and columns out of A by Givens rotations (a positive rank-one update of the trailing
+// factor, which is stable; a downdate is never needed), append() adds up to 8 at the end by a triangular
+// solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole (a unit row)
+// until compact(). O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
 #include <cstdint>
@@ -29,14 +29,14 @@ class DenseFactor {
   // Turns the rows (ascending) into holes.
   void remove(std::span<const std::size_t> removed);
 
-  // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included, and
-  // their rows of B. Row-major, stride panel_stride(); valid until the next append().
+  // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included,
+  // and their rows of B. Row-major, stride panel_stride(); valid until the next append().
   double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
   double* panel_border(std::size_t r) { return cross_border_ + r * border; }
   std::size_t panel_stride() const { return (row_capacity_ + 2 * panel - 1) / 8 * 8; }
-  // Appends the first `used` of `count` = 4 or 8 panel rows; the others, and holes on purpose, are marked in skip.
-  // A row whose pivot falls below tolerance[r] times its diagonal entry carries nothing new and becomes a hole.
-  // Returns the rows that were taken, bit r for row r.
+  // Appends the first `used` of `count` = 4 or 8 panel rows; the others, and holes on purpose, are marked in
+  // skip. A row whose pivot falls below tolerance[r] times its diagonal entry carries nothing new and becomes
+  // a hole. Returns the rows that were taken, bit r for row r.
   std::uint32_t append(std::size_t count, std::size_t used, std::uint32_t skip, const double* tolerance,
                        std::size_t used_border);
 

@@ -25,8 +25,8 @@ struct Eight {
 constexpr std::size_t width = 6;  // columns that a panel solve holds in registers
 
 template <class Lanes>
-FOREFEEL_INLINE void solve_panel(const double* __restrict l, std::size_t stride, const double* __restrict inverse,
-                                 std::size_t m, double* __restrict x) {
+FOREFEEL_INLINE void solve_panel(const double* __restrict l, std::size_t stride,
+                                 const double* __restrict inverse, std::size_t m, double* __restrict x) {
   typedef typename Lanes::Pack Pack;
   constexpr std::size_t P = Lanes::size;
   for (std::size_t c = 0; c < m; c += width) {
@@ -78,8 +78,8 @@ FOREFEEL_INLINE void rotation(double diagonal, double x, double& c, double& s, d
 }
 
 // One vector, four columns at a time: the vector stays in registers while four columns stream by.
-FOREFEEL_INLINE void rotate_one(double* __restrict l, std::size_t stride, double* __restrict inverse, std::size_t first,
-                                std::size_t last, std::size_t m, double* __restrict v) {
+FOREFEEL_INLINE void rotate_one(double* __restrict l, std::size_t stride, double* __restrict inverse,
+                                std::size_t first, std::size_t last, std::size_t m, double* __restrict v) {
   std::size_t col = first;
   for (; col + 4 <= last; col += 4) {
     double c[4], s[4];
@@ -116,7 +116,7 @@ FOREFEEL_INLINE void rotate_one(double* __restrict l, std::size_t stride, double
     sweep(-16);
     sweep(-8);
     const std::size_t start = (col + 4) / 8 * 8;
-    if (start < m) {   // the vector that holds row col + 4; lanes before it stay
+    if (start < m) {  // the vector that holds row col + 4; lanes before it stay
       Pack8* at[5] = {reinterpret_cast<Pack8*>(b0 + start), reinterpret_cast<Pack8*>(b1 + start),
                       reinterpret_cast<Pack8*>(b2 + start), reinterpret_cast<Pack8*>(b3 + start),
                       reinterpret_cast<Pack8*>(v + start)};
@@ -196,34 +196,38 @@ FOREFEEL_INLINE double sum_of(const Pack8& p) {
 
 }  // namespace
 
-FOREFEEL_CLONES void solve_panel4(const double* l, std::size_t stride, const double* inverse_diagonal, std::size_t m,
-                                  double* x) {
+FOREFEEL_CLONES void solve_panel4(const double* l, std::size_t stride, const double* inverse_diagonal,
+                                  std::size_t m, double* x) {
   solve_panel<Four>(l, stride, inverse_diagonal, m, x);
 }
 
-FOREFEEL_CLONES void solve_panel8(const double* l, std::size_t stride, const double* inverse_diagonal, std::size_t m,
-                                  double* x) {
+FOREFEEL_CLONES void solve_panel8(const double* l, std::size_t stride, const double* inverse_diagonal,
+                                  std::size_t m, double* x) {
   solve_panel<Eight>(l, stride, inverse_diagonal, m, x);
 }
 
-FOREFEEL_CLONES void panel_products4(const double* x, const double* y, std::size_t stride, std::size_t m, int halves,
-                                     double* gram, double* side) {
+FOREFEEL_CLONES void panel_products4(const double* x, const double* y, std::size_t stride, std::size_t m,
+                                     int halves, double* gram, double* side) {
   products<Four>(x, y, stride, m, halves, gram, side);
 }
 
-FOREFEEL_CLONES void panel_products8(const double* x, const double* y, std::size_t stride, std::size_t m, int halves,
-                                     double* gram, double* side) {
+FOREFEEL_CLONES void panel_products8(const double* x, const double* y, std::size_t stride, std::size_t m,
+                                     int halves, double* gram, double* side) {
   products<Eight>(x, y, stride, m, halves, gram, side);
 }
 
-FOREFEEL_CLONES void rotate_columns(double* l, std::size_t stride, double* inverse_diagonal, std::size_t first,
-                                    std::size_t last, std::size_t m, double* vectors, std::size_t vector_stride,
-                                    int count) {
+FOREFEEL_CLONES void rotate_columns(double* l, std::size_t stride, double* inverse_diagonal,
+                                    std::size_t first, std::size_t last, std::size_t m, double* vectors,
+                                    std::size_t vector_stride, int count) {
   switch (count) {
-    case 1: return rotate_one(l, stride, inverse_diagonal, first, last, m, vectors);
-    case 2: return rotate_many<2>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
-    case 3: return rotate_many<3>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
-    default: return rotate_many<4>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
+    case 1:
+      return rotate_one(l, stride, inverse_diagonal, first, last, m, vectors);
+    case 2:
+      return rotate_many<2>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
+    case 3:
+      return rotate_many<3>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
+    default:
+      return rotate_many<4>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
   }
 }
 
@@ -269,16 +273,18 @@ FOREFEEL_CLONES void solve_transposed3(const double* l, std::size_t stride, cons
       z[3] = (z[3] - sum_of(s3[k])) * inverse_diagonal[c0 + 3];
       z[2] = (z[2] - sum_of(s2[k]) - b2[c0 + 3] * z[3]) * inverse_diagonal[c0 + 2];
       z[1] = (z[1] - sum_of(s1[k]) - b1[c0 + 2] * z[2] - b1[c0 + 3] * z[3]) * inverse_diagonal[c0 + 1];
-      z[0] = (z[0] - sum_of(s0[k]) - b0[c0 + 1] * z[1] - b0[c0 + 2] * z[2] - b0[c0 + 3] * z[3]) * inverse_diagonal[c0];
+      z[0] = (z[0] - sum_of(s0[k]) - b0[c0 + 1] * z[1] - b0[c0 + 2] * z[2] - b0[c0 + 3] * z[3]) *
+             inverse_diagonal[c0];
     }
   }
 }
 
-FOREFEEL_CLONES void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper,
-                                   double* right) {
+FOREFEEL_CLONES void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride,
+                                   double* upper, double* right) {
   for (std::size_t j = 0; j < q + 3; ++j)
     for (std::size_t r = m; r < m + 8; ++r) columns[j * stride + r] = 0;
-  const auto dot = [&](const double* __restrict a, const double* __restrict b) __attribute__((always_inline)) {
+  const auto dot = [&](const double* __restrict a, const double* __restrict b)
+      __attribute__((always_inline)) {
     Pack8 sum = {};
     for (std::size_t r = 0; r < m; r += 8)
       sum += *reinterpret_cast<const Pack8*>(a + r) * *reinterpret_cast<const Pack8*>(b + r);
@@ -286,9 +292,9 @@ FOREFEEL_CLONES void orthogonalise(std::size_t q, std::size_t m, double* columns
   };
   const auto subtract = [&](double factor, const double* __restrict a, double* __restrict b)
       __attribute__((always_inline)) {
-        for (std::size_t r = 0; r < m; r += 8)
-          *reinterpret_cast<Pack8*>(b + r) -= factor * *reinterpret_cast<const Pack8*>(a + r);
-      };
+    for (std::size_t r = 0; r < m; r += 8)
+      *reinterpret_cast<Pack8*>(b + r) -= factor * *reinterpret_cast<const Pack8*>(a + r);
+  };
   for (std::size_t j = 0; j < q; ++j) {
     double* unit = columns + j * stride;
     const double length = std::sqrt(dot(unit, unit));
@@ -309,8 +315,8 @@ FOREFEEL_CLONES void orthogonalise(std::size_t q, std::size_t m, double* columns
     }
 }
 
-FOREFEEL_CLONES void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight,
-                          double* out) {
+FOREFEEL_CLONES void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride,
+                          const double* weight, double* out) {
   for (std::size_t i = 0; i < q; ++i)
     for (std::size_t j = 0; j <= i; ++j) {
       const double* __restrict a = l + i * stride;

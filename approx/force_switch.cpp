@@ -21,7 +21,9 @@ double bound(double floor, double share, const Vec3& before, const Vec3& after) 
   return std::max(floor, share * std::min(before.norm(), after.norm()));
 }
 
-Vec3 at(const Model* model, const Vec3& x) { return model == nullptr ? Vec3::Zero() : model->force(x); }
+Vec3 at(const Model* model, const Vec3& x) {
+  return model == nullptr ? Vec3::Zero() : model->force(x);
+}
 
 }  // namespace
 
@@ -37,7 +39,7 @@ ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x) 
   Frame out;
   const Vec3 old = at(current_, x);
   out.undamped = old;
-  const Vec3 before = old + offset_;   // what would be rendered here if the switch did nothing
+  const Vec3 before = old + offset_;  // what would be rendered here if the switch did nothing
   if (newest != nullptr && newest != current_) {
     out.undamped = newest->force(x);
     out.undamped_jump = (out.undamped - old).norm();
@@ -67,11 +69,11 @@ ForceSwitch::Frame ForceSwitch::step_paper(const Model* newest, const Vec3& x) n
   if (newest != nullptr && newest != latest) {
     out.undamped_jump = (newest->force(x) - at(latest, x)).norm();
     out.took_model = true;
-    out.released = waiting_;           // never used: the latest wins
+    out.released = waiting_;  // never used: the latest wins
     waiting_ = newest;
     latest = newest;
   }
-  if (weight_ >= 1 && waiting_ != nullptr) {   // the switch before is over
+  if (weight_ >= 1 && waiting_ != nullptr) {  // the switch before is over
     out.released_too = previous_;
     previous_ = current_;
     current_ = waiting_;
@@ -84,7 +86,8 @@ ForceSwitch::Frame ForceSwitch::step_paper(const Model* newest, const Vec3& x) n
   const int interval = std::max(1, static_cast<int>(std::lround(options_.paper_interval / options_.frame)));
   if (frames_since_step_ < interval) ++frames_since_step_;
   if (weight_ < 1 && frames_since_step_ >= interval) {
-    const double size = difference.norm(), most = allowed(options_.jnd_floor, options_.jnd_share, before.norm());
+    const double size = difference.norm(),
+                 most = allowed(options_.jnd_floor, options_.jnd_share, before.norm());
     weight_ = (1 - weight_) * size <= most ? 1 : std::min(1.0, weight_ + most / size);
     frames_since_step_ = 0;
     if (weight_ >= 1) {

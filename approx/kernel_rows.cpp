@@ -22,8 +22,9 @@ inline __attribute__((always_inline)) void values_of(std::size_t n, const double
 
 template <int K>
 inline __attribute__((always_inline)) void hermite_of(std::size_t n, const double* __restrict px,
-                                                      const double* __restrict py, const double* __restrict pz,
-                                                      const double* a, double* __restrict out, std::size_t stride) {
+                                                      const double* __restrict py,
+                                                      const double* __restrict pz, const double* a,
+                                                      double* __restrict out, std::size_t stride) {
   double* __restrict o0 = out;
   double* __restrict o1 = out + stride;
   double* __restrict o2 = out + 2 * stride;
@@ -32,7 +33,7 @@ inline __attribute__((always_inline)) void hermite_of(std::size_t n, const doubl
     const double dx = a[0] - px[i], dy = a[1] - py[i], dz = a[2] - pz[i];
     const double r2 = dx * dx + dy * dy + dz * dz;
     const double r = std::sqrt(r2);
-    const double first = K == 3 ? 3 * r : 5 * r * r2;                     // k r^(k-2)
+    const double first = K == 3 ? 3 * r : 5 * r * r2;                       // k r^(k-2)
     const double second = K == 3 ? 3 / (r > 1e-150 ? r : 1e-150) : 15 * r;  // k (k-2) r^(k-4)
     o0[4 * i] = K == 3 ? r * r2 : r * r2 * r2;
     o0[4 * i + 1] = -first * dx;
@@ -57,7 +58,8 @@ template <std::size_t Q>
 inline __attribute__((always_inline)) void project_of(std::size_t m, const double* __restrict l,
                                                       const double* __restrict v, std::size_t stride,
                                                       const double* la, const double* va,
-                                                      const double* __restrict weight, double* __restrict out) {
+                                                      const double* __restrict weight,
+                                                      double* __restrict out) {
   for (std::size_t i = 0; i < m; ++i) {
     double sum = out[i];
     for (std::size_t j = 0; j < Q; ++j) sum -= la[j] * v[j * stride + i] + va[j] * l[j * stride + i];
@@ -80,8 +82,9 @@ FOREFEEL_CLONES void hermite(int power, std::size_t n, const double* px, const d
   hermite_of<5>(n, px, py, pz, a, out, stride);
 }
 
-FOREFEEL_CLONES void project(std::size_t q, std::size_t m, const double* l, const double* v, std::size_t stride,
-                             const double* la, const double* va, const double* weight, double* out) {
+FOREFEEL_CLONES void project(std::size_t q, std::size_t m, const double* l, const double* v,
+                             std::size_t stride, const double* la, const double* va, const double* weight,
+                             double* out) {
   if (q == 1) return project_of<1>(m, l, v, stride, la, va, weight, out);
   if (q == 4) return project_of<4>(m, l, v, stride, la, va, weight, out);
   project_of<10>(m, l, v, stride, la, va, weight, out);

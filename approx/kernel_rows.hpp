@@ -10,10 +10,10 @@ namespace forefeel::rows {
 void values(int power, std::size_t n, const double* px, const double* py, const double* pz, const double a[3],
             double* out);
 // out[t * stride + 4 * i + u]: functional t at a against functional u at p_i (k = 3 or 5).
-void hermite(int power, std::size_t n, const double* px, const double* py, const double* pz, const double a[3],
-             double* out, std::size_t stride);
+void hermite(int power, std::size_t n, const double* px, const double* py, const double* pz,
+             const double a[3], double* out, std::size_t stride);
 // out[i] = weight[i] (out[i] - sum_j (la[j] v_j[i] + va[j] l_j[i])),  l_j at l[j * stride], q = 1, 4 or 10
-void project(std::size_t q, std::size_t m, const double* l, const double* v, std::size_t stride, const double* la,
-             const double* va, const double* weight, double* out);
+void project(std::size_t q, std::size_t m, const double* l, const double* v, std::size_t stride,
+             const double* la, const double* va, const double* weight, double* out);
 
 }  // namespace forefeel::rows

@@ -19,7 +19,8 @@ FOREFEEL_INLINE double power_of(double r2, double r) {
 }
 
 template <int K>
-FOREFEEL_INLINE void plain_of(std::size_t n, const double* data, std::size_t stride, const double* y, double* f) {
+FOREFEEL_INLINE void plain_of(std::size_t n, const double* data, std::size_t stride, const double* y,
+                              double* f) {
   const double* __restrict px = data;
   const double* __restrict py = data + stride;
   const double* __restrict pz = data + 2 * stride;
@@ -51,7 +52,8 @@ FOREFEEL_INLINE void plain_jacobian_of(std::size_t n, const double* data, std::s
   const double* __restrict a1 = data + 4 * stride;
   const double* __restrict a2 = data + 5 * stride;
   const double y0 = y[0], y1 = y[1], y2 = y[2];
-  double s0 = 0, s1 = 0, s2 = 0, j00 = 0, j01 = 0, j02 = 0, j10 = 0, j11 = 0, j12 = 0, j20 = 0, j21 = 0, j22 = 0;
+  double s0 = 0, s1 = 0, s2 = 0, j00 = 0, j01 = 0, j02 = 0, j10 = 0, j11 = 0, j12 = 0, j20 = 0, j21 = 0,
+         j22 = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = y0 - px[i], dy = y1 - py[i], dz = y2 - pz[i];
     const double r2 = dx * dx + dy * dy + dz * dz;
@@ -79,7 +81,8 @@ FOREFEEL_INLINE void plain_jacobian_of(std::size_t n, const double* data, std::s
 }
 
 template <int K>
-FOREFEEL_INLINE void hermite_of(std::size_t n, const double* data, std::size_t stride, const double* y, double* f) {
+FOREFEEL_INLINE void hermite_of(std::size_t n, const double* data, std::size_t stride, const double* y,
+                                double* f) {
   const double* __restrict px = data;
   const double* __restrict py = data + stride;
   const double* __restrict pz = data + 2 * stride;
@@ -93,9 +96,10 @@ FOREFEEL_INLINE void hermite_of(std::size_t n, const double* data, std::size_t s
     const double r = std::sqrt(r2);
     const double low = power_of<K - 2>(r2, r);  // phi = low r^2
     s0 += low * (a[i] * r2 - K * (b[i] * dx + b[stride + i] * dy + b[2 * stride + i] * dz));
-    s1 += low * (a[stride + i] * r2 - K * (b[3 * stride + i] * dx + b[4 * stride + i] * dy + b[5 * stride + i] * dz));
-    s2 +=
-        low * (a[2 * stride + i] * r2 - K * (b[6 * stride + i] * dx + b[7 * stride + i] * dy + b[8 * stride + i] * dz));
+    s1 += low * (a[stride + i] * r2 -
+                 K * (b[3 * stride + i] * dx + b[4 * stride + i] * dy + b[5 * stride + i] * dz));
+    s2 += low * (a[2 * stride + i] * r2 -
+                 K * (b[6 * stride + i] * dx + b[7 * stride + i] * dy + b[8 * stride + i] * dz));
   }
   f[0] += s0;
   f[1] += s1;
@@ -103,8 +107,8 @@ FOREFEEL_INLINE void hermite_of(std::size_t n, const double* data, std::size_t s
 }
 
 template <int K>
-FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std::size_t stride, const double* y,
-                                         double* f, double* j) {
+FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std::size_t stride,
+                                         const double* y, double* f, double* j) {
   const double* __restrict px = data;
   const double* __restrict py = data + stride;
   const double* __restrict pz = data + 2 * stride;
@@ -136,23 +140,23 @@ FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std:
 
 }  // namespace
 
-FOREFEEL_CLONES void plain(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                           double f[3]) {
+FOREFEEL_CLONES void plain(int power, std::size_t n, const double* data, std::size_t stride,
+                           const double y[3], double f[3]) {
   n &= ~std::size_t{7};
   if (power == 1) return plain_of<1>(n, data, stride, y, f);
   if (power == 3) return plain_of<3>(n, data, stride, y, f);
   plain_of<5>(n, data, stride, y, f);
 }
 
-FOREFEEL_CLONES void hermite(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                             double f[3]) {
+FOREFEEL_CLONES void hermite(int power, std::size_t n, const double* data, std::size_t stride,
+                             const double y[3], double f[3]) {
   n &= ~std::size_t{7};
   if (power == 3) return hermite_of<3>(n, data, stride, y, f);
   hermite_of<5>(n, data, stride, y, f);
 }
 
-FOREFEEL_CLONES void plain_jacobian(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                                    double f[3], double j[9]) {
+FOREFEEL_CLONES void plain_jacobian(int power, std::size_t n, const double* data, std::size_t stride,
+                                    const double y[3], double f[3], double j[9]) {
   n &= ~std::size_t{7};
   if (power == 1) return plain_jacobian_of<1>(n, data, stride, y, f, j);
   if (power == 3) return plain_jacobian_of<3>(n, data, stride, y, f, j);

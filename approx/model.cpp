@@ -12,8 +12,12 @@ namespace forefeel {
 std::string_view name(Kernel kernel) {
   return kernel == Kernel::linear ? "linear" : kernel == Kernel::cubic ? "cubic" : "quintic";
 }
-std::string_view name(Data data) { return data == Data::force ? "force" : "force+stiffness"; }
-std::string_view name(Select select) { return select == Select::label ? "label" : "nearest"; }
+std::string_view name(Data data) {
+  return data == Data::force ? "force" : "force+stiffness";
+}
+std::string_view name(Select select) {
+  return select == Select::label ? "label" : "nearest";
+}
 
 namespace {
 
@@ -56,7 +60,7 @@ Vec3 saturate(const Vec3& v, double keep, double limit, Mat3* jacobian) {
   const double squared = v.squaredNorm();
   if (squared <= keep * keep) return v;
   const double length = v.stableNorm();
-  if (!(length > 0)) return v;   // also keep = 0 and v = 0
+  if (!(length > 0)) return v;  // also keep = 0 and v = 0
   double slope;
   const double wanted = soften(length, keep, limit, slope) * (1 - 1e-15);
   if (!std::isfinite(length)) {
@@ -138,8 +142,8 @@ void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcep
     sums::plain_jacobian(power, padded, data.data(), stride, y, f, j);
 }
 
-// E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of the
-// distance to the polytope.
+// E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of
+// the distance to the polytope.
 double Model::Impl::outside(const double y[3], double gradient[3]) const noexcept {
   double g[13], largest = 0;
   for (int k = 0; k < 13; ++k) {
@@ -200,7 +204,8 @@ Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
   force = inner;
   if (weight > 0) {
     Mat3 moved = Mat3::Identity();
-    const Vec3 away = saturate(x - m.tangent_at, 0.5 * m.hold, m.hold, jacobian != nullptr ? &moved : nullptr);
+    const Vec3 away =
+        saturate(x - m.tangent_at, 0.5 * m.hold, m.hold, jacobian != nullptr ? &moved : nullptr);
     Mat3 tangent = m.tangent_jacobian * moved;
     const Vec3 outer = saturate(m.tangent_force + m.tangent_jacobian * away, keep, m.bound,
                                 jacobian != nullptr ? &tangent : nullptr);
@@ -221,19 +226,35 @@ Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 
-Vec3 Model::force(const Vec3& x) const noexcept { return bounded(*impl_, x, nullptr); }
+Vec3 Model::force(const Vec3& x) const noexcept {
+  return bounded(*impl_, x, nullptr);
+}
 
 void Model::evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept {
   force = bounded(*impl_, x, &jacobian);
 }
 
-std::span<const StateId> Model::states() const noexcept { return impl_->states; }
-Kernel Model::kernel() const noexcept { return impl_->kernel; }
-bool Model::is_tangent() const noexcept { return impl_->known && impl_->power == 0; }
-double Model::force_bound() const noexcept { return impl_->bound; }
-std::uint64_t Model::serial() const noexcept { return impl_->serial; }
-double Model::trust_distance() const noexcept { return impl_->known ? impl_->trust * impl_->scale : 0; }
-double Model::hold_distance() const noexcept { return impl_->known ? impl_->hold : 0; }
+std::span<const StateId> Model::states() const noexcept {
+  return impl_->states;
+}
+Kernel Model::kernel() const noexcept {
+  return impl_->kernel;
+}
+bool Model::is_tangent() const noexcept {
+  return impl_->known && impl_->power == 0;
+}
+double Model::force_bound() const noexcept {
+  return impl_->bound;
+}
+std::uint64_t Model::serial() const noexcept {
+  return impl_->serial;
+}
+double Model::trust_distance() const noexcept {
+  return impl_->known ? impl_->trust * impl_->scale : 0;
+}
+double Model::hold_distance() const noexcept {
+  return impl_->known ? impl_->hold : 0;
+}
 void Model::reserve(const ModelOptions& options) {
   impl_->reserve(options.neighbours, options.data == Data::force_and_stiffness);
 }

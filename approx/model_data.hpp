@@ -1,8 +1,10 @@
 #pragma once
 // What a Model holds, and how its force is bounded. In scaled coordinates y = (x - centre) / scale:
 //   raw(y)    the RBF sum and its polynomial
-//   T(x)      a tangent: f_b + J_b sigma(x - x_b), the weighted mean of the tangents of the states nearest the HIP;
-//             sigma keeps a displacement up to half the hold distance D and never exceeds D: a held force beyond
+//   T(x)      a tangent: f_b + J_b sigma(x - x_b), the weighted mean of the tangents of the states nearest
+//   the HIP;
+//             sigma keeps a displacement up to half the hold distance D and never exceeds D: a held force
+//             beyond
 //   E(y)      distance outside the hull of the states (of its 26 supporting planes)
 //   w(E)      0 up to the trust distance, 1 from twice that on, three times differentiable
 //   f~(x) = (1 - w) sat(raw) + w sat(T),   sat keeps |f| <= B / 1.25 and never exceeds B
@@ -22,30 +24,30 @@ struct Model::Impl {
   std::vector<StateId> states;
   Kernel kernel = Kernel::linear;
   bool hermite = false;
-  int power = 0;             // 0: no RBF part, the tangent alone
+  int power = 0;  // 0: no RBF part, the tangent alone
   int degree = 0;
-  std::size_t padded = 0;    // centres, padded to a multiple of 8
+  std::size_t padded = 0;  // centres, padded to a multiple of 8
   std::size_t stride = 0;
-  AlignedArray data;  // see kernel_sums.hpp
+  AlignedArray data;                                   // see kernel_sums.hpp
   std::array<std::array<double, 10>, 3> polynomial{};  // per component over 1 x y z xx yy zz xy xz yz
   Vec3 centre = Vec3::Zero();
   double scale = 1, inverse_scale = 1;
 
-  bool known = false;        // false: zero everywhere
+  bool known = false;  // false: zero everywhere
   Vec3 tangent_at = Vec3::Zero(), tangent_force = Vec3::Zero();
   Mat3 tangent_jacobian = Mat3::Zero();
-  double hold = 0;           // D [m]
-  double trust = 0;          // in scaled coordinates
-  double inner_squared = -1; // |y|^2 up to which E cannot exceed the trust distance
-  std::array<double, 13> low{}, high{};   // supports along the 13 axes of the 26 planes
-  double bound = 0;          // B [N]
+  double hold = 0;                       // D [m]
+  double trust = 0;                      // in scaled coordinates
+  double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
+  std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
+  double bound = 0;                      // B [N]
   std::uint64_t serial = 0;
 
   void reserve(std::size_t states_wanted, bool with_stiffness);
   void clear();
   void raw(const double y[3], double f[3]) const noexcept;
-  void raw(const double y[3], double f[3], double j[9]) const noexcept;   // j: df_c/dy_d
-  double outside(const double y[3], double gradient[3]) const noexcept;   // E and dE/dy
+  void raw(const double y[3], double f[3], double j[9]) const noexcept;  // j: df_c/dy_d
+  double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
   void set_hull(const double* px, const double* py, const double* pz, std::size_t n);
 };
 

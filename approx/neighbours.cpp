@@ -7,10 +7,10 @@
 namespace forefeel {
 namespace {
 
-constexpr double loyalty = 0.95;            // of the distance of a member of the last set
+constexpr double loyalty = 0.95;  // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
-constexpr double shell = 2.5;               // spacings behind the nearest state that decide where a side lies
-constexpr double pulled_to = 0.25;          // spacings before the nearest state of a side
+constexpr double shell = 2.5;       // spacings behind the nearest state that decide where a side lies
+constexpr double pulled_to = 0.25;  // spacings before the nearest state of a side
 
 }  // namespace
 
@@ -23,7 +23,9 @@ NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions
   chosen_.reserve(n_ + 1);
 }
 
-void NeighbourSelector::forget() { last_.clear(); }
+void NeighbourSelector::forget() {
+  last_.clear();
+}
 
 // The candidates: the states within the radius of q, or the `least` nearest to it if those are more.
 void NeighbourSelector::gather(const Vec3& q, std::size_t least, double radius) {
@@ -43,7 +45,8 @@ void NeighbourSelector::prefer_members() {
 }
 
 void NeighbourSelector::keep_first(std::uint8_t side, std::size_t count) {
-  const auto end = std::partition(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.side == side; });
+  const auto end = std::partition(candidates_.begin(), candidates_.end(),
+                                  [&](const Candidate& c) { return c.side == side; });
   const auto before = [](const Candidate& a, const Candidate& b) {
     return a.key != b.key ? a.key < b.key : a.id < b.id;
   };
@@ -59,8 +62,8 @@ void NeighbourSelector::take_nearest(const Vec3& hip) {
   keep_first(1, n_);
 }
 
-// Mean direction from the HIP of a side's states (0: both), counting those at most `shell` farther than its nearest,
-// whose distance is returned too. The length of the mean tells how one-sided they lie.
+// Mean direction from the HIP of a side's states (0: both), counting those at most `shell` farther than its
+// nearest, whose distance is returned too. The length of the mean tells how one-sided they lie.
 Vec3 NeighbourSelector::towards(const Vec3& hip, std::uint8_t side, double& distance) const {
   const double deep = shell * space_.options().spacing;
   distance = std::numeric_limits<double>::infinity();
@@ -86,7 +89,8 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   double d1, d2;
   const Vec3 all = towards(hip, 0, d1);
   const auto nearest = std::ranges::min_element(candidates_, {}, &Candidate::key);
-  split(all.norm() > 0.2 ? all : Vec3(space_[nearest->id].at - hip));   // in the middle of a gap the mean is nothing
+  split(all.norm() > 0.2 ? all
+                         : Vec3(space_[nearest->id].at - hip));  // in the middle of a gap the mean is nothing
   split(towards(hip, 1, d1));
   const Vec3 to1 = towards(hip, 1, d1).normalized(), to2 = towards(hip, 2, d2).normalized();
 
@@ -114,7 +118,7 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<StateId>& out) {
     return label;
   }
   chosen_.clear();
-  if (label == Label::safe || space_.size() <= n_)   // where all fit there is nothing to choose
+  if (label == Label::safe || space_.size() <= n_)  // where all fit there is nothing to choose
     take_nearest(hip);
   else
     take_sides(hip);

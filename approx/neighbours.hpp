@@ -1,13 +1,15 @@
 #pragma once
 // The neighbour set of a HIP: the states whose data the current model uses.
 //   nearest   the n nearest (paper 3.1), nothing else
-//   label     safe, or n states at most in all: the nearest. Elsewhere the two sides of the HIP are told apart by
-//             the plane through it that faces the nearest states. Side 1 (they) and side 2 (across) share n by
-//             their distances,
+//   label     safe, or n states at most in all: the nearest. Elsewhere the two sides of the HIP are told
+//   apart by
+//             the plane through it that faces the nearest states. Side 1 (they) and side 2 (across) share n
+//             by their distances,
 //               n_2 = n d_1 / (d_1 + d_2), fading to none as d_2 reaches the bridge's limit of 8 h,
-//             so that the far side of a gap enters when it hardly counts and leaves likewise (in a blank area side 2
-//             is empty). Each side gives the states nearest to the HIP pulled back to a quarter spacing from it: a half
-//             ball of the boundary instead of a layer or two of it, whose polynomial would not be determined.
+//             so that the far side of a gap enters when it hardly counts and leaves likewise (in a blank area
+//             side 2 is empty). Each side gives the states nearest to the HIP pulled back to a quarter
+//             spacing from it: a half ball of the boundary instead of a layer or two of it, whose polynomial
+//             would not be determined.
 // Members of the last set stay until another state is nearer by 5 % (hysteresis).
 
 #include <cstdint>
@@ -22,11 +24,11 @@ class NeighbourSelector {
   NeighbourSelector(const StateSpace& space, const ModelOptions& options);
   // At most options.neighbours ids, ascending, into `out`; returns the label of the HIP.
   Label select(const Vec3& hip, std::vector<StateId>& out);
-  void forget();   // drops hysteresis
+  void forget();  // drops hysteresis
 
  private:
   struct Candidate {
-    double key;      // distance [m], less for a member of the last set
+    double key;  // distance [m], less for a member of the last set
     StateId id;
     std::uint8_t side;
   };

@@ -5,8 +5,8 @@
 namespace forefeel {
 namespace {
 
-// Corners of a tetrahedron of circumradius 1.3, turned by an irrational angle about each axis so that no lattice
-// point, and no symmetry of a lattice, meets an anchor.
+// Corners of a tetrahedron of circumradius 1.3, turned by an irrational angle about each axis so that no
+// lattice point, and no symmetry of a lattice, meets an anchor.
 struct Tetrahedron {
   Eigen::Matrix<double, 3, 4> corners;
   Eigen::Matrix4d barycentric;  // of (1, y)
@@ -96,7 +96,8 @@ void to_monomials(int degree, const double* values, double* monomials) {
     if (degree == 2) add_product(j, j, 2 * values[j]);
   }
   if (degree == 2)
-    for (int e = 0; e < 6; ++e) add_product(tetrahedron.edges[e][0], tetrahedron.edges[e][1], 4 * values[4 + e]);
+    for (int e = 0; e < 6; ++e)
+      add_product(tetrahedron.edges[e][0], tetrahedron.edges[e][1], 4 * values[4 + e]);
 }
 
 }  // namespace forefeel

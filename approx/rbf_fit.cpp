@@ -11,16 +11,18 @@
 namespace forefeel {
 namespace {
 
-// Pivots, relative to the diagonal, below which a row is a near-duplicate that rounding cannot tell from what is there.
-// Two values a distance e apart count as e^2 (for r: e), two Hermite values as e^3 (r^3) or e^4 (r^5); of the last the
-// gradients beside them carry nearly all, so they go early.
+// Pivots, relative to the diagonal, below which a row is a near-duplicate that rounding cannot tell from what
+// is there. Two values a distance e apart count as e^2 (for r: e), two Hermite values as e^3 (r^3) or e^4
+// (r^5); of the last the gradients beside them carry nearly all, so they go early.
 double pivot_tolerance(int power, bool hermite, bool value) {
   if (!hermite) return 1e-15;
   return power == 5 && value ? 1e-11 : 1e-14;
 }
-constexpr double rank_tolerance = 1e-6;     // pivot ratio of P below which a polynomial term is not determined
+constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined
 
-int power_of(Kernel kernel) { return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5; }
+int power_of(Kernel kernel) {
+  return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
+}
 
 double power(double r2, int k) {
   const double r = std::sqrt(r2);
@@ -61,10 +63,12 @@ void RbfFit::set_frame(std::span<const Sample> samples) {
 
 namespace {
 
-// Pivoted Cholesky of the q x q Gram matrix (lower triangle, overwritten): its pivots are the squares of those of a
-// pivoted QR of P.
+// Pivoted Cholesky of the q x q Gram matrix (lower triangle, overwritten): its pivots are the squares of
+// those of a pivoted QR of P.
 bool full_rank(std::size_t q, double* gram) {
-  const auto entry = [&](std::size_t i, std::size_t j) -> double& { return i > j ? gram[i * q + j] : gram[j * q + i]; };
+  const auto entry = [&](std::size_t i, std::size_t j) -> double& {
+    return i > j ? gram[i * q + j] : gram[j * q + i];
+  };
   double first = 0;
   bool done[max_terms] = {};
   for (std::size_t step = 0; step < q; ++step) {
@@ -103,14 +107,16 @@ RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
       for (std::size_t i = 0; i < q; ++i)
         for (std::size_t j = 0; j <= i; ++j) {
           gram[i * q + j] += l[i] * l[j];
-          for (std::size_t d = 0; both && d < 3; ++d) gram[i * q + j] += gradient[3 * i + d] * gradient[3 * j + d];
+          for (std::size_t d = 0; both && d < 3; ++d)
+            gram[i * q + j] += gradient[3 * i + d] * gradient[3 * j + d];
         }
     }
     if (full_rank(q, gram)) return level;
   }
 }
 
-// The same question for the level in use, from the rows that are there; a set that once stepped down is asked anew.
+// The same question for the level in use, from the rows that are there; a set that once stepped down is asked
+// anew.
 bool RbfFit::level_still_fits() {
   const int wanted = options_.kernel == Kernel::quintic ? 2 : 1;
   if (level_.degree == wanted) {
@@ -132,7 +138,8 @@ void RbfFit::clear() {
 
 void RbfFit::place(std::size_t slot, const Sample& sample) {
   const bool known = sample.stiffness.allFinite();
-  slot_[slot] = {sample, true, level_.hermite && known, sample.force.norm(), known ? sample.stiffness.norm() : 0, 0};
+  slot_[slot] = {
+      sample, true, level_.hermite && known, sample.force.norm(), known ? sample.stiffness.norm() : 0, 0};
   const Vec3 y = scaled(sample.at);
   px_[slot] = y[0];
   py_[slot] = y[1];
@@ -203,8 +210,7 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
     std::fill_n(factor_.panel_row(r), first_slot * b + panel, 0.0);
   }
   double tolerance[DenseFactor::panel];
-  for (std::size_t r = 0; r < panel; ++r)
-    tolerance[r] = pivot_tolerance(level_.power, b == 4, r % b == 0);
+  for (std::size_t r = 0; r < panel; ++r) tolerance[r] = pivot_tolerance(level_.power, b == 4, r % b == 0);
   const std::uint32_t taken = factor_.append(panel, used, skip, tolerance, terms_ + 3);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t mask = (1u << b) - 1;
@@ -277,7 +283,8 @@ bool RbfFit::replace(std::span<const StateId> removed, std::span<const Sample> a
   if (outcome == Outcome::done) return false;
   gather();
   if (outcome == Outcome::refused) {
-    std::erase_if(gathered_, [&](const Sample& s) { return std::ranges::find(removed, s.id) != removed.end(); });
+    std::erase_if(gathered_,
+                  [&](const Sample& s) { return std::ranges::find(removed, s.id) != removed.end(); });
     gathered_.insert(gathered_.end(), added.begin(), added.end());
   }
   added_.assign(gathered_.begin(), gathered_.end());
@@ -306,8 +313,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   const std::size_t b = rows_per_slot_, changed = (removed.size() + added.size()) / 2;
   if (alive_ == 0 || alive_ + added.size() < removed.size() + 1) return Outcome::refused;
   // Measured: an update of k states costs about as much as a refit from here on.
-  if (mode_ == Mode::automatic && double(changed) * b > 0.2 * double(alive_ * b) + 2)
-    return Outcome::refused;
+  if (mode_ == Mode::automatic && double(changed) * b > 0.2 * double(alive_ * b) + 2) return Outcome::refused;
 
   added_.clear();
   index_.clear();
@@ -340,7 +346,8 @@ void RbfFit::compact() {
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
     slot_[to] = slot_[s];
-    std::ranges::lower_bound(by_id_, slot_[to].sample.id, {}, &Entry::id)->slot = static_cast<std::uint32_t>(to);
+    std::ranges::lower_bound(by_id_, slot_[to].sample.id, {}, &Entry::id)->slot =
+        static_cast<std::uint32_t>(to);
     px_[to] = px_[s];
     py_[to] = py_[s];
     pz_[to] = pz_[s];

@@ -1,7 +1,7 @@
 #pragma once
-// Solves [A P; P^T 0][lambda; c] = [f; 0] (paper Eq. 2) for a set of states and keeps the factor alive, so that k of n
-// states are replaced in O(k n^2). With K the kernel of polynomial.hpp (positive definite), K = L L^T and
-// Y = L^-1 [P f], all of it maintained by DenseFactor:
+// Solves [A P; P^T 0][lambda; c] = [f; 0] (paper Eq. 2) for a set of states and keeps the factor alive, so
+// that k of n states are replaced in O(k n^2). With K the kernel of polynomial.hpp (positive definite), K = L
+// L^T and Y = L^-1 [P f], all of it maintained by DenseFactor:
 //   c minimises |Y_P c - Y_f|,   lambda = L^-T (Y_f - Y_P c).
 // The anchors of K lie around the set and expire when it has moved or changed its size.
 //
@@ -22,7 +22,7 @@ namespace forefeel {
 struct Sample {
   StateId id;
   Vec3 at, force;
-  Mat3 stiffness;        // NaN where not known
+  Mat3 stiffness;  // NaN where not known
 };
 
 class RbfFit {
@@ -33,11 +33,12 @@ class RbfFit {
   std::size_t size() const { return alive_; }
   // All anew; the first samples are those that matter most (near-duplicates of earlier ones are dropped).
   void refit(std::span<const Sample> samples);
-  // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a refit.
-  // All removed ids (ascending) must be in the set, no added one may be.
+  // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a
+  // refit. All removed ids (ascending) must be in the set, no added one may be.
   bool replace(std::span<const StateId> removed, std::span<const Sample> added);
   // What must leave and come to make the set `wanted` (ascending ids).
-  void difference(std::span<const StateId> wanted, std::vector<StateId>& removed, std::vector<StateId>& missing) const;
+  void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
+                  std::vector<StateId>& missing) const;
 
   // The model for a HIP at `hip`. Allocates only where `out` was not reserved.
   void write(Model::Impl& out, const Vec3& hip);
@@ -53,9 +54,9 @@ class RbfFit {
   struct Slot {
     Sample sample;
     bool alive = false;
-    bool has_stiffness = false;      // and it is used
-    double force_norm = 0, stiffness_norm = 0;   // 0: not known
-    std::uint32_t dropped = 0;   // functionals without a row of their own
+    bool has_stiffness = false;                 // and it is used
+    double force_norm = 0, stiffness_norm = 0;  // 0: not known
+    std::uint32_t dropped = 0;                  // functionals without a row of their own
   };
 
   Level level_for(std::span<const Sample> samples);
@@ -66,7 +67,7 @@ class RbfFit {
   void place(std::size_t slot, const Sample& sample);
   void functionals(std::size_t slot);
   void append_panel(std::size_t first_slot, std::size_t count);
-  enum class Outcome { refused, done, stale };   // stale: the set is right, the factor no longer suits it
+  enum class Outcome { refused, done, stale };  // stale: the set is right, the factor no longer suits it
   Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
   bool frame_expired();
   void compact();
@@ -83,23 +84,23 @@ class RbfFit {
   Level level_;
   Vec3 centre_ = Vec3::Zero();
   double scale_ = 1, inverse_scale_ = 1;
-  std::size_t slots_ = 0, alive_ = 0;      // slots in use, holes included
+  std::size_t slots_ = 0, alive_ = 0;  // slots in use, holes included
   std::size_t rows_per_slot_ = 1, terms_ = 1;
   double sign_ = 1;
-  double anchor_products_[max_terms * max_terms] = {};   // G
+  double anchor_products_[max_terms * max_terms] = {};  // G
 
   DenseFactor factor_;
   std::vector<Slot> slot_;
-  AlignedArray px_, py_, pz_;                     // scaled positions by slot
+  AlignedArray px_, py_, pz_;  // scaled positions by slot
   std::size_t row_stride_ = 0;
-  AlignedArray lagrange_, dual_;                  // l_j and v_j of each row: #terms x row_stride
-  AlignedArray weight_;                           // by row: the sign s, 0 for holes
-  AlignedArray orthogonal_;                       // (terms + 3) x row_stride: Y, then Q and the residual
+  AlignedArray lagrange_, dual_;  // l_j and v_j of each row: #terms x row_stride
+  AlignedArray weight_;           // by row: the sign s, 0 for holes
+  AlignedArray orthogonal_;       // (terms + 3) x row_stride: Y, then Q and the residual
   struct Entry {
     StateId id;
     std::uint32_t slot;
   };
-  std::vector<Entry> by_id_;             // living slots, ascending ids
+  std::vector<Entry> by_id_;  // living slots, ascending ids
   std::vector<Sample> gathered_, added_;
   std::vector<std::size_t> index_;
   double coefficient_[3][max_terms] = {};

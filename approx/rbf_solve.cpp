@@ -121,7 +121,7 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
   if (largest_stiffness == 0) largest_stiffness = 2 * slope;
   out.bound = 1.25 * (largest_force + largest_stiffness * out.hold);
   out.tangent_at = base.at + at / total;
-  if (stiffness_known) {   // mean of f_i - K_i (x - x_i) about the mean position
+  if (stiffness_known) {  // mean of f_i - K_i (x - x_i) about the mean position
     out.tangent_jacobian = jacobian / total;
     out.tangent_force = force / total + out.tangent_jacobian * (at / total);
   } else {
@@ -164,7 +164,8 @@ void RbfFit::write(Model::Impl& out, const Vec3& hip) {
   out.power = carrying > 1 ? level_.power : 0;
   if (out.power != 0) write_sum(out);
   write_tangent(out, hip);
-  if (out.power != 0) out.set_hull(out.data.data(), out.data.data() + out.stride, out.data.data() + 2 * out.stride, alive_);
+  if (out.power != 0)
+    out.set_hull(out.data.data(), out.data.data() + out.stride, out.data.data() + 2 * out.stride, alive_);
   out.known = true;
 }
 

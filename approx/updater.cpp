@@ -12,7 +12,8 @@ namespace {
 
 void check(const ModelOptions& options) {
   if (options.kernel == Kernel::linear && options.data == Data::force_and_stiffness)
-    throw InputError("model.data", "kernel linear takes no stiffness, expected cubic or quintic with force+stiffness");
+    throw InputError("model.data",
+                     "kernel linear takes no stiffness, expected cubic or quintic with force+stiffness");
   if (options.neighbours == 0) throw InputError("model.neighbours", "is 0, expected at least 1");
   if (!(options.ridge >= 0) || !std::isfinite(options.ridge))
     throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");

@@ -1,16 +1,16 @@
 #pragma once
-// Keeps a model up to date with a growing state space and a moving HIP: chooses the neighbour set and replaces
-// k of n centres in O(k n^2) where that is cheaper than a refit.
+// Keeps a model up to date with a growing state space and a moving HIP: chooses the neighbour set and
+// replaces k of n centres in O(k n^2) where that is cheaper than a refit.
 
 #include "approx/model.hpp"
 
 namespace forefeel {
 
 struct UpdateReport {
-  std::size_t n = 0;            // states in the model
-  std::size_t replaced = 0;     // k
+  std::size_t n = 0;         // states in the model
+  std::size_t replaced = 0;  // k
   bool refit = false;
-  Label label = Label::blank;   // that chose the set
+  Label label = Label::blank;  // that chose the set
 };
 
 class ModelUpdater {
@@ -20,10 +20,12 @@ class ModelUpdater {
   ~ModelUpdater();
   ModelUpdater(ModelUpdater&&) noexcept;
 
-  // Writes the model for a HIP at `hip` into `out`. False (and `out` is the zero model) while no state is known.
+  // Writes the model for a HIP at `hip` into `out`. False (and `out` is the zero model) while no state is
+  // known.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);
   Model model_at(const Vec3& hip);
-  // From here on as if newly made: the next model depends on the space and the HIP alone, not on where the HIP was.
+  // From here on as if newly made: the next model depends on the space and the HIP alone, not on where the
+  // HIP was.
   void forget();
 
  private:

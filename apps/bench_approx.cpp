@@ -1,6 +1,6 @@
-// forefeel bench approx [SCENE]: fit, update and evaluation of the approximation on a real state space, beside Eigen's
-// LU of the whole saddle system and a scalar sum, of the same instruction set and in the same run; errors against tight
-// solves at random positions of the box. One thread.
+// forefeel bench approx [SCENE]: fit, update and evaluation of the approximation on a real state space,
+// beside Eigen's LU of the whole saddle system and a scalar sum, of the same instruction set and in the same
+// run; errors against tight solves at random positions of the box. One thread.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -10,10 +10,10 @@
 #include <memory>
 #include <random>
 
+#include "approx/baselines/baseline.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
-#include "approx/baselines/baseline.hpp"
 #include "geometry/phantom.hpp"
 #include "solver/solver.hpp"
 
@@ -24,7 +24,8 @@ constexpr std::size_t reference_count = 100;
 constexpr int rounds = 60;
 
 double now_us() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -65,7 +66,10 @@ Case take_case(const Globals& globals, const std::string& file) {
   options.threads = threads;
   options.tolerance = 1e-9;
   generate_lattice(bench.body, options, {},
-                   [&](State s) { if (s.usable()) bench.states.push_back(std::move(s)); }, {});
+                   [&](State s) {
+                     if (s.usable()) bench.states.push_back(std::move(s));
+                   },
+                   {});
   bench.references.resize(reference_count);
   std::mt19937_64 random(globals.seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -91,12 +95,14 @@ struct Kind {
 
 class Bench {
  public:
-  Bench(const Globals& globals, Case bench) : globals_(globals), case_(std::move(bench)), space_(case_.options) {
+  Bench(const Globals& globals, Case bench)
+      : globals_(globals), case_(std::move(bench)), space_(case_.options) {
     for (const State& s : case_.states) space_.insert(s);
   }
 
   void run(const Kind& kind) {
-    const ModelOptions options{.kernel = kind.kernel, .data = kind.data, .neighbours = std::min(kind.n, space_.size())};
+    const ModelOptions options{
+        .kernel = kind.kernel, .data = kind.data, .neighbours = std::min(kind.n, space_.size())};
     measure_errors(options);
     std::vector<StateId> ids;
     space_.nearest(case_.options.box.centre(), 3 * options.neighbours, ids);
@@ -134,9 +140,11 @@ class Bench {
     r["threads"] = 1;
     r["tolerance"] = 1e-9;
     rows.push_back(r);
-    say(globals_, fmt::format("{:22} n {:3} k {:>2}  {:9.3f} us  {:>28} {:9.3f} us  ratio {:6.2f}  error p50 {:.1e} p95 {:.1e}",
-                              r["name"].get<std::string>(), kind.n, k ? std::to_string(*k) : "-", a, baseline, b, b / a,
-                              quantile(errors_, 0.5), quantile(errors_, 0.95)));
+    say(globals_,
+        fmt::format(
+            "{:22} n {:3} k {:>2}  {:9.3f} us  {:>28} {:9.3f} us  ratio {:6.2f}  error p50 {:.1e} p95 {:.1e}",
+            r["name"].get<std::string>(), kind.n, k ? std::to_string(*k) : "-", a, baseline, b, b / a,
+            quantile(errors_, 0.5), quantile(errors_, 0.95)));
   }
 
   void measure_errors(const ModelOptions& options) {

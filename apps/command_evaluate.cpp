@@ -1,4 +1,5 @@
-// forefeel evaluate STATES --points Q.csv: forces of the approximation, each point with a neighbour set of its own.
+// forefeel evaluate STATES --points Q.csv: forces of the approximation, each point with a neighbour set of
+// its own, or of one of the older methods on all states.
 
 #include <fmt/format.h>
 
@@ -7,8 +8,9 @@
 #include <memory>
 #include <optional>
 
-#include "apps/command.hpp"
+#include "approx/methods.hpp"
 #include "approx/updater.hpp"
+#include "apps/command.hpp"
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
 #include "geometry/state_file.hpp"
@@ -56,7 +58,8 @@ double spacing_of(const std::vector<State>& states) {
 }
 
 ModelOptions model_options(const EvaluateArguments& arguments, const std::vector<State>& states) {
-  const bool stiffness = std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
+  const bool stiffness =
+      std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
   ModelOptions options;
   options.kernel = arguments.kernel == "linear"  ? Kernel::linear
                    : arguments.kernel == "cubic" ? Kernel::cubic
@@ -68,7 +71,8 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
   else
     options.data = arguments.data == "force" ? Data::force : Data::force_and_stiffness;
   if (options.data == Data::force_and_stiffness && !stiffness)
-    throw InputError(arguments.states, "no state has a stiffness, expected columns k11 to k33 or --data force");
+    throw InputError(arguments.states,
+                     "no state has a stiffness, expected columns k11 to k33 or --data force");
   options.neighbours = arguments.neighbours.value_or(options.data == Data::force ? 100 : 25);
   options.neighbours = std::min(options.neighbours, std::max<std::size_t>(states.size(), 1));
   options.select = arguments.select == "nearest" ? Select::nearest : Select::label;
@@ -76,10 +80,25 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
   return options;
 }
 
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Median time of one evaluation at x is taken over the points; each is repeated, so that the clock resolves
+// it.
+template <class Field>
+void measure(const Field& field, const Vec3& x, Evaluation& result) {
+  result.forces.push_back(field.force(x));
+  constexpr int repeats = 16;
+  Vec3 sum = Vec3::Zero();
+  const auto begin = Clock::now();
+  for (int r = 0; r < repeats; ++r) sum += field.force(x);
+  result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
+}
+
 Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, const ModelOptions& options,
                     const Globals& globals) {
-  using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); };
   ModelUpdater updater(space, options);
   Model model;
   model.reserve(options);
@@ -91,16 +110,31 @@ Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, co
     const auto start = Clock::now();
     updater.update(points[i], model, &report);
     result.fit_us.push_back(1e6 * since(start));
-    result.forces.push_back(model.force(points[i]));
     result.labels.push_back(report.label);
-    constexpr int repeats = 16;
-    Vec3 sum = Vec3::Zero();
-    const auto begin = Clock::now();
-    for (int r = 0; r < repeats; ++r) sum += model.force(points[i]);
-    result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
-    progress.show(double(i + 1) / double(points.size()), fmt::format("{} of {} points", i + 1, points.size()));
+    measure(model, points[i], result);
+    progress.show(double(i + 1) / double(points.size()),
+                  fmt::format("{} of {} points", i + 1, points.size()));
   }
   return result;
+}
+
+Evaluation evaluate_older(Method method, const std::vector<State>& states, const StateSpace& space,
+                          const std::vector<Vec3>& points, const MethodOptions& options) {
+  Evaluation result;
+  const auto start = Clock::now();
+  const Approximation field(method, states, options);
+  result.fit_us.push_back(1e6 * since(start));
+  for (const Vec3& x : points) {
+    result.labels.push_back(space.coverage(x).label);
+    measure(field, x, result);
+  }
+  return result;
+}
+
+Method method_of(const std::string& text) {
+  for (const Method method : all_methods())
+    if (name(method) == text) return method;
+  return Method::rbf;
 }
 
 void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& result) {
@@ -108,7 +142,8 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
   out.write("x,y,z,fx,fy,fz,label\n");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 &x = points[i], &f = result.forces[i];
-    out.write(fmt::format("{},{},{},{},{},{},{}\n", x[0], x[1], x[2], f[0], f[1], f[2], name(result.labels[i])));
+    out.write(
+        fmt::format("{},{},{},{},{},{},{}\n", x[0], x[1], x[2], f[0], f[1], f[2], name(result.labels[i])));
   }
   out.commit();
 }
@@ -117,7 +152,8 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   const std::vector<Vec3> points = read_points_csv(arguments.points);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
-      throw InputError(fmt::format("{}: point {}", arguments.points, i + 1), "is not finite, expected three numbers");
+      throw InputError(fmt::format("{}: point {}", arguments.points, i + 1),
+                       "is not finite, expected three numbers");
   if (points.empty()) throw InputError(arguments.points, "holds no point, expected rows x,y,z");
   const LoadedStates loaded = load_states(arguments.states);
   if (std::ranges::none_of(loaded.states, &State::usable))
@@ -132,7 +168,12 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   StateSpace space(space_options);
   for (const State& state : loaded.states)
     if (state.usable()) space.insert(state);
-  const Evaluation result = evaluate(space, points, options, globals);
+  const Method method = method_of(arguments.method);
+  MethodOptions older{.model = options, .spacing = space_options.spacing};
+  older.centres = arguments.neighbours.value_or(0);
+  const Evaluation result = method == Method::rbf
+                                ? evaluate(space, points, options, globals)
+                                : evaluate_older(method, loaded.states, space, points, older);
 
   if (!arguments.output.empty()) write_csv(arguments.output, points, result);
   const double fit_us = median(result.fit_us), evaluate_ns = median(result.evaluate_ns);
@@ -155,12 +196,14 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   }
   if (arguments.output.empty())
     for (std::size_t i = 0; i < points.size(); ++i)
-      say(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}", points[i][0],
-                               points[i][1], points[i][2], result.forces[i][0], result.forces[i][1],
-                               result.forces[i][2], name(result.labels[i])));
-  say(globals, fmt::format("{} points from {} states: {} on {}, {} neighbours; fit {:.1f} us, evaluation {:.0f} ns",
-                           points.size(), space.size(), name(options.kernel), name(options.data), options.neighbours,
-                           fit_us, evaluate_ns));
+      say(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}",
+                               points[i][0], points[i][1], points[i][2], result.forces[i][0],
+                               result.forces[i][1], result.forces[i][2], name(result.labels[i])));
+  say(globals,
+      fmt::format(
+          "{} points from {} states: {}, {} on {}, {} neighbours; fit {:.1f} us, evaluation {:.0f} ns",
+          points.size(), space.size(), arguments.method, name(options.kernel), name(options.data),
+          options.neighbours, fit_us, evaluate_ns));
   return 0;
 }
 
@@ -168,21 +211,27 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
 
 void add_evaluate(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App& sub = add_command(app, commands, "evaluate", "Forces approximated from known states at given points",
-                              [&commands, arguments] { return run_evaluate(commands.globals, *arguments); });
+  CLI::App& sub =
+      add_command(app, commands, "evaluate", "Forces approximated from known states at given points",
+                  [&commands, arguments] { return run_evaluate(commands.globals, *arguments); });
   sub.add_option("STATES", arguments->states, "State file, or states as CSV")->required();
   sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->required()->type_name("Q.csv");
-  sub.add_option("--method", arguments->method, "Approximation")->check(CLI::IsMember({"rbf"}))->capture_default_str();
+  sub.add_option("--method", arguments->method, "Approximation")
+      ->check(CLI::IsMember(
+          {"rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"}))
+      ->capture_default_str();
   sub.add_option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
       ->check(CLI::IsMember({"linear", "cubic", "quintic"}));
   sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
       ->check(CLI::IsMember({"force", "force+stiffness"}));
-  sub.add_option("--neighbours", arguments->neighbours, "States in a model; default 25 with stiffness, else 100")
+  sub.add_option("--neighbours", arguments->neighbours,
+                 "States in a model (default 25 with stiffness, else 100); centres of rbf-network")
       ->check(CLI::PositiveNumber);
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))
       ->capture_default_str();
-  sub.add_option("--spacing", arguments->spacing, "h [m]; default: as in the file, else the median distance of states")
+  sub.add_option("--spacing", arguments->spacing,
+                 "h [m]; default: as in the file, else the median distance of states")
       ->check(CLI::PositiveNumber);
   sub.add_option("--ridge", arguments->ridge, "For noisy states, on the kernel's diagonal")
       ->check(CLI::NonNegativeNumber);

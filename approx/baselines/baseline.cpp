@@ -4,12 +4,12 @@
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_BASELINE(isa)                                                       \
-  namespace isa {                                                                            \
-  void* make_lu(long, bool);                                                                 \
-  void free_lu(void*);                                                                       \
-  double refit_lu(void*, long, const double*, const double*);                                \
-  void scalar_sum(std::size_t, const double*, const double*, const double*, double*);        \
+#define FOREFEEL_DECLARE_BASELINE(isa)                                                \
+  namespace isa {                                                                     \
+  void* make_lu(long, bool);                                                          \
+  void free_lu(void*);                                                                \
+  double refit_lu(void*, long, const double*, const double*);                         \
+  void scalar_sum(std::size_t, const double*, const double*, const double*, double*); \
   }
 FOREFEEL_DECLARE_BASELINE(portable)
 #ifdef FOREFEEL_MULTIVERSION
@@ -31,7 +31,8 @@ Functions choose() {
 #ifdef FOREFEEL_MULTIVERSION
   if (__builtin_cpu_supports("x86-64-v4"))
     return {"avx512", avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum};
-  if (__builtin_cpu_supports("x86-64-v3")) return {"avx2", avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
+  if (__builtin_cpu_supports("x86-64-v3"))
+    return {"avx2", avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
 #endif
   return {"portable", portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum};
 }
@@ -43,14 +44,20 @@ const Functions& functions() {
 
 }  // namespace
 
-std::string_view baseline_instruction_set() { return functions().name; }
+std::string_view baseline_instruction_set() {
+  return functions().name;
+}
 
 LuRefit::LuRefit(std::size_t states, bool hermite_quintic)
-    : work_(functions().make(static_cast<long>(states), hermite_quintic)), states_(states), hermite_(hermite_quintic) {
+    : work_(functions().make(static_cast<long>(states), hermite_quintic)),
+      states_(states),
+      hermite_(hermite_quintic) {
   positions_.resize(3 * states);
   values_.resize(3 * states * (hermite_ ? 4 : 1));
 }
-LuRefit::~LuRefit() { functions().free(work_); }
+LuRefit::~LuRefit() {
+  functions().free(work_);
+}
 
 double LuRefit::refit(std::span<const Sample> samples) {
   const std::size_t n = states_, rows = hermite_ ? 4 * n : n;
@@ -72,7 +79,8 @@ double LuRefit::refit(std::span<const Sample> samples) {
   return functions().refit(work_, static_cast<long>(n), positions_.data(), values_.data());
 }
 
-void scalar_evaluate(std::size_t n, const double* positions, const double* coefficients, const double x[3], double f[3]) {
+void scalar_evaluate(std::size_t n, const double* positions, const double* coefficients, const double x[3],
+                     double f[3]) {
   functions().sum(n, positions, coefficients, x, f);
 }
 

@@ -34,14 +34,16 @@ void assemble_hermite_quintic(Work& w, Eigen::Index n, const double* p) {
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::Index i = 0; i < n; ++i) {
       const double d[3] = {x[i] - x[j], y[i] - y[j], z[i] - z[j]};
-      const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], r = std::sqrt(r2), first = 5 * r * r2, second = 15 * r;
+      const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], r = std::sqrt(r2), first = 5 * r * r2,
+                   second = 15 * r;
       double* to = &w.matrix(4 * i, 4 * j);
       const Eigen::Index stride = w.matrix.rows();
       to[0] = r * r2 * r2;
       for (int a = 0; a < 3; ++a) {
         to[a + 1] = first * d[a];
         to[(a + 1) * stride] = -first * d[a];
-        for (int b = 0; b < 3; ++b) to[a + 1 + (b + 1) * stride] = -second * d[a] * d[b] - (a == b ? first : 0);
+        for (int b = 0; b < 3; ++b)
+          to[a + 1 + (b + 1) * stride] = -second * d[a] * d[b] - (a == b ? first : 0);
       }
     }
   auto terms = w.matrix.topRightCorner(4 * n, 10);
@@ -58,8 +60,12 @@ void assemble_hermite_quintic(Work& w, Eigen::Index n, const double* p) {
 
 }  // namespace
 
-void* make_lu(long n, bool hermite) { return new Work(hermite ? 4 * n + 10 : n + 4, hermite); }
-void free_lu(void* work) { delete static_cast<Work*>(work); }
+void* make_lu(long n, bool hermite) {
+  return new Work(hermite ? 4 * n + 10 : n + 4, hermite);
+}
+void free_lu(void* work) {
+  delete static_cast<Work*>(work);
+}
 double refit_lu(void* work, long n, const double* positions, const double* values) {
   Work& w = *static_cast<Work*>(work);
   const Eigen::Index rows = w.hermite ? 4 * n : n;

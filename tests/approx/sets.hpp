@@ -1,6 +1,6 @@
 #pragma once
-// Fields and sets of states that the tests of approx share, and a judge: the saddle system of paper Eq. 2 in long
-// double, by an LU with complete pivoting.
+// Fields and sets of states that the tests of approx share, and a judge: the saddle system of paper Eq. 2 in
+// long double, by an LU with complete pivoting.
 
 #include <Eigen/LU>
 #include <random>
@@ -42,8 +42,8 @@ inline std::vector<Vec3> lattice_points(int half, double h) {
   return points;
 }
 
-// A pool of 3 n states: lattice, near-duplicate (pairs 1e-6 apart), coplanar (within 1e-4), collinear (within 1e-4),
-// clustered (within 1e-3); lengths relative to a size of 3 cm.
+// A pool of 3 n states: lattice, near-duplicate (pairs 1e-6 apart), coplanar (within 1e-4), collinear (within
+// 1e-4), clustered (within 1e-3); lengths relative to a size of 3 cm.
 inline std::vector<Vec3> hard_set(const std::string& kind, std::size_t count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -88,9 +88,11 @@ class Judge {
       const auto& s = states[std::size_t(i / rows_)];
       const int di = int(i % rows_);
       const auto yi = scaled(s.at);
-      for (Eigen::Index j = 0; j < m; ++j) a(i, j) = pair(yi, di, scaled(states[std::size_t(j / rows_)].at), int(j % rows_));
+      for (Eigen::Index j = 0; j < m; ++j)
+        a(i, j) = pair(yi, di, scaled(states[std::size_t(j / rows_)].at), int(j % rows_));
       for (int t = 0; t < q; ++t) a(i, m + t) = a(m + t, i) = term(t, yi, di);
-      for (int c = 0; c < 3; ++c) b(i, c) = di == 0 ? Real(s.force[c]) : -Real(s.stiffness(c, di - 1)) * Real(scale_);
+      for (int c = 0; c < 3; ++c)
+        b(i, c) = di == 0 ? Real(s.force[c]) : -Real(s.stiffness(c, di - 1)) * Real(scale_);
     }
     solution_ = a.fullPivLu().solve(b);
   }
@@ -100,8 +102,10 @@ class Judge {
     Eigen::Matrix<Real, 3, 1> f = Eigen::Matrix<Real, 3, 1>::Zero();
     const auto m = Eigen::Index(states_.size()) * rows_;
     for (Eigen::Index j = 0; j < m; ++j)
-      f += pair(y, 0, scaled(states_[std::size_t(j / rows_)].at), int(j % rows_)) * solution_.row(j).transpose();
-    for (Eigen::Index t = m; t < solution_.rows(); ++t) f += term(int(t - m), y, 0) * solution_.row(t).transpose();
+      f += pair(y, 0, scaled(states_[std::size_t(j / rows_)].at), int(j % rows_)) *
+           solution_.row(j).transpose();
+    for (Eigen::Index t = m; t < solution_.rows(); ++t)
+      f += term(int(t - m), y, 0) * solution_.row(t).transpose();
     return f.cast<double>();
   }
 
@@ -112,7 +116,9 @@ class Judge {
   Real pair(const Point& a, int da, const Point& b, int db) const {
     const Point d = a - b;
     const Real r = std::sqrt(d.squaredNorm()), k = power_;
-    const auto pow_r = [&](int e) { return e >= 0 ? std::pow(r, Real(e)) : r > 0 ? std::pow(r, Real(e)) : Real(0); };
+    const auto pow_r = [&](int e) {
+      return e >= 0 ? std::pow(r, Real(e)) : r > 0 ? std::pow(r, Real(e)) : Real(0);
+    };
     if (da == 0 && db == 0) return pow_r(power_);
     const Real first = k * pow_r(power_ - 2);
     if (da == 0) return -first * d[db - 1];

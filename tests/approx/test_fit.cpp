@@ -21,8 +21,12 @@ const std::vector<Case> cases = {{Kernel::linear, Data::force},
                                  {Kernel::cubic, Data::force_and_stiffness},
                                  {Kernel::quintic, Data::force_and_stiffness}};
 
-int power_of(Kernel kernel) { return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5; }
-int degree_of(Kernel kernel) { return kernel == Kernel::quintic ? 2 : 1; }
+int power_of(Kernel kernel) {
+  return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
+}
+int degree_of(Kernel kernel) {
+  return kernel == Kernel::quintic ? 2 : 1;
+}
 
 std::vector<Vec3> random_points(std::size_t n, double size, unsigned seed) {
   std::mt19937 random(seed);
@@ -76,7 +80,7 @@ TEST_CASE("The Jacobian is the derivative of the force, inside, between and far 
       }
       double nearest = 1;
       for (const auto& s : states) nearest = std::min(nearest, (s.at - x).norm());
-      if (nearest < 3e-3) continue;   // r has a kink there
+      if (nearest < 3e-3) continue;  // r has a kink there
       CHECK((j - differences).norm() < 2e-4 * (1 + j.norm()));
     }
   }
@@ -88,7 +92,7 @@ TEST_CASE("Kernel and degree step down by rank") {
   for (int i = 0; i < 5; ++i) {
     line.emplace_back(i * h, 2 * i * h, -i * h);
     for (int j = 0; j < 5; ++j) {
-      plane.emplace_back(i * h, j * h, 0.3 * i * h - 0.7 * j * h);   // oblique
+      plane.emplace_back(i * h, j * h, 0.3 * i * h - 0.7 * j * h);  // oblique
       for (int k = 0; k < 2; ++k) two_planes.emplace_back(k * h, i * h, j * h);
     }
   }
@@ -151,7 +155,7 @@ TEST_CASE("Offsets of a kilometre and other units change nothing beyond rounding
     CAPTURE(name(kernel), name(data));
     const ModelOptions options{.kernel = kernel, .data = data};
     const Model model = fit(states, options, Vec3::Zero());
-    for (const double unit : {1e3, 1e-3}) {   // lengths in mm, km
+    for (const double unit : {1e3, 1e-3}) {  // lengths in mm, km
       auto scaled = states;
       for (auto& s : scaled) {
         s.at *= unit;
@@ -221,10 +225,12 @@ TEST_CASE("A ridge smooths noise and zero ridge interpolates") {
   const auto error = [&](double ridge) {
     const Model model = fit(noisy, {.kernel = Kernel::cubic, .ridge = ridge}, Vec3::Zero());
     double sum = 0;
-    for (const Vec3& x : random_points(100, 0.02, 5)) sum += (model.force(x) - field_state(x).force).squaredNorm();
+    for (const Vec3& x : random_points(100, 0.02, 5))
+      sum += (model.force(x) - field_state(x).force).squaredNorm();
     return std::sqrt(sum / 100);
   };
   CHECK(error(0.01) < error(0));
-  CHECK_THROWS_AS(fit(states, {.kernel = Kernel::linear, .data = Data::force_and_stiffness}, Vec3::Zero()), InputError);
+  CHECK_THROWS_AS(fit(states, {.kernel = Kernel::linear, .data = Data::force_and_stiffness}, Vec3::Zero()),
+                  InputError);
   CHECK_THROWS_AS(fit(states, {.ridge = -1}, Vec3::Zero()), InputError);
 }

@@ -1,5 +1,6 @@
 // Evaluation and switch allocate nothing and lock nothing; updates allocate nothing once everything is made.
-// malloc and pthread_mutex_lock of this executable count their calls (not under a sanitizer, which brings its own).
+// malloc and pthread_mutex_lock of this executable count their calls (not under a sanitizer, which brings its
+// own).
 
 #include <algorithm>
 #include <atomic>
@@ -88,7 +89,7 @@ TEST_CASE("Evaluation and switch allocate nothing and lock nothing", "[realtime]
       Mat3 jacobian;
       const long allocated = allocations, locked = locks;
       for (int frame = 0; frame < 500; ++frame) {
-        const double reach = frame % 3 == 0 ? 0.02 : frame % 3 == 1 ? 0.09 : 1.0;   // inside, between, held
+        const double reach = frame % 3 == 0 ? 0.02 : frame % 3 == 1 ? 0.09 : 1.0;  // inside, between, held
         const Vec3 x(reach * 0.7, 0.3 * reach, -0.1 * reach);
         sum += damped.step(frame % 100 == 0 ? &a : frame % 100 == 50 ? &b : nullptr, x).force;
         a.evaluate(x, force, jacobian);
@@ -109,7 +110,8 @@ TEST_CASE("Fits and updates allocate nothing after construction", "[realtime]") 
     const auto states = states_at(hard_set("lattice", 2 * n, 2));
     std::vector<Sample> samples;
     for (std::size_t i = 0; i < states.size(); ++i)
-      samples.push_back({{static_cast<std::uint32_t>(i)}, states[i].at, states[i].force, states[i].stiffness});
+      samples.push_back(
+          {{static_cast<std::uint32_t>(i)}, states[i].at, states[i].force, states[i].stiffness});
     RbfFit fit(options, n);
     Model model;
     model.reserve(options);
@@ -119,7 +121,7 @@ TEST_CASE("Fits and updates allocate nothing after construction", "[realtime]") 
     fit.refit({samples.data(), n});
     for (std::size_t round = 0; round < 60; ++round) {
       const std::size_t k = 1 + round % 7;
-      const auto swap_in = [&](std::size_t out_of, std::size_t into) {   // k from one half for k of the other
+      const auto swap_in = [&](std::size_t out_of, std::size_t into) {  // k from one half for k of the other
         for (std::size_t i = 0; i < k; ++i) {
           removed[i] = samples[(7 * round + i) % n + out_of].id;
           added[i] = samples[(7 * round + i) % n + into];

@@ -72,8 +72,9 @@ Errors errors_of(const Model& model, const Judge& judge, const std::vector<State
   Errors errors;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
-  for (const auto& s : states) errors.residual = std::max(errors.residual, (model.force(s.at) - s.force).norm());
-  for (int q = 0; q < 30; ++q) {   // within the hull
+  for (const auto& s : states)
+    errors.residual = std::max(errors.residual, (model.force(s.at) - s.force).norm());
+  for (int q = 0; q < 30; ++q) {  // within the hull
     Vec3 x = Vec3::Zero();
     double total = 0;
     for (int i = 0; i < 3; ++i) {

@@ -17,11 +17,12 @@ using namespace forefeel::testing;
 namespace {
 
 bool have_scipy() {
-  return std::filesystem::exists("/usr/bin/python3") && std::system("/usr/bin/python3 -c 'import scipy.interpolate' 2>/dev/null") == 0;
+  return std::filesystem::exists("/usr/bin/python3") &&
+         std::system("/usr/bin/python3 -c 'import scipy.interpolate' 2>/dev/null") == 0;
 }
 
-std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vector<Vec3>& points, Kernel kernel,
-                               std::size_t n) {
+std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vector<Vec3>& points,
+                               Kernel kernel, std::size_t n) {
   const auto folder = std::filesystem::temp_directory_path() / ("forefeel_scipy_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   const auto file = [&](const char* name) { return (folder / name).string(); };
@@ -30,12 +31,13 @@ std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vect
     out << std::setprecision(17);
     at << std::setprecision(17);
     for (const auto& s : states)
-      out << s.at[0] << ',' << s.at[1] << ',' << s.at[2] << ',' << s.force[0] << ',' << s.force[1] << ',' << s.force[2] << '\n';
+      out << s.at[0] << ',' << s.at[1] << ',' << s.at[2] << ',' << s.force[0] << ',' << s.force[1] << ','
+          << s.force[2] << '\n';
     for (const auto& p : points) at << p[0] << ',' << p[1] << ',' << p[2] << '\n';
   }
-  const std::string command = "/usr/bin/python3 " FOREFEEL_SOURCE_DIR "/tests/approx/scipy_oracle.py " + file("states.csv") +
-                              " " + file("points.csv") + " " + std::string(name(kernel)) + " " + std::to_string(n) + " " +
-                              file("forces.csv");
+  const std::string command = "/usr/bin/python3 " FOREFEEL_SOURCE_DIR "/tests/approx/scipy_oracle.py " +
+                              file("states.csv") + " " + file("points.csv") + " " +
+                              std::string(name(kernel)) + " " + std::to_string(n) + " " + file("forces.csv");
   REQUIRE(std::system(command.c_str()) == 0);
   std::ifstream in(file("forces.csv"));
   std::vector<Vec3> forces(points.size());
@@ -67,11 +69,13 @@ TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
     for (const std::size_t n : {std::size_t{0}, std::size_t{100}}) {
       CAPTURE(name(kernel), n);
       const auto expected = scipy_forces(states, points, kernel, n);
-      ModelUpdater updater(space, {.kernel = kernel, .neighbours = n == 0 ? states.size() : n, .select = Select::nearest});
+      ModelUpdater updater(
+          space, {.kernel = kernel, .neighbours = n == 0 ? states.size() : n, .select = Select::nearest});
       double worst = 0;
       for (std::size_t i = 0; i < points.size(); ++i) {
         const Model model = updater.model_at(points[i]);
-        worst = std::max(worst, (model.force(points[i]) - expected[i]).norm() / std::max(expected[i].norm(), 0.05));
+        worst = std::max(worst,
+                         (model.force(points[i]) - expected[i]).norm() / std::max(expected[i].norm(), 0.05));
       }
       CHECK(worst < 1e-9);
     }

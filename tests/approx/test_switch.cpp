@@ -35,7 +35,8 @@ TEST_CASE("No frame changes the force by more than the rule's bound, whatever mo
       CAPTURE(name(rule), seed);
       std::mt19937 random(seed);
       ForceSwitch damped({.rule = rule});
-      const double share = rule == SwitchRule::paper ? 0.07 : 0.007, floor = rule == SwitchRule::paper ? 0.01 : 0.001;
+      const double share = rule == SwitchRule::paper ? 0.07 : 0.007,
+                   floor = rule == SwitchRule::paper ? 0.01 : 0.001;
       Vec3 x(0.004, 0, 0);
       const Model* newest = nullptr;
       int since_change = 0;
@@ -44,11 +45,12 @@ TEST_CASE("No frame changes the force by more than the rule's bound, whatever mo
         const bool comes = random() % 50 == 0;
         if (comes) newest = known[random() % known.size()].get();
         const auto out = damped.step(comes ? newest : nullptr, x);
-        const double after = out.force.norm(), before = (out.force - out.change).norm(), moved = out.change.norm();
+        const double after = out.force.norm(), before = (out.force - out.change).norm(),
+                     moved = out.change.norm();
         CHECK(moved <= std::max(floor, share * after) * (1 + 1e-12) + 1e-15);
         CHECK(moved <= std::max(floor, share * before) * (1 + 1e-12) + 1e-15);
         CHECK(moved <= out.bound);
-        if (rule == SwitchRule::paper) {   // at most one step in ten frames
+        if (rule == SwitchRule::paper) {  // at most one step in ten frames
           since_change = moved > 1e-12 ? 0 : since_change + 1;
           if (moved <= 1e-12 && since_change < 9) CHECK(moved <= 1e-12);
         }
@@ -104,7 +106,8 @@ TEST_CASE("Every model is released exactly once, and the latest wins") {
       if (out.released != nullptr) count(out.released);
       if (out.released_too != nullptr) count(out.released_too);
       int living = 0;
-      for (std::size_t i = 0; i < std::min(known.size(), frame / 7 + 1); ++i) living += released[i] == 0 ? 1 : 0;
+      for (std::size_t i = 0; i < std::min(known.size(), frame / 7 + 1); ++i)
+        living += released[i] == 0 ? 1 : 0;
       CHECK(living <= (rule == SwitchRule::paper ? 3 : 1));
     }
     for (std::size_t i = 0; i + 1 < known.size(); ++i) CHECK(released[i] == 1);

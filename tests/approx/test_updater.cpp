@@ -86,7 +86,7 @@ TEST_CASE("An updater that follows a path gives what a new one gives, and forget
 }
 
 TEST_CASE("By label: a gap has both sides in balance, and crossing it shows no jump above the JND") {
-  const StateSpace space = slab({{-10, -4}, {4, 10}});   // 48 mm between the fronts
+  const StateSpace space = slab({{-10, -4}, {4, 10}});  // 48 mm between the fronts
   for (const ModelOptions& options : models) {
     CAPTURE(name(options.kernel), name(options.data));
     ModelUpdater updater(space, options);
@@ -131,7 +131,7 @@ TEST_CASE("By label: in a blank area the set is a half ball of the boundary, not
       const Vec3 hip((-4 + out) * h, 0.001, -0.0013);
       updater.update(hip, model, &report);
       CHECK(report.label == Label::blank);
-      CHECK(model.kernel() == options.kernel);   // no step down
+      CHECK(model.kernel() == options.kernel);  // no step down
       std::set<long> layers;
       for (const StateId id : model.states()) layers.insert(std::lround(space[id].at[0] / h));
       CHECK(layers.size() >= (options.neighbours < 50 ? 2u : 3u));

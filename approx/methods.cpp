@@ -1,0 +1,342 @@
+#include "approx/methods.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/error.hpp"
+
+namespace forefeel {
+
+std::string_view name(Method method) {
+  switch (method) {
+    case Method::rbf:
+      return "rbf";
+    case Method::trilinear:
+      return "trilinear";
+    case Method::tricubic:
+      return "tricubic";
+    case Method::deflection:
+      return "deflection";
+    case Method::two_force:
+      return "two-force";
+    case Method::offline_rbf:
+      return "offline-rbf";
+    case Method::rbf_network:
+      return "rbf-network";
+  }
+  return "";
+}
+
+std::span<const Method> all_methods() {
+  static constexpr Method methods[] = {Method::rbf,        Method::trilinear, Method::tricubic,
+                                       Method::deflection, Method::two_force, Method::offline_rbf,
+                                       Method::rbf_network};
+  return methods;
+}
+
+// --- lattice
+// ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+std::uint64_t key_of(const std::array<std::int32_t, 3>& i) {
+  constexpr std::uint64_t mask = (1u << 21) - 1;
+  return (static_cast<std::uint64_t>(i[0]) & mask) << 42 | (static_cast<std::uint64_t>(i[1]) & mask) << 21 |
+         (static_cast<std::uint64_t>(i[2]) & mask);
+}
+
+std::size_t nearest_of(const std::vector<Vec3>& points, const Vec3& x) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if ((points[i] - x).squaredNorm() < (points[best] - x).squaredNorm()) best = i;
+  return best;
+}
+
+// Cubic convolution (a = -1/2) through the values at -1, 0, 1, 2.
+std::array<double, 4> cubic_weights(double t) {
+  return {0.5 * t * (-1 + t * (2 - t)), 1 + 0.5 * t * t * (3 * t - 5), 0.5 * t * (1 + t * (4 - 3 * t)),
+          0.5 * t * t * (t - 1)};
+}
+
+}  // namespace
+
+LatticeField::LatticeField(std::span<const State> states, double spacing, bool cubic)
+    : spacing_(spacing), cubic_(cubic) {
+  for (const State& s : states) {
+    if (!s.usable()) continue;
+    points_.push_back(s.at);
+    values_.push_back(s.force);
+    Index index;
+    bool on = true;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double k = s.at[Eigen::Index(d)] / spacing;
+      on = on && std::abs(k) < 1e6 && std::abs(k - std::round(k)) < 1e-6;
+      index[d] = on ? static_cast<std::int32_t>(std::lround(k)) : 0;
+    }
+    if (on) forces_[key_of(index)] = s.force;
+  }
+}
+
+const Vec3* LatticeField::at(const Index& index) const {
+  const auto found = forces_.find(key_of(index));
+  return found == forces_.end() ? nullptr : &found->second;
+}
+
+bool LatticeField::whole(const Index& cell) const {
+  for (int corner = 0; corner < 8; ++corner)
+    if (at({cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2)}) == nullptr)
+      return false;
+  return true;
+}
+
+// The value at index, continued axis by axis from inside the cell where no state is known.
+Vec3 LatticeField::ghost(Index index, const Index& cell, int axis) const {
+  if (const Vec3* known = at(index)) return *known;
+  for (; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const int step = index[a] < cell[a] ? 1 : index[a] > cell[a] + 1 ? -1 : 0;
+    if (step == 0) continue;
+    const auto shifted = [&](int by) {
+      Index moved = index;
+      moved[a] += by * step;
+      return moved;
+    };
+    const auto in_line = [&](Index moved) {  // known on the line through the cell itself?
+      for (std::size_t d = 0; d < 3; ++d)
+        if (d != a) moved[d] = std::clamp(moved[d], cell[d], cell[d] + 1);
+      return at(moved) != nullptr;
+    };
+    if (in_line(index)) continue;  // not this axis leads out
+    const Vec3 one = ghost(shifted(1), cell, axis + 1), two = ghost(shifted(2), cell, axis + 1);
+    if (!in_line(shifted(3))) return 2 * one - two;
+    return 3 * one - 3 * two + ghost(shifted(3), cell, axis + 1);
+  }
+  for (std::size_t d = 0; d < 3; ++d) index[d] = std::clamp(index[d], cell[d], cell[d] + 1);
+  return *at(index);  // a ragged border: the cell's own corner
+}
+
+Vec3 LatticeField::force(const Vec3& x) const {
+  if (points_.empty() || !x.allFinite()) return Vec3::Zero();
+  Index cell{};
+  double t[3];
+  bool near = true;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double k = x[Eigen::Index(d)] / spacing_;
+    near = near && std::abs(k) < 1e6;
+    cell[d] = near ? static_cast<std::int32_t>(std::floor(k)) : 0;
+    t[d] = k - cell[d];
+  }
+  // On a far face of the lattice the cell before it holds the point.
+  for (unsigned mask = 1; near && mask < 8 && !whole(cell); ++mask) {
+    Index before = cell;
+    bool on_face = true;
+    for (std::size_t d = 0; d < 3; ++d) {
+      if ((mask >> d & 1u) == 0) continue;
+      on_face = on_face && t[d] < 1e-9;
+      --before[d];
+    }
+    if (!on_face || !whole(before)) continue;
+    for (std::size_t d = 0; d < 3; ++d) t[d] += cell[d] - before[d];
+    cell = before;
+  }
+  if (!near || !whole(cell)) return values_[nearest_of(points_, x)];
+  Vec3 sum = Vec3::Zero();
+  if (!cubic_) {
+    for (int c = 0; c < 8; ++c) {
+      const int i = c & 1, j = c >> 1 & 1, k = c >> 2;
+      sum += (i ? t[0] : 1 - t[0]) * (j ? t[1] : 1 - t[1]) * (k ? t[2] : 1 - t[2]) *
+             *at({cell[0] + i, cell[1] + j, cell[2] + k});
+    }
+    return sum;
+  }
+  const auto wx = cubic_weights(t[0]), wy = cubic_weights(t[1]), wz = cubic_weights(t[2]);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < 4; ++k)
+        sum += wx[std::size_t(i)] * wy[std::size_t(j)] * wz[std::size_t(k)] *
+               ghost({cell[0] + i - 1, cell[1] + j - 1, cell[2] + k - 1}, cell, 0);
+  return sum;
+}
+
+// --- curves
+// ----------------------------------------------------------------------------------------------------
+
+DeflectionCurves::DeflectionCurves(std::span<const State> states) {
+  std::vector<const State*> sorted;
+  for (const State& s : states)
+    if (s.usable() && s.at.norm() > 0) sorted.push_back(&s);
+  std::ranges::stable_sort(sorted, {}, [](const State* s) { return s->at.norm(); });
+  for (const State* s : sorted) {
+    const double depth = s->at.norm();
+    const Vec3 direction = s->at / depth;
+    auto curve = std::ranges::find_if(
+        curves_, [&](const Curve& c) { return (c.direction - direction).norm() < 1e-6; });
+    if (curve == curves_.end()) {
+      curves_.push_back({direction, {0.0}, {Vec3::Zero()}});
+      curve = curves_.end() - 1;
+    }
+    curve->depth.push_back(depth);
+    curve->force.push_back(s->force);
+  }
+  // Directions with a single state would hide longer curves beside them; they stay only where there is
+  // nothing else.
+  if (std::ranges::count_if(curves_, [](const Curve& c) { return c.depth.size() > 2; }) >= 3)
+    std::erase_if(curves_, [](const Curve& c) { return c.depth.size() <= 2; });
+}
+
+Vec3 DeflectionCurves::Curve::at(double d) const {
+  std::size_t i = 1;
+  while (i + 1 < depth.size() && depth[i] < d) ++i;
+  const double t = (d - depth[i - 1]) / (depth[i] - depth[i - 1]);
+  return force[i - 1] + t * (force[i] - force[i - 1]);
+}
+
+Vec3 DeflectionCurves::force(const Vec3& x) const {
+  const double depth = x.norm();
+  if (curves_.empty() || !(depth > 0) || !std::isfinite(depth)) return Vec3::Zero();
+  const Vec3 direction = x / depth;
+  std::array<const Curve*, 3> best{};
+  std::array<double, 3> along{-2, -2, -2};
+  for (const Curve& c : curves_) {
+    double cosine = c.direction.dot(direction);
+    const Curve* curve = &c;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (cosine > along[i]) {
+        std::swap(cosine, along[i]);
+        std::swap(curve, best[i]);
+      }
+  }
+  // Weights with which the three directions add up to that of x: exact for a linear body. Where they lie in a
+  // plane, the nearest direction alone.
+  Vec3 weight = Vec3::UnitX();
+  if (best[2] != nullptr) {
+    Mat3 frame;
+    for (int i = 0; i < 3; ++i) frame.col(i) = best[std::size_t(i)]->direction;
+    const Vec3 solved = frame.partialPivLu().solve(direction);
+    if (solved.allFinite() && solved.cwiseAbs().maxCoeff() < 3) weight = solved;
+  }
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    if (best[i] != nullptr && weight[Eigen::Index(i)] != 0)
+      sum += weight[Eigen::Index(i)] * best[i]->at(depth);
+  return sum;
+}
+
+TwoForce::TwoForce(std::span<const State> states) {
+  for (const State& s : states)
+    if (s.usable()) {
+      points_.push_back(s.at);
+      forces_.push_back(s.force);
+    }
+}
+
+Vec3 TwoForce::force(const Vec3& x) const {
+  if (points_.empty()) return Vec3::Zero();
+  const std::size_t first = nearest_of(points_, x);
+  std::size_t second = points_.size();
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if (i != first && (points_[i] - points_[first]).squaredNorm() > 0 &&
+        (second == points_.size() || (points_[i] - x).squaredNorm() < (points_[second] - x).squaredNorm()))
+      second = i;
+  if (second == points_.size()) return forces_[first];
+  const Vec3 span = points_[first] - points_[second];
+  return forces_[first] +
+         (x - points_[first]).dot(span) / span.squaredNorm() * (forces_[first] - forces_[second]);
+}
+
+// --- network
+// ---------------------------------------------------------------------------------------------------
+
+RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
+  std::vector<const State*> known;
+  for (const State& s : states)
+    if (s.usable()) known.push_back(&s);
+  const std::size_t n = known.size();
+  for (const State* s : known) middle_ += s->at / double(n);
+  for (const State* s : known) scale_ = std::max(s == known[0] ? 0 : scale_, (s->at - middle_).norm());
+  if (!(scale_ > 0)) scale_ = 1;
+  if (centres == 0) centres = std::max<std::size_t>(10, n / 5);
+  centres = std::min(centres, n);
+  // Farthest-point sampling from the state nearest the middle.
+  std::vector<double> distance(n, 1e300);
+  std::size_t next = 0;
+  for (std::size_t i = 1; i < n; ++i)
+    if ((known[i]->at - middle_).norm() < (known[next]->at - middle_).norm()) next = i;
+  while (centres_.size() < centres && distance[next] > 0) {
+    const Vec3 chosen = known[next]->at;
+    centres_.push_back((chosen - middle_) / scale_);
+    for (std::size_t i = 0; i < n; ++i) distance[i] = std::min(distance[i], (known[i]->at - chosen).norm());
+    next = static_cast<std::size_t>(std::ranges::max_element(distance) - distance.begin());
+  }
+  const auto m = static_cast<Eigen::Index>(centres_.size());
+  Eigen::MatrixXd matrix(static_cast<Eigen::Index>(n), m + 4);
+  Eigen::MatrixXd right(static_cast<Eigen::Index>(n), 3);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const Vec3 y = (known[i]->at - middle_) / scale_;
+    for (Eigen::Index j = 0; j < m; ++j) {
+      const double r = (y - centres_[std::size_t(j)]).norm();
+      matrix(row, j) = r * r * r;
+    }
+    matrix(row, m) = 1;
+    matrix.block<1, 3>(row, m + 1) = y.transpose();
+    right.row(row) = known[i]->force.transpose();
+  }
+  weights_ = matrix.colPivHouseholderQr().solve(right);
+}
+
+Vec3 RbfNetwork::force(const Vec3& x) const {
+  const auto m = static_cast<Eigen::Index>(centres_.size());
+  const Vec3 y = (x - middle_) / scale_;
+  Vec3 sum = (weights_.row(m) + y.transpose() * weights_.bottomRows<3>()).transpose();
+  for (Eigen::Index j = 0; j < m; ++j) {
+    const double r = (y - centres_[std::size_t(j)]).norm();
+    sum += r * r * r * weights_.row(j).transpose();
+  }
+  return sum;
+}
+
+// --- one interface
+// ---------------------------------------------------------------------------------------------
+
+Approximation::Approximation(Method method, std::span<const State> states, const MethodOptions& options)
+    : field_(TwoForce(std::span<const State>{})) {
+  if (std::ranges::none_of(states, &State::usable))
+    throw InputError("states", "none is solved, expected at least one");
+  switch (method) {
+    case Method::rbf:
+      throw InputError("method", "rbf follows the HIP, expected one of the fixed methods");
+    case Method::trilinear:
+    case Method::tricubic: {
+      LatticeField field(states, options.spacing, method == Method::tricubic);
+      if (field.size() < 8)
+        throw InputError("states",
+                         "too few lie on the lattice of the spacing, expected at least a cell of 8");
+      field_ = std::move(field);
+      break;
+    }
+    case Method::deflection:
+      field_ = DeflectionCurves(states);
+      break;
+    case Method::two_force:
+      field_ = TwoForce(states);
+      break;
+    case Method::offline_rbf: {
+      Vec3 middle = Vec3::Zero();
+      for (const State& s : states) middle += s.at / double(states.size());
+      field_ = fit(states, options.model, middle);
+      break;
+    }
+    case Method::rbf_network:
+      field_ = RbfNetwork(states, options.centres);
+      break;
+  }
+}
+
+Vec3 Approximation::force(const Vec3& x) const {
+  return std::visit([&](const auto& field) { return Vec3(field.force(x)); }, field_);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,103 @@
+#include <catch2/catch.hpp>
+
+#include "approx/methods.hpp"
+#include "geometry/error.hpp"
+#include "tests/approx/sets.hpp"
+
+using namespace forefeel;
+using namespace forefeel::testing;
+
+namespace {
+
+std::vector<Vec3> inside(std::size_t n, double size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-size, size);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < n; ++i) points.emplace_back(unit(random), unit(random), unit(random));
+  return points;
+}
+
+double worst(const Approximation& field, const std::vector<Vec3>& points, const auto& exact) {
+  double error = 0;
+  for (const Vec3& x : points) error = std::max(error, (field.force(x) - exact(x)).norm());
+  return error;
+}
+
+}  // namespace
+
+TEST_CASE("Lattice methods are exact on the polynomials they hold and converge at their order") {
+  const double h = 0.006;
+  const auto with = [&](const auto& f, double spacing, int half) {
+    auto states = states_at(lattice_points(half, spacing));
+    for (auto& s : states) s.force = f(s.at);
+    return states;
+  };
+  const auto multilinear = [](const Vec3& x) {
+    return Vec3(1 + x[0] * x[1], x[1] * x[2] - 2 * x[0], x[0] * x[1] * x[2]);
+  };
+  const auto quadratic = [](const Vec3& x) {
+    return Vec3(x[0] * x[0], x[1] * x[1] - x[2], x[2] * x[2] + x[0] * x[1]);
+  };
+  CHECK(worst({Method::trilinear, with(multilinear, h, 4), {.spacing = h}}, inside(100, 0.0239, 1),
+              multilinear) < 1e-15);
+  CHECK(worst({Method::tricubic, with(quadratic, h, 4), {.spacing = h}}, inside(100, 0.0239, 2), quadratic) <
+        1e-15);
+  const auto field = [](const Vec3& x) { return field_state(x).force; };
+  const auto error = [&](Method method, double spacing, int half) {
+    return worst({method, with(field, spacing, half), {.spacing = spacing}}, inside(200, 0.02, 3), field);
+  };
+  CHECK(error(Method::trilinear, h, 4) / error(Method::trilinear, h / 2, 8) > 3.3);
+  CHECK(error(Method::tricubic, h, 4) / error(Method::tricubic, h / 2, 8) > 6);
+  CHECK(error(Method::tricubic, h, 4) < 0.2 * error(Method::trilinear, h, 4));
+  // On the nodes and faces, the far ones included, and held outside.
+  const auto states = with(field, h, 2);
+  for (const Method method : {Method::trilinear, Method::tricubic}) {
+    const Approximation lattice(method, states, {.spacing = h});
+    for (const auto& s : states) CHECK((lattice.force(s.at) - s.force).norm() < 1e-12);
+    CHECK((lattice.force(Vec3(1, 0, 0)) - field(Vec3(2 * h, 0, 0))).norm() < 1e-12);
+  }
+  CHECK_THROWS_AS(Approximation(Method::trilinear, states_at(inside(30, 0.02, 4)), {.spacing = h}),
+                  InputError);
+}
+
+TEST_CASE("Deflection curves are exact for a linear body and linear in depth") {
+  const Mat3 k = field_state(Vec3::Zero()).stiffness;
+  auto states = states_at(lattice_points(3, 0.006));
+  for (auto& s : states) s.force = -k * s.at;
+  const Approximation curves(Method::deflection, states, {});
+  // Exact where three directions are told apart; near everywhere.
+  std::size_t exact = 0;
+  for (const Vec3& x : inside(200, 0.017, 5)) {
+    const double error = (curves.force(x) + k * x).norm();
+    exact += error < 1e-10 ? 1 : 0;
+    CHECK(error < 0.5 * (k * x).norm());
+  }
+  CHECK(exact > 120);
+  CHECK(curves.force(Vec3::Zero()).norm() == 0);
+}
+
+TEST_CASE("Two forces extrapolate along their line") {
+  std::vector<State> states(2);
+  states[0].at = Vec3(0.01, 0, 0);
+  states[0].force = Vec3(-1, 0.5, 0);
+  states[1].at = Vec3(0.02, 0, 0);
+  states[1].force = Vec3(-3, 1.5, 0);
+  const Approximation line(Method::two_force, states, {});
+  CHECK((line.force(Vec3(0.03, 0, 0)) - Vec3(-5, 2.5, 0)).norm() < 1e-12);
+  CHECK((line.force(Vec3(0.025, 0.02, 0)) - Vec3(-4, 2, 0)).norm() < 1e-12);
+}
+
+TEST_CASE("Offline RBF interpolates; a network with all centres does too, with fewer it is near") {
+  const auto states = states_at(lattice_points(2, 0.01));
+  const auto field = [](const Vec3& x) { return field_state(x).force; };
+  const Approximation offline(Method::offline_rbf, states, {.model = {.kernel = Kernel::cubic}});
+  const Approximation all(Method::rbf_network, states, {.centres = states.size()});
+  const Approximation fewer(Method::rbf_network, states, {.centres = 40});
+  double largest = 0;
+  for (const auto& s : states) {
+    largest = std::max(largest, s.force.norm());
+    CHECK((offline.force(s.at) - s.force).norm() < 1e-10);
+    CHECK((all.force(s.at) - s.force).norm() < 1e-8);
+  }
+  CHECK(worst(fewer, inside(100, 0.015, 6), field) < 0.05 * largest);
+}
