@@ -191,7 +191,7 @@ Discretisation discretise(const Body& body) {
   const double length = longest_side(body.mesh);
   d.force_floor = 1e-12 * body.material.young * length * length;
   const LawConstants moduli = law_constants(body.material);
-  d.round_off = 1e-17 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length;
+  d.round_off = 1e-16 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length;
   d.needs_positive_jacobian = needs_positive_jacobian(body.material.law);
   d.constants = law_constants(body.material);
   d.kernels = &element_kernels(static_cast<int>(body.material.law));
