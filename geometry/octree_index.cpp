@@ -70,7 +70,7 @@ bool OctreeIndex::safe(const Vec3& q, double s, double& reach) const {
   });
   const int count = std::popcount(known);
   if (count >= 7) return true;
-  if (count < 4) return false;
+  if (count < 3) return false;
   points_.for_each_within(q, options_.safe_cone_radius * limit, [&](std::uint32_t, const Vec3& offset, double squared) {
     if (squared > slack * s * slack * s) directions.push(offset / std::sqrt(squared));
   });

@@ -2,7 +2,7 @@
 // Coverage by counting states in leaves, without a triangulation: cheap to insert into and to erase from.
 // With s = h(q) the spacing at q, and the corners of q's leaf in the lattice {k s}^3:
 //   safe     at least 7 of the 8 corners are known (a state within s/2 of the corner along every axis), or at least
-//            4 are and q lies inside the hull of the states within 1.45 s
+//            3 are and q lies inside the hull of the states within 1.45 s
 //   sparse   delta(q) <= kappa_p s, as for the triangulation
 //   gap      q's leaf is empty and along each of 26 directions some occupied leaf within the gap radius lies no
 //            farther than the gap angle away
