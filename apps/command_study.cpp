@@ -105,16 +105,19 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
 // ---- the study -------------------------------------------------------------------------------------------------------
 
 void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
-  const StudyMetric metric = primary_metric(study);
-  const auto scaled = [&](double v) { return metric.ratio ? std::exp(v) : metric.scale * v; };
+  std::string shown;
   for (const Contrast& c : compared) {
+    const StudyMetric& metric = c.metric;
+    const auto scaled = [&](double v) { return metric.ratio ? std::exp(v) : metric.scale * v; };
+    if (shown != metric.key) say(globals, metric.title + (metric.ratio ? ", factors:" : ", differences:"));
+    shown = metric.key;
     const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
                                                     study.axes[c.slice->axis].values[c.slice->value].text)
                                       : "";
     const char* verdict = c.comparison.verdict() == 0                                 ? "not shown"
                           : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
                                                                                      : "worse";
-    say(globals, fmt::format("{} against {}{}: {}{:.3g} [{:.3g}, {:.3g}], {}", study.axes.front().values[c.a].text,
+    say(globals, fmt::format("  {} against {}{}: {}{:.3g} [{:.3g}, {:.3g}], {}", study.axes.front().values[c.a].text,
                              study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
                              scaled(c.comparison.bootstrap.mean), scaled(c.comparison.bootstrap.low),
                              scaled(c.comparison.bootstrap.high), verdict));
@@ -137,7 +140,8 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   StudyResult result = run_study(plan, folder, globals);
   add_regret(plan.study, result.cells);
   const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
-  const std::vector<Contrast> compared = contrasts(plan.study, result.cells);
+  std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
+  for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study))) compared.push_back(std::move(c));
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
   write_whole(folder / "report.html", study_page(plan, result, ranked, compared));
 

@@ -23,7 +23,8 @@ double value_of(const Study& study, const CellColumns& cell, const StudyMetric& 
   const double value = cell_number(cell, metric.key);
   if (!metric.ratio) return value;
   // A speed of zero: not even the lowest tried holds. It counts as that speed, which favours it.
-  return std::log(std::max(value, study.sustained ? study.sustained->low : 1e-300));
+  const bool speed = metric.key == "sustained.speed" && study.sustained;
+  return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
 }
 
 Json interval_json(const ConfidenceInterval& interval) { return Json::array({number(interval.low), number(interval.high)}); }
@@ -45,13 +46,18 @@ bool is_trace_axis(const StudyAxis& axis) { return axis.column == "device" || ax
 
 StudyMetric primary_metric(const Study& study) { return study_metrics(study).front(); }
 
+StudyMetric second_metric(const Study& study) {
+  const std::vector<StudyMetric> all = study_metrics(study);
+  return *std::ranges::find(all, std::string("error.first_visit.p95"), &StudyMetric::key);
+}
+
 std::vector<StudyMetric> study_metrics(const Study& study) {
   std::vector<StudyMetric> metrics;
   if (study.sustained) metrics.push_back({"sustained.speed", "sustained HIP speed, mm/s", true, 1e3, true});
   const std::vector<StudyMetric> of_sessions{
       {"error.first_visit.within_jnd", "first visits within the JND, %", true, 100},
       {"error.within_jnd", "all samples within the JND, %", true, 100},
-      {"error.first_visit.p95", "error of first visits, p95, %", false, 100},
+      {"error.first_visit.p95", "error of first visits, p95, %", false, 100, true},
       {"error.p95", "error, p95, %", false, 100},
       {"error.first_visit.parts.approximation", "approximation at first visits, p95, %", false, 100},
       {"error.first_visit.parts.switch", "switch at first visits, p95, %", false, 100},
@@ -124,15 +130,14 @@ std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColu
   return all;
 }
 
-std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells) {
+std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells, const StudyMetric& metric) {
   std::vector<Contrast> all;
   if (study.axes.empty() || study.axes.front().values.size() < 2) return all;
-  const StudyMetric metric = primary_metric(study);
   const std::size_t levels = study.axes.front().values.size();
   const std::vector<Observation> whole = observations(study, cells, 0, metric);
   if (study.axes.front().column == "step") {
     for (std::size_t level = 1; level < levels; ++level)
-      all.push_back({level, level - 1, {}, compare_levels(whole, level, level - 1)});
+      all.push_back({metric, level, level - 1, {}, compare_levels(whole, level, level - 1)});
     if (!study.baseline) return all;
   }
   std::size_t reference = study.baseline.value_or(0);
@@ -144,7 +149,7 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumn
     const std::vector<Observation> seen =
         slice ? observations(study, cells, 0, metric, {*slice}) : whole;
     for (std::size_t level = 0; level < levels; ++level)
-      if (level != reference) all.push_back({level, reference, slice, compare_levels(seen, level, reference)});
+      if (level != reference) all.push_back({metric, level, reference, slice, compare_levels(seen, level, reference)});
   };
   add({});
   for (std::size_t axis = 1; axis < study.axes.size(); ++axis)
@@ -156,7 +161,6 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumn
 Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared) {
   Json document;
   document["metric"] = primary_metric(study).key;
-  document["compared_by"] = primary_metric(study).ratio ? "difference of logarithms" : "difference";
   document["rankings"] = Json::array();
   for (const AxisRanking& entry : ranked) {
     Json rows = Json::array();
@@ -174,7 +178,9 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked, co
   for (const Contrast& contrast : compared) {
     Json row{{"axis", study.axes.front().column},
              {"value", study.axes.front().values[contrast.a].text},
-             {"against", study.axes.front().values[contrast.b].text}};
+             {"against", study.axes.front().values[contrast.b].text},
+             {"metric", contrast.metric.key},
+             {"compared_by", contrast.metric.ratio ? "difference of logarithms" : "difference"}};
     row["where"] = Json::object();
     if (contrast.slice)
       row["where"][study.axes[contrast.slice->axis].column] = study.axes[contrast.slice->axis].values[contrast.slice->value].text;

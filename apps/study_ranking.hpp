@@ -22,6 +22,8 @@ struct StudyMetric {
 };
 
 StudyMetric primary_metric(const Study& study);      // first visits within the JND, or the sustained speed
+// Error of first visits, by factors: still tells values apart where nearly all first visits are within the JND.
+StudyMetric second_metric(const Study& study);
 std::vector<StudyMetric> study_metrics(const Study& study);   // the primary first
 
 // Restricts to one value of another axis.
@@ -42,13 +44,14 @@ std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColu
 // The first axis' value `a` against `b`, over everything or in one slice; means as differences, or as factors where
 // the metric is compared so.
 struct Contrast {
+  StudyMetric metric;
   std::size_t a = 0, b = 0;
   std::optional<StudySlice> slice;
   Comparison comparison;
 };
 // Steps: each against the one before. Each value against the baseline (without one: steps not at all, others against the
 // best over all), over everything and at each value of every other axis but the traces.
-std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells);
+std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells, const StudyMetric& metric);
 
 bool is_trace_axis(const StudyAxis& axis);
 nlohmann::ordered_json ranking_json(const Study& study, const std::vector<AxisRanking>& rankings,

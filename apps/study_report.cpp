@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include "apps/page.hpp"
 #include "apps/plot.hpp"
@@ -154,7 +155,7 @@ std::string ranking_section(const Study& study, const AxisRanking& entry, std::s
 
 std::string contrast_section(const Study& study, const std::vector<Contrast>& compared) {
   if (compared.empty()) return "";
-  const StudyMetric metric = primary_metric(study);
+  const StudyMetric metric = compared.front().metric;
   const StudyAxis& axis = study.axes.front();
   std::string html = axis.column == "step" ? "<h2>What each step is worth</h2>\n" : "<h2>One against another</h2>\n";
   html += fmt::format("<p class=\"muted\">{}; paired by trace and seed. \"Not shown\": at least one 95 % interval holds no difference.</p>\n",
@@ -237,7 +238,11 @@ std::string study_page(const StudyPlan& plan, const StudyResult& result, const s
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     html += ranking_section(study, ranked[i], i);
     if (ranked[i].axis == 0) {
-      html += contrast_section(study, compared);
+      for (const StudyMetric& metric : {primary_metric(study), second_metric(study)}) {
+        std::vector<Contrast> some;
+        std::ranges::copy_if(compared, std::back_inserter(some), [&](const Contrast& c) { return c.metric.key == metric.key; });
+        html += contrast_section(study, some);
+      }
       for (std::size_t axis = 1; axis < study.axes.size(); ++axis) html += curves_picture(study, result.cells, axis);
       html += metrics_section(study, result.cells);
     }

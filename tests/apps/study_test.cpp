@@ -372,7 +372,7 @@ TEST_CASE("rankings average settings within a trace and seed, and pair") {
   CHECK(ranked[0].ranking.blocks == 12);
   CHECK(ranked[0].ranking.ranked.front().level == 1);
   CHECK(ranked[0].ranking.ranked[2].to_best.student.mean == Approx(-0.06).margin(0.003));
-  const std::vector<Contrast> compared = contrasts(study, cells);
+  const std::vector<Contrast> compared = contrasts(study, cells, primary_metric(study));
   REQUIRE(compared.size() == 6);  // two policies: everywhere, and at either number of neighbours
   CHECK(compared[0].comparison.verdict() == 1);
   CHECK(compared[0].comparison.student.mean == Approx(0.06).margin(0.003));
@@ -391,7 +391,7 @@ TEST_CASE("steps are each compared with the one before") {
   const auto cells = made_up(study, [](const std::vector<std::size_t>& c, std::uint64_t seed) {
     return 0.1 * static_cast<double>(c[0]) + 0.01 * static_cast<double>(seed % 2);
   });
-  const std::vector<Contrast> compared = contrasts(study, cells);
+  const std::vector<Contrast> compared = contrasts(study, cells, primary_metric(study));
   REQUIRE(compared.size() == 2);
   CHECK(compared[1].a == 2);
   CHECK(compared[1].b == 1);
