@@ -126,7 +126,8 @@ void add_generate(CLI::App& app, Commands& commands) {
   sub.add_option("-o,--output", arguments->output, "State file; gone on with where it exists")
       ->required()
       ->type_name("S.states");
-  sub.add_option("--error", arguments->error, "Place as few states as hold this estimated error")->type_name("E");
+  sub.add_option("--error", arguments->error, "Instead place as few states as hold this relative error:\n"
+                                                 "95 % of the box within E, all of it within 2 E")->type_name("E");
 }
 
 }  // namespace forefeel

@@ -180,6 +180,7 @@ class Placement {
       refresh_estimate();
       if (report_.estimate_holds) {
         if (options_.stop.stop_requested() || look_at_truth(0)) break;
+        if (report_.truth_samples == 0) break;  // no truth to be had
       }
       if (!open()) break;
       const std::optional<State> worst = report_.estimate_holds ? worst_truth() : std::nullopt;

@@ -2,15 +2,18 @@
 // As few states as a scene needs: each next state goes where the estimated error (placement_estimate.hpp) is
 // largest.
 //
-// The model holds an error E over a box when 95 % of the box is within E and none of it beyond 2 E. Estimated
-// on fixed points (a 7 x 7 x 7 grid to the faces, its inner points for quantiles joined by 512 of a Halton
-// sequence):
+// The model holds an error E over a box when 95 % of the box is within E and none of it beyond 2 E: estimated
+// at 512 points of a Halton sequence for the share, and at these and a 7 x 7 x 7 grid up to the faces for the
+// largest.
 //   rest, four corners of a tetrahedron at 3/4 of the box, while needed its other four, then the point of the
 //   largest estimate, until the estimate holds;
 // then the truth is looked at: tight solves on the reference branch at random positions. Where it does not
 // hold, the worst of them becomes a state (it is solved already) and placing goes on. What comes next depends
 // on the states so far alone, so that a run that was cut goes on as if it had not been. A linear body takes
 // three solves.
+//
+// Liver of 1725 tetrahedra, neo-Hookean, 2 cm patch, box 72 x 72 x 60 mm, quintic on force and stiffness: 8
+// states hold 7 %, 16 hold 1 %, 82 hold 0.1 %. One-node contact: 13 hold 7 %.
 
 #include <cstdint>
 #include <functional>
