@@ -18,24 +18,16 @@ struct Bars {
 
 long rgb(Label label) { return std::stol(std::string(colour(label).substr(1)), nullptr, 16); }
 
-// Half way to white: solved for nothing.
-long pale(long value) {
-  long mixed = 0;
-  for (const int shift : {16, 8, 0}) mixed |= (((value >> shift) & 255) + 255 * 2) / 3 << shift;
-  return mixed;
-}
-
 Bars bars_of(const SessionResult& result, double seconds) {
   Bars bars;
   for (const DispatchRecord& job : result.dispatch) {
     if (job.worker < 0 || !std::isfinite(job.started)) continue;
     const double end = std::min(std::isfinite(job.finished) ? job.finished : seconds, seconds);
     const bool preempted = job.status == "preempted", used = std::isfinite(job.first_used);
-    const double half = preempted ? 0.15 : 0.38;
-    const long fill = used || preempted || job.status == "running" ? rgb(job.label) : pale(rgb(job.label));
+    const double half = preempted ? 0.1 : used || job.status == "running" ? 0.4 : 0.22;
     std::string& group = preempted ? bars.preempted : used ? bars.used : bars.unused;
     group += fmt::format("{0:.6g} {1} {0:.6g} {2:.6g} {3} {4} {5}\n", job.started, job.worker, end, job.worker - half,
-                         job.worker + half, fill);
+                         job.worker + half, rgb(job.label));
   }
   return bars;
 }
@@ -59,8 +51,8 @@ Figure gantt_figure(const SessionResult& result, double seconds, int workers) {
   const Bars bars = bars_of(result, seconds);
   Figure figure{.name = "gantt",
                 .caption = "One row a worker, one bar a solve, coloured by the label of its region when it was "
-                           "dispatched; pale: no model ever took the state; thin: cancelled. Lowest row: label at "
-                           "the HIP.",
+                           "dispatched. Half height: no model ever took the state; thin: cancelled. Lowest row: "
+                           "label at the HIP.",
                 .width = 1100,
                 .height = std::clamp(140 + 26 * workers, 200, 1400),
                 .script = {}};
@@ -68,7 +60,7 @@ Figure gantt_figure(const SessionResult& result, double seconds, int workers) {
   s += data_block("used", bars.used) + data_block("unused", bars.unused) + data_block("preempted", bars.preempted) +
        data_block("hip", hip_strip(result));
   s += fmt::format("set xrange [0:{}]\nset yrange [{}:{}]\nset xlabel 'time [s]'\nset ylabel 'worker'\nset tics out nomirror\n"
-                   "set border 3 lc rgb '#8a8a8a'\nset style fill solid 1 noborder\n",
+                   "set border 3 lc rgb '#8a8a8a'\nset style fill solid 1 border lc rgb '#6b6b6b'\n",
                    seconds, strip - 0.8, workers - 0.4);
   s += fmt::format("set ytics ('HIP' {}", strip);
   const int every = std::max(1, workers / 16);

@@ -8,7 +8,7 @@
 
 namespace forefeel {
 
-// Bars of cancelled solves are thin, those whose state no model ever took are pale; below, the label at the HIP.
+// Bars of cancelled solves are thin, those whose state no model ever took half as high; below, the label at the HIP.
 Figure gantt_figure(const SessionResult& result, double seconds, int workers);
 
 }  // namespace forefeel
