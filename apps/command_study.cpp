@@ -1,4 +1,5 @@
-// forefeel study STUDY.toml -o DIR/: every combination of what varies, times every seed; table, ranking, report.
+// forefeel study STUDY.toml -o DIR/: every combination of what varies, times every seed; table, ranking,
+// report.
 
 #include <fmt/format.h>
 
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 
 struct StudyArguments {
   std::string study, output;
-  std::size_t gantt = 0;   // row of cells.csv, from 1; 0: none
+  std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
 };
 
 void write_whole(const fs::path& file, const std::string& text) {
@@ -36,7 +37,8 @@ void write_whole(const fs::path& file, const std::string& text) {
   out.commit();
 }
 
-// ---- what DIR/ was begun with ----------------------------------------------------------------------------------------
+// ---- what DIR/ was begun with
+// ----------------------------------------------------------------------------------------
 
 nlohmann::ordered_json manifest(const StudyPlan& plan) {
   nlohmann::ordered_json document;
@@ -58,22 +60,27 @@ std::optional<std::string> change_since(const fs::path& folder, const StudyPlan&
   const auto listed = before["cells"].get<std::set<std::string>>();
   const auto same = static_cast<std::size_t>(
       std::ranges::count_if(plan.cells, [&](const StudyCell& cell) { return listed.contains(cell.key); }));
-  const char* what = before.value("commit", "") != now["commit"] || before.value("version", "") != now["version"]
-                         ? "another build of forefeel"
-                     : before.value("study", "") != now["study"] ? "another text of this study"
-                                                                 : "another scene, trace or --set";
-  return fmt::format("{}: begun with {}; {} of its {} cells are the same and kept, {} are new, {} are no longer part",
-                     folder.string(), what, same, listed.size(), plan.cells.size() - same,
-                     listed.size() - std::min(same, listed.size()));
+  const char* what =
+      before.value("commit", "") != now["commit"] || before.value("version", "") != now["version"]
+          ? "another build of forefeel"
+      : before.value("study", "") != now["study"] ? "another text of this study"
+                                                  : "another scene, trace or --set";
+  return fmt::format(
+      "{}: begun with {}; {} of its {} cells are the same and kept, {} are new, {} are no longer part",
+      folder.string(), what, same, listed.size(), plan.cells.size() - same,
+      listed.size() - std::min(same, listed.size()));
 }
 
-// ---- a dispatch Gantt ------------------------------------------------------------------------------------------------
+// ---- a dispatch Gantt
+// ------------------------------------------------------------------------------------------------
 
 // Runs the cell again (it is the same session) and writes its files and picture.
 int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArguments& arguments) {
   if (arguments.gantt > plan.cells.size())
-    throw InputError("--gantt", fmt::format("is {}, expected a row of cells.csv from 1 to {}", arguments.gantt, plan.cells.size()));
-  if (plan.study.sustained) throw InputError("--gantt", "a cell of a sustained-speed study is many sessions, expected another study");
+    throw InputError("--gantt", fmt::format("is {}, expected a row of cells.csv from 1 to {}",
+                                            arguments.gantt, plan.cells.size()));
+  if (plan.study.sustained)
+    throw InputError("--gantt", "a cell of a sustained-speed study is many sessions, expected another study");
   const StudyCell& cell = plan.cells[arguments.gantt - 1];
   const Scene& scene = plan.scenes[cell.scene];
   const SessionInput input = session_input(scene);
@@ -90,19 +97,24 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   write_run_files(folder, result, options);
   auto summary = summary_json(result, input, options);
   summary["provenance"] = provenance(scene.hash);
-  write_whole(folder / "summary.json", summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_whole(folder / "summary.json",
+              summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   write_report(folder, scene, globals);
   const Figure figure = gantt_figure(result, options.seconds, options.workers);
   const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
-  if (svg) write_whole(folder / "gantt.svg", *svg);
-  else warn(globals, "gantt.svg: gnuplot was not found or failed");
+  if (svg)
+    write_whole(folder / "gantt.svg", *svg);
+  else
+    warn(globals, "gantt.svg: gnuplot was not found or failed");
   if (globals.json) print_json(summary);
-  say(globals, fmt::format("{}: {} solves of {} workers in {} s", (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(),
-                           result.dispatch.size(), options.workers, options.seconds));
+  say(globals, fmt::format("{}: {} solves of {} workers in {} s",
+                           (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
+                           options.workers, options.seconds));
   return svg ? 0 : 1;
 }
 
-// ---- the study -------------------------------------------------------------------------------------------------------
+// ---- the study
+// -------------------------------------------------------------------------------------------------------
 
 void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
   std::string shown;
@@ -114,13 +126,14 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
     const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
                                                     study.axes[c.slice->axis].values[c.slice->value].text)
                                       : "";
-    const char* verdict = c.comparison.verdict() == 0                                 ? "not shown"
+    const char* verdict = c.comparison.verdict() == 0                               ? "not shown"
                           : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
-                                                                                     : "worse";
-    say(globals, fmt::format("  {} against {}{}: {}{:.3g} [{:.3g}, {:.3g}], {}", study.axes.front().values[c.a].text,
-                             study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
-                             scaled(c.comparison.bootstrap.mean), scaled(c.comparison.bootstrap.low),
-                             scaled(c.comparison.bootstrap.high), verdict));
+                                                                                    : "worse";
+    say(globals,
+        fmt::format("  {} against {}{}: {}{:.3g} [{:.3g}, {:.3g}], {}", study.axes.front().values[c.a].text,
+                    study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
+                    scaled(c.comparison.bootstrap.mean), scaled(c.comparison.bootstrap.low),
+                    scaled(c.comparison.bootstrap.high), verdict));
   }
 }
 
@@ -132,7 +145,8 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   if (arguments.gantt > 0) return run_gantt(globals, plan, arguments);
 
   const fs::path folder = arguments.output;
-  if (fs::exists(folder) && !fs::is_directory(folder)) throw InputError(arguments.output, "is a file, expected a folder for the results");
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw InputError(arguments.output, "is a file, expected a folder for the results");
   if (const auto change = change_since(folder, plan)) warn(globals, *change);
   fs::create_directories(folder);
   check_writable(folder / "cells.csv");
@@ -141,12 +155,15 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   add_regret(plan.study, result.cells);
   const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
   std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
-  for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study))) compared.push_back(std::move(c));
+  for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
+    compared.push_back(std::move(c));
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
   write_whole(folder / "report.html", study_page(plan, result, ranked, compared));
 
   if (globals.json) {
-    nlohmann::ordered_json document{{"cells", plan.cells.size()}, {"ran", result.ran}, {"resumed", result.resumed},
+    nlohmann::ordered_json document{{"cells", plan.cells.size()},
+                                    {"ran", result.ran},
+                                    {"resumed", result.resumed},
                                     {"seconds", number(result.seconds)}};
     document.update(ranking_json(plan.study, ranked, compared));
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
@@ -154,8 +171,9 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
     print_json(document);
   }
   show_contrasts(globals, plan.study, compared);
-  say(globals, fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
-                           plan.cells.size(), result.ran, result.seconds, result.resumed));
+  say(globals,
+      fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
+                  plan.cells.size(), result.ran, result.seconds, result.resumed));
   return 0;
 }
 
@@ -163,13 +181,15 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
 
 void add_study(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<StudyArguments>();
-  CLI::App& sub = add_command(app, commands, "study", "Every combination of policies, devices, models …; table, ranking, report",
+  CLI::App& sub = add_command(app, commands, "study",
+                              "Every combination of policies, devices, models …; table, ranking, report",
                               [&commands, arguments] { return run_command(commands.globals, *arguments); });
   sub.add_option("STUDY", arguments->study, "Study (TOML)")->required();
   sub.add_option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
       ->required()
       ->type_name("DIR/");
-  sub.add_option("--gantt", arguments->gantt, "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
+  sub.add_option("--gantt", arguments->gantt,
+                 "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
       ->check(CLI::PositiveNumber)
       ->type_name("CELL");
 }

@@ -19,15 +19,18 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_cells = 100'000;
 const std::vector<std::string> short_keys{"policy", "select", "workers", "device", "cost", "switch"};
-const std::vector<std::string> vary_words{"policy", "select", "workers", "device", "cost", "switch", "target_load", "speed"};
+const std::vector<std::string> vary_words{"policy", "select", "workers",     "device",
+                                          "cost",   "switch", "target_load", "speed"};
 const std::vector<std::string> scene_sections{"body",        "material", "clamp",  "contact",
                                               "state_space", "model",    "session"};
 
-// ---- text ----------------------------------------------------------------------------------------------------------
+// ---- text
+// ----------------------------------------------------------------------------------------------------------
 
 std::string read_text(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in || !fs::is_regular_file(file)) throw InputError(file.string(), "cannot be read, expected a study (TOML)");
+  if (!in || !fs::is_regular_file(file))
+    throw InputError(file.string(), "cannot be read, expected a study (TOML)");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -97,9 +100,9 @@ class Reader {
 
   Study study_;
   toml::table root_;
-  std::map<std::string, std::pair<std::string, std::string>> claimed_;   // key -> how, where
+  std::map<std::string, std::pair<std::string, std::string>> claimed_;  // key -> how, where
   std::vector<std::string> set_;
-  std::vector<std::string> together_;   // keys of the axis being read, where it is a section
+  std::vector<std::string> together_;  // keys of the axis being read, where it is a section
 };
 
 Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin(), set.end()) {
@@ -109,7 +112,8 @@ Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin
 }
 
 std::string Reader::where(const toml::node* node, const std::string& key) const {
-  if (node && node->source().begin) return fmt::format("{}:{}: {}", study_.file.string(), node->source().begin.line, key);
+  if (node && node->source().begin)
+    return fmt::format("{}:{}: {}", study_.file.string(), node->source().begin.line, key);
   return study_.file.string() + ": " + key;
 }
 
@@ -126,11 +130,13 @@ void Reader::check_root() const {
 
 void Reader::read_scene() {
   const toml::node* node = root_.get("scene");
-  if (!node || !node->is_string()) throw InputError(where(node, "scene"), "missing, expected the file of a scene");
+  if (!node || !node->is_string())
+    throw InputError(where(node, "scene"), "missing, expected the file of a scene");
   study_.scene = study_.file.parent_path() / node->as_string()->get();
   if (!fs::is_regular_file(study_.scene))
-    throw InputError(where(node, "scene"),
-                     fmt::format("no such file '{}', expected a scene, relative to the study", study_.scene.string()));
+    throw InputError(
+        where(node, "scene"),
+        fmt::format("no such file '{}', expected a scene, relative to the study", study_.scene.string()));
 }
 
 void Reader::read_seeds() {
@@ -140,21 +146,25 @@ void Reader::read_seeds() {
   if (list->empty()) throw InputError(where(node, "seeds"), "is empty, expected at least one whole number");
   for (const toml::node& element : *list) {
     if (!element.is_integer() || element.as_integer()->get() < 0)
-      throw InputError(where(&element, "seeds"), fmt::format("holds {}, expected whole numbers of at least 0", toml_of(element)));
+      throw InputError(where(&element, "seeds"),
+                       fmt::format("holds {}, expected whole numbers of at least 0", toml_of(element)));
     const auto seed = static_cast<std::uint64_t>(element.as_integer()->get());
     if (std::ranges::find(study_.seeds, seed) != study_.seeds.end())
-      throw InputError(where(&element, "seeds"), fmt::format("holds {} twice, expected each seed once", seed));
+      throw InputError(where(&element, "seeds"),
+                       fmt::format("holds {} twice, expected each seed once", seed));
     study_.seeds.push_back(seed);
   }
   claim("session.seed", where(node, "seeds"), "given by the seeds of the study");
 }
 
-// ---- keys: each given once, in one way ---------------------------------------------------------------------------------
+// ---- keys: each given once, in one way
+// ---------------------------------------------------------------------------------
 
-std::string Reader::scene_key(const std::string& written, const std::string& place, bool pseudo_allowed) const {
+std::string Reader::scene_key(const std::string& written, const std::string& place,
+                              bool pseudo_allowed) const {
   if (std::ranges::find(short_keys, written) != short_keys.end()) return "session." + written;
   if (pseudo_allowed && (written == "target_load" || written == "speed")) return written;
-  if (written == "model.select") return "session.select";   // one and the same
+  if (written == "model.select") return "session.select";  // one and the same
   const std::string section = written.substr(0, written.find('.'));
   const bool dotted = section.size() + 1 < written.size();
   if (dotted && std::ranges::find(scene_sections, section) != scene_sections.end()) return written;
@@ -164,9 +174,10 @@ std::string Reader::scene_key(const std::string& written, const std::string& pla
                                         listed(scene_sections)));
   if (pseudo_allowed && std::ranges::find(scene_sections, written) != scene_sections.end()) return written;
   const std::vector<std::string>& words = pseudo_allowed ? vary_words : short_keys;
-  throw InputError(place, fmt::format("unknown key, did you mean '{}'? Expected one of {}, or a scene key in quotes "
-                                      "(\"model.kernel\")",
-                                      nearest_word(written, words), listed(words)));
+  throw InputError(place,
+                   fmt::format("unknown key, did you mean '{}'? Expected one of {}, or a scene key in quotes "
+                               "(\"model.kernel\")",
+                               nearest_word(written, words), listed(words)));
 }
 
 // A key and a table that holds it are the same place, and so are the load and the cost it stands for.
@@ -175,9 +186,11 @@ void Reader::claim(const std::string& key, const std::string& place, const std::
     return inner == outer || inner.starts_with(outer + ".");
   };
   for (const auto& [other, given] : claimed_) {
-    const bool cost_twice = (key == "target_load" && other == "session.cost") || (key == "session.cost" && other == "target_load");
+    const bool cost_twice = (key == "target_load" && other == "session.cost") ||
+                            (key == "session.cost" && other == "target_load");
     if (within(key, other) || within(other, key) || cost_twice)
-      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected it once", how, other, given.first, given.second));
+      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected it once", how, other, given.first,
+                                          given.second));
   }
   if (key == "session.clock" && how != "fixed")
     throw InputError(place, "the clock of a study is virtual, so that its cells repeat; it cannot be varied");
@@ -206,7 +219,8 @@ std::string Reader::rebased(const std::string& key, const toml::node& node) cons
   return toml_of(toml::value<std::string>(value));
 }
 
-// ---- what is fixed, stepped, varied --------------------------------------------------------------------------------------
+// ---- what is fixed, stepped, varied
+// --------------------------------------------------------------------------------------
 
 void Reader::read_set(std::span<const std::string> set) {
   for (const std::string& text : set) {
@@ -227,7 +241,8 @@ void Reader::read_fixed_table(const toml::table& table, const std::string& path)
     const std::string canonical = key == "model.select" ? "session.select" : key;
     claim(canonical, place, "fixed");
     if (key == "session.clock" && shown(*node) != "virtual")
-      throw InputError(place, fmt::format("is '{}', expected 'virtual': the cells of a study must repeat", shown(*node)));
+      throw InputError(
+          place, fmt::format("is '{}', expected 'virtual': the cells of a study must repeat", shown(*node)));
     study_.fixed.push_back(canonical + "=" + rebased(key, *node));
   }
 }
@@ -242,7 +257,8 @@ void Reader::read_fixed() {
 }
 
 // Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }.
-StudyValue Reader::read_together(const std::string& section, const toml::node& node, const std::string& place) {
+StudyValue Reader::read_together(const std::string& section, const toml::node& node,
+                                 const std::string& place) {
   const toml::table* table = node.as_table();
   if (!table || table->empty())
     throw InputError(place, fmt::format("holds {}, expected tables of keys of [{}]", toml_of(node), section));
@@ -280,7 +296,8 @@ StudyAxis Reader::read_axis(const std::string& column, const toml::node& node) {
   for (const toml::node& element : *list) {
     StudyValue value = read_value(column, element, where(&element, "vary." + column));
     if (std::ranges::any_of(axis.values, [&](const StudyValue& other) { return other.text == value.text; }))
-      throw InputError(where(&element, "vary." + column), fmt::format("holds '{}' twice, expected each value once", value.text));
+      throw InputError(where(&element, "vary." + column),
+                       fmt::format("holds '{}' twice, expected each value once", value.text));
     axis.values.push_back(std::move(value));
   }
   if (together_.empty()) claim(key, axis.where, "varied");
@@ -292,7 +309,8 @@ void Reader::read_vary() {
   const toml::node* node = root_.get("vary");
   if (!node) return;
   if (!node->is_table()) throw InputError(where(node, "vary"), "expected a table of lists");
-  if (node->as_table()->empty()) throw InputError(where(node, "vary"), "is empty, expected at least one key with a list");
+  if (node->as_table()->empty())
+    throw InputError(where(node, "vary"), "is empty, expected at least one key with a list");
   // An unquoted dotted key (model.kernel = […]) arrives as a table in a table.
   const auto visit = [&](const auto& self, const toml::table& table, const std::string& path) -> void {
     for (const auto& [name, child] : in_file_order(table)) {
@@ -311,9 +329,10 @@ void Reader::read_steps() {
   if (!node) return;
   const toml::array* list = node->as_array();
   if (!list || list->empty() || !list->is_homogeneous<toml::table>())
-    throw InputError(where(node, "step"), "expected [[step]] tables, each with a name and the keys it changes");
+    throw InputError(where(node, "step"),
+                     "expected [[step]] tables, each with a name and the keys it changes");
   StudyAxis axis{.column = "step", .where = where(node, "step"), .values = {}};
-  std::map<std::string, std::string> kept;   // what holds so far
+  std::map<std::string, std::string> kept;  // what holds so far
   std::map<std::string, std::string> places;
   for (const toml::node& element : *list) {
     const toml::table& table = *element.as_table();
@@ -322,7 +341,9 @@ void Reader::read_steps() {
       throw InputError(where(&element, "step.name"), "missing, expected a name for the step");
     const std::string label = name->as_string()->get();
     for (const StudyValue& other : axis.values)
-      if (other.text == label) throw InputError(where(name, "step.name"), fmt::format("'{}' is used twice, expected each once", label));
+      if (other.text == label)
+        throw InputError(where(name, "step.name"),
+                         fmt::format("'{}' is used twice, expected each once", label));
     for (const auto& [written, value] : in_file_order(table)) {
       if (written == "name") continue;
       const std::string place = where(value, "step." + written);
@@ -362,14 +383,17 @@ void Reader::read_sustained() {
     const std::string place = where(value, "sustained." + name);
     const auto found = std::ranges::find(known, name);
     if (found == known.end())
-      throw InputError(place, fmt::format("unknown key, did you mean '{}'? Expected one of {}", nearest_word(name, known), listed(known)));
+      throw InputError(place, fmt::format("unknown key, did you mean '{}'? Expected one of {}",
+                                          nearest_word(name, known), listed(known)));
     const std::optional<double> number = value->is_number() ? value->value<double>() : std::nullopt;
     if (!number || !std::isfinite(*number) || *number <= 0 || (name == "share" && *number > 1))
-      throw InputError(place, fmt::format("is {}, expected a number above 0{}", toml_of(*value), name == "share" ? " and at most 1" : ""));
+      throw InputError(place, fmt::format("is {}, expected a number above 0{}", toml_of(*value),
+                                          name == "share" ? " and at most 1" : ""));
     *places[found - known.begin()] = *number;
   }
   if (options.low >= options.high)
-    throw InputError(where(node, "sustained"), fmt::format("low {} is not below high {}", options.low, options.high));
+    throw InputError(where(node, "sustained"),
+                     fmt::format("low {} is not below high {}", options.low, options.high));
   claim("speed", where(node, "sustained"), "searched");
   claim("session.seconds", where(node, "sustained"), "given by travel over speed");
   study_.sustained = options;
@@ -379,7 +403,8 @@ void Reader::check_combinations() const {
   double total = static_cast<double>(study_.seeds.size());
   for (const StudyAxis& axis : study_.axes) total *= static_cast<double>(axis.values.size());
   if (total > static_cast<double>(most_cells))
-    throw InputError(study_.file.string(), fmt::format("gives {:.4g} cells, expected at most {}", total, most_cells));
+    throw InputError(study_.file.string(),
+                     fmt::format("gives {:.4g} cells, expected at most {}", total, most_cells));
 }
 
 Study Reader::read() {
@@ -422,7 +447,9 @@ std::vector<std::string> Study::overrides(std::span<const std::size_t> chosen) c
   return all;
 }
 
-Study read_study(const fs::path& file, std::span<const std::string> set) { return Reader(file, set).read(); }
+Study read_study(const fs::path& file, std::span<const std::string> set) {
+  return Reader(file, set).read();
+}
 
 InputError located(const Study& study, const InputError& error) {
   const std::string prefix = "--set ", whole = error.what();
@@ -430,7 +457,8 @@ InputError located(const Study& study, const InputError& error) {
   const std::string key = error.where().substr(prefix.size(), error.where().find('=') - prefix.size());
   const std::string problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
   for (std::string path = key;;) {
-    if (const auto found = study.origin.find(path); found != study.origin.end()) return {found->second, problem};
+    if (const auto found = study.origin.find(path); found != study.origin.end())
+      return {found->second, problem};
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) return error;
     path.resize(dot);

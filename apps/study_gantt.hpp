@@ -1,5 +1,6 @@
 #pragma once
-// Who solved what when: one row a worker, one bar a solve, coloured by the label of the region it was meant for.
+// Who solved what when: one row a worker, one bar a solve, coloured by the label of the region it was meant
+// for.
 
 #include <string>
 
@@ -8,7 +9,8 @@
 
 namespace forefeel {
 
-// Bars of cancelled solves are thin, those whose state no model ever took half as high; below, the label at the HIP.
+// Bars of cancelled solves are thin, those whose state no model ever took half as high; below, the label at
+// the HIP.
 Figure gantt_figure(const SessionResult& result, double seconds, int workers);
 
 }  // namespace forefeel

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 1;   // of a cell's record: raised when what is kept of a cell changes
+constexpr int format_version = 1;  // of a cell's record: raised when what is kept of a cell changes
 
 std::string contents(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -31,7 +31,8 @@ std::string contents(const fs::path& file) {
 // The file behind trace:FILE, found as the device finds it; empty for other devices.
 fs::path trace_file(const std::string& device, const fs::path& folder) {
   if (!device.starts_with("trace:")) return {};
-  const fs::path name = device.substr(6, device.find(',') == std::string::npos ? std::string::npos : device.find(',') - 6);
+  const fs::path name =
+      device.substr(6, device.find(',') == std::string::npos ? std::string::npos : device.find(',') - 6);
   return fs::exists(folder / name) ? folder / name : name;
 }
 
@@ -40,7 +41,7 @@ std::vector<std::string> with_select_of(const Study& study, std::vector<std::str
   bool in_model = false;
   try {
     in_model = toml::parse_file(study.scene.string())["model"]["select"].is_string();
-  } catch (const toml::parse_error&) {   // load_scene says what is wrong
+  } catch (const toml::parse_error&) {  // load_scene says what is wrong
   }
   for (std::string& text : overrides)
     if (in_model && text.starts_with("session.select=")) text.replace(0, 7, "model");
@@ -57,7 +58,8 @@ Scene load_combination(const Study& study, std::span<const std::size_t> choice, 
   }
 }
 
-std::optional<double> number_of(const Study& study, std::span<const std::size_t> choice, const std::string& column) {
+std::optional<double> number_of(const Study& study, std::span<const std::size_t> choice,
+                                const std::string& column) {
   for (std::size_t i = 0; i < study.axes.size(); ++i)
     if (study.axes[i].column == column) return study.axes[i].values[choice[i]].number;
   return {};
@@ -69,7 +71,8 @@ std::string axis_place(const Study& study, const std::string& column) {
   return study.file.string();
 }
 
-// An error about a value that several keys may have given: the place of the first of them that the study gives.
+// An error about a value that several keys may have given: the place of the first of them that the study
+// gives.
 InputError placed(const Study& study, const std::string& key, const InputError& error) {
   const auto found = study.origin.find(key);
   return found == study.origin.end() ? error : InputError(found->second, error.what());
@@ -144,7 +147,8 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
 }
 
 std::string cost_for_load(double load, int workers, double demand) {
-  const double sigma = std::log(10.0) / (2 * 1.959964);   // 95 % within a factor of ten, as the paper's 0.1 to 1 s
+  const double sigma =
+      std::log(10.0) / (2 * 1.959964);  // 95 % within a factor of ten, as the paper's 0.1 to 1 s
   const double mean = load * workers / demand;
   return fmt::format("lognormal:{},{}", mean * std::exp(-0.5 * sigma * sigma), sigma);
 }
@@ -163,7 +167,8 @@ StudyPlan plan_study(Study given) {
   plan.scenes.reserve(study.combinations());
   for (std::size_t c = 0; c < study.combinations(); ++c) {
     const std::vector<std::size_t> choice = study.choice(c);
-    plan.scenes.push_back(load_combination(study, choice, plan.scenes.empty() ? nullptr : &plan.scenes.back()));
+    plan.scenes.push_back(
+        load_combination(study, choice, plan.scenes.empty() ? nullptr : &plan.scenes.back()));
     const Scene& scene = plan.scenes.back();
     if (c == 0) plan.warnings = scene.warnings;
     for (const std::uint64_t seed : study.seeds) {
@@ -178,8 +183,10 @@ StudyPlan plan_study(Study given) {
       if (const auto load = number_of(study, choice, "target_load")) {
         const double demand = states_needed_per_second(scene, cell.options);
         if (demand <= 0)
-          throw InputError(axis_place(study, "target_load"), fmt::format("device '{}' needs no state of the box, expected a "
-                                                                  "motion through it", cell.options.device));
+          throw InputError(axis_place(study, "target_load"),
+                           fmt::format("device '{}' needs no state of the box, expected a "
+                                       "motion through it",
+                                       cell.options.device));
         cell.options.cost = cost_for_load(*load, cell.options.workers, demand);
       }
       cell.key = key_of(scene, cell.options, study);

@@ -11,27 +11,27 @@
 namespace forefeel {
 
 struct StudyCell {
-  std::vector<std::size_t> choice;    // value of each axis
+  std::vector<std::size_t> choice;  // value of each axis
   std::uint64_t seed = 0;
-  std::size_t scene = 0;              // into StudyPlan::scenes
-  SessionOptions options;             // of the session; threads 1
-  std::string key;                    // SHA-256 of everything that its result depends on
+  std::size_t scene = 0;   // into StudyPlan::scenes
+  SessionOptions options;  // of the session; threads 1
+  std::string key;         // SHA-256 of everything that its result depends on
 };
 
 struct StudyPlan {
   Study study;
-  std::vector<Scene> scenes;          // one for each combination; bodies are shared where they are the same
-  std::vector<StudyCell> cells;       // in the order of cells.csv
+  std::vector<Scene> scenes;     // one for each combination; bodies are shared where they are the same
+  std::vector<StudyCell> cells;  // in the order of cells.csv
   std::vector<std::string> warnings;
 };
 
 // InputError names the place in the study for whatever a cell could not run with.
 StudyPlan plan_study(Study study);
 
-SessionInput session_input(const Scene& scene);     // without known states, with the cache folder
+SessionInput session_input(const Scene& scene);  // without known states, with the cache folder
 
-// States of the lattice that a motion needs, the corners in the box of every lattice cell it passes, per second:
-// the numerator of the summary's `load`.
+// States of the lattice that a motion needs, the corners in the box of every lattice cell it passes, per
+// second: the numerator of the summary's `load`.
 double states_needed_per_second(const Scene& scene, const SessionOptions& options);
 // Cost model under which `load` holds: log-normal with the spread of the paper's times and mean
 // load x workers / demand.

@@ -16,7 +16,8 @@ std::size_t trace_of(const Study& study, std::span<const std::size_t> choice, st
 }
 
 bool in_slices(std::span<const std::size_t> choice, const std::vector<StudySlice>& slices) {
-  return std::ranges::all_of(slices, [&](const StudySlice& slice) { return choice[slice.axis] == slice.value; });
+  return std::ranges::all_of(slices,
+                             [&](const StudySlice& slice) { return choice[slice.axis] == slice.value; });
 }
 
 double value_of(const Study& study, const CellColumns& cell, const StudyMetric& metric) {
@@ -27,7 +28,9 @@ double value_of(const Study& study, const CellColumns& cell, const StudyMetric& 
   return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
 }
 
-Json interval_json(const ConfidenceInterval& interval) { return Json::array({number(interval.low), number(interval.high)}); }
+Json interval_json(const ConfidenceInterval& interval) {
+  return Json::array({number(interval.low), number(interval.high)});
+}
 
 Json comparison_json(const Comparison& comparison) {
   return {{"mean", number(comparison.student.mean)},
@@ -42,9 +45,13 @@ Json comparison_json(const Comparison& comparison) {
 
 }  // namespace
 
-bool is_trace_axis(const StudyAxis& axis) { return axis.column == "device" || axis.column == "session.device"; }
+bool is_trace_axis(const StudyAxis& axis) {
+  return axis.column == "device" || axis.column == "session.device";
+}
 
-StudyMetric primary_metric(const Study& study) { return study_metrics(study).front(); }
+StudyMetric primary_metric(const Study& study) {
+  return study_metrics(study).front();
+}
 
 StudyMetric second_metric(const Study& study) {
   const std::vector<StudyMetric> all = study_metrics(study);
@@ -77,13 +84,14 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
   return metrics;
 }
 
-std::vector<Observation> observations(const Study& study, const std::vector<CellColumns>& cells, std::size_t axis,
-                                      const StudyMetric& metric, const std::vector<StudySlice>& slices) {
+std::vector<Observation> observations(const Study& study, const std::vector<CellColumns>& cells,
+                                      std::size_t axis, const StudyMetric& metric,
+                                      const std::vector<StudySlice>& slices) {
   const std::size_t levels = study.axes[axis].values.size();
   const std::vector<std::size_t> blocks = blocks_without(study, axis);
-  struct Settings {   // one block: everything but the axis is the same
+  struct Settings {  // one block: everything but the axis is the same
     std::vector<double> values;
-    std::pair<std::size_t, std::size_t> unit;   // trace, seed
+    std::pair<std::size_t, std::size_t> unit;  // trace, seed
   };
   std::map<std::size_t, Settings> fine;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -113,7 +121,8 @@ std::vector<Observation> observations(const Study& study, const std::vector<Cell
       seen.push_back({.level = level,
                       .block = number_of_unit,
                       .group = id.first,
-                      .value = unit.complete > 0 ? unit.sums[level] / static_cast<double>(unit.complete) : std::nan("")});
+                      .value = unit.complete > 0 ? unit.sums[level] / static_cast<double>(unit.complete)
+                                                 : std::nan("")});
     ++number_of_unit;
   }
   return seen;
@@ -125,12 +134,14 @@ std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColu
   for (std::size_t axis = 0; axis < study.axes.size(); ++axis) {
     const std::size_t levels = study.axes[axis].values.size();
     if (levels < 2) continue;
-    all.push_back({axis, metric, rank(observations(study, cells, axis, metric), levels, metric.larger_is_better)});
+    all.push_back(
+        {axis, metric, rank(observations(study, cells, axis, metric), levels, metric.larger_is_better)});
   }
   return all;
 }
 
-std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells, const StudyMetric& metric) {
+std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells,
+                                const StudyMetric& metric) {
   std::vector<Contrast> all;
   if (study.axes.empty() || study.axes.front().values.size() < 2) return all;
   const std::size_t levels = study.axes.front().values.size();
@@ -146,19 +157,21 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumn
     if (!ranking.ranked.empty()) reference = ranking.ranked.front().level;
   }
   const auto add = [&](std::optional<StudySlice> slice) {
-    const std::vector<Observation> seen =
-        slice ? observations(study, cells, 0, metric, {*slice}) : whole;
+    const std::vector<Observation> seen = slice ? observations(study, cells, 0, metric, {*slice}) : whole;
     for (std::size_t level = 0; level < levels; ++level)
-      if (level != reference) all.push_back({metric, level, reference, slice, compare_levels(seen, level, reference)});
+      if (level != reference)
+        all.push_back({metric, level, reference, slice, compare_levels(seen, level, reference)});
   };
   add({});
   for (std::size_t axis = 1; axis < study.axes.size(); ++axis)
     for (std::size_t value = 0; value < study.axes[axis].values.size(); ++value)
-      if (!is_trace_axis(study.axes[axis]) && study.axes[axis].values.size() > 1) add(StudySlice{axis, value});
+      if (!is_trace_axis(study.axes[axis]) && study.axes[axis].values.size() > 1)
+        add(StudySlice{axis, value});
   return all;
 }
 
-Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared) {
+Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
+                  const std::vector<Contrast>& compared) {
   Json document;
   document["metric"] = primary_metric(study).key;
   document["rankings"] = Json::array();
@@ -183,7 +196,8 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked, co
              {"compared_by", contrast.metric.ratio ? "difference of logarithms" : "difference"}};
     row["where"] = Json::object();
     if (contrast.slice)
-      row["where"][study.axes[contrast.slice->axis].column] = study.axes[contrast.slice->axis].values[contrast.slice->value].text;
+      row["where"][study.axes[contrast.slice->axis].column] =
+          study.axes[contrast.slice->axis].values[contrast.slice->value].text;
     row.update(comparison_json(contrast.comparison));
     document["contrasts"].push_back(row);
   }

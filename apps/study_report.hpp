@@ -8,7 +8,7 @@
 
 namespace forefeel {
 
-std::string study_page(const StudyPlan& plan, const StudyResult& result, const std::vector<AxisRanking>& ranked,
-                       const std::vector<Contrast>& compared);
+std::string study_page(const StudyPlan& plan, const StudyResult& result,
+                       const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared);
 
 }  // namespace forefeel

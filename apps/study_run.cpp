@@ -23,17 +23,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- columns -------------------------------------------------------------------------------------------------------
+// ---- columns
+// -------------------------------------------------------------------------------------------------------
 
 bool depends_on_wall_time(const std::string& path) {
-  return path.starts_with("deadline.cost_us") || path.starts_with("deadline.lateness_us") || path == "wall_seconds" ||
-         path == "realtime_priority" || path == "memory_locked";
+  return path.starts_with("deadline.cost_us") || path.starts_with("deadline.lateness_us") ||
+         path == "wall_seconds" || path == "realtime_priority" || path == "memory_locked";
 }
 
 void flatten(const nlohmann::ordered_json& value, const std::string& path, CellColumns& columns) {
   if (value.is_object()) {
-    for (const auto& [key, child] : value.items()) flatten(child, path.empty() ? key : path + '.' + key, columns);
-  } else if (!value.is_array()) {   // notes
+    for (const auto& [key, child] : value.items())
+      flatten(child, path.empty() ? key : path + '.' + key, columns);
+  } else if (!value.is_array()) {  // notes
     columns[path] = depends_on_wall_time(path) ? nlohmann::ordered_json(nullptr) : value;
   }
 }
@@ -45,10 +47,12 @@ double quantile95(std::vector<double> values) {
   return values[std::max<std::size_t>(rank, 1) - 1];
 }
 
-void add_first_visits(const SessionResult& result, const SwitchOptions& jnd, double tolerance, CellColumns& columns) {
-  const std::pair<const char*, double FrameRecord::*> parts[] = {{"approximation", &FrameRecord::approximation},
-                                                                 {"switch", &FrameRecord::switching},
-                                                                 {"staleness", &FrameRecord::staleness}};
+void add_first_visits(const SessionResult& result, const SwitchOptions& jnd, double tolerance,
+                      CellColumns& columns) {
+  const std::pair<const char*, double FrameRecord::*> parts[] = {
+      {"approximation", &FrameRecord::approximation},
+      {"switch", &FrameRecord::switching},
+      {"staleness", &FrameRecord::staleness}};
   for (const auto& [name, member] : parts) {
     std::vector<double> values;
     for (const FrameRecord& frame : result.frames)
@@ -59,7 +63,10 @@ void add_first_visits(const SessionResult& result, const SwitchOptions& jnd, dou
   for (const FrameRecord& frame : result.frames) {
     if (!frame.first_visit || !frame.reference.allFinite()) continue;
     ++visits;
-    within += (frame.force - frame.reference).norm() <= std::max(tolerance * frame.reference.norm(), jnd.jnd_floor) ? 1 : 0;
+    within +=
+        (frame.force - frame.reference).norm() <= std::max(tolerance * frame.reference.norm(), jnd.jnd_floor)
+            ? 1
+            : 0;
   }
   columns["error.first_visit.within_7"] =
       number(visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : unknown);
@@ -71,7 +78,8 @@ void add_solver_time(const SessionResult& result, double end, CellColumns& colum
   std::size_t solved = 0, used = 0;
   for (const DispatchRecord& job : result.dispatch) {
     if (!std::isfinite(job.started) || job.status == "arrived") continue;
-    const double seconds = std::max(0.0, std::min(std::isfinite(job.finished) ? job.finished : end, end) - job.started);
+    const double seconds =
+        std::max(0.0, std::min(std::isfinite(job.finished) ? job.finished : end, end) - job.started);
     busy += seconds;
     if (job.status == "preempted") preempted += seconds;
     if (job.status != "solved") continue;
@@ -86,9 +94,12 @@ void add_solver_time(const SessionResult& result, double end, CellColumns& colum
   columns["solver.wasted"] = wasted;
 }
 
-// ---- the store -----------------------------------------------------------------------------------------------------
+// ---- the store
+// -----------------------------------------------------------------------------------------------------
 
-fs::path record_file(const fs::path& folder, const StudyCell& cell) { return folder / "cells" / (cell.key + ".json"); }
+fs::path record_file(const fs::path& folder, const StudyCell& cell) {
+  return folder / "cells" / (cell.key + ".json");
+}
 
 std::optional<CellColumns> read_record(const fs::path& folder, const StudyCell& cell) {
   std::ifstream in(record_file(folder, cell));
@@ -99,7 +110,8 @@ std::optional<CellColumns> read_record(const fs::path& folder, const StudyCell& 
 }
 
 void write_record(const fs::path& folder, const StudyCell& cell, const CellColumns& columns) {
-  nlohmann::ordered_json record{{"key", cell.key}, {"device", cell.options.device}, {"cost", cell.options.cost}};
+  nlohmann::ordered_json record{
+      {"key", cell.key}, {"device", cell.options.device}, {"cost", cell.options.cost}};
   record["columns"] = columns;
   OutputFile out(record_file(folder, cell));
   out.write(record.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
@@ -110,7 +122,8 @@ class FolderLock {
  public:
   explicit FolderLock(const fs::path& folder) {
     descriptor_ = open((folder / "cells" / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) throw InputError(folder.string(), "cannot be written, expected a folder for the results");
+    if (descriptor_ < 0)
+      throw InputError(folder.string(), "cannot be written, expected a folder for the results");
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       close(descriptor_);
       throw InputError(folder.string(), "another study is writing here, expected a folder of its own");
@@ -124,7 +137,8 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-// ---- running -------------------------------------------------------------------------------------------------------
+// ---- running
+// -------------------------------------------------------------------------------------------------------
 
 // One service of reference solves for each body, spacing and kind of state, as the cache keeps them apart.
 class References {
@@ -176,7 +190,8 @@ double part_of(const SessionProgress& p) {
 
 CellColumns run_plain(const StudyPlan& plan, const StudyCell& cell, const SessionInput& input,
                       const std::function<void(double)>& show) {
-  const SessionResult result = run_cell(plan, cell, input, [&](const SessionProgress& p) { show(part_of(p)); });
+  const SessionResult result =
+      run_cell(plan, cell, input, [&](const SessionProgress& p) { show(part_of(p)); });
   return cell_columns(result, input, cell.options);
 }
 
@@ -207,7 +222,8 @@ CellColumns run_sustained(const StudyPlan& plan, const StudyCell& cell, const Se
 
 }  // namespace
 
-CellColumns cell_columns(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
+CellColumns cell_columns(const SessionResult& result, const SessionInput& input,
+                         const SessionOptions& options) {
   CellColumns columns = CellColumns::object();
   flatten(summary_json(result, input, options), "", columns);
   add_first_visits(result, options.switching, 0.07, columns);
@@ -256,8 +272,8 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
         SessionInput input = session_input(plan.scenes[cell.scene]);
         input.references = references.of(input);
         const auto show = [&](double part) { ticker.at(item, part); };
-        result.cells[todo[item]] =
-            plan.study.sustained ? run_sustained(plan, cell, input, show) : run_plain(plan, cell, input, show);
+        result.cells[todo[item]] = plan.study.sustained ? run_sustained(plan, cell, input, show)
+                                                        : run_plain(plan, cell, input, show);
         write_record(folder, cell, result.cells[todo[item]]);
         ticker.at(item, 1.0);
       } catch (...) {

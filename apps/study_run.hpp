@@ -1,8 +1,8 @@
 #pragma once
-// Runs the cells of a study that are not there yet, in parallel, and keeps each as a file of its own the moment it
-// is done: DIR/cells/KEY.json, written whole or not at all. A kill loses only the cells under way.
-// KEY is the content of the cell (scene, body, options, seed, traces, version), so a cell is found again whatever
-// else of the study changes, and never mistaken for another.
+// Runs the cells of a study that are not there yet, in parallel, and keeps each as a file of its own the
+// moment it is done: DIR/cells/KEY.json, written whole or not at all. A kill loses only the cells under way.
+// KEY is the content of the cell (scene, body, options, seed, traces, version), so a cell is found again
+// whatever else of the study changes, and never mistaken for another.
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -17,19 +17,21 @@ namespace forefeel {
 using CellColumns = nlohmann::ordered_json;
 
 struct StudyResult {
-  std::vector<CellColumns> cells;     // as StudyPlan::cells
+  std::vector<CellColumns> cells;  // as StudyPlan::cells
   std::size_t ran = 0, resumed = 0;
-  double seconds = 0;                 // wall
+  double seconds = 0;  // wall
 };
 
 // Of one session: the summary flattened, and what a study adds to it:
-//   solver.busy, solver.preempted, solver.wasted   seconds of the workers: in all; in cancelled solves; in solves
+//   solver.busy, solver.preempted, solver.wasted   seconds of the workers: in all; in cancelled solves; in
+//   solves
 //                                                  that no model used
 //   states.used_share                              of solved states
 //   error.first_visit.parts.…                      p95 over first visits, as error.parts is over all samples
 //   error.first_visit.within_7                     share of first visits within 7 % of the reference force
 // Values that depend on wall time stay empty.
-CellColumns cell_columns(const SessionResult& result, const SessionInput& input, const SessionOptions& options);
+CellColumns cell_columns(const SessionResult& result, const SessionInput& input,
+                         const SessionOptions& options);
 
 // Another process that writes to the same folder is refused. Throws what a session throws; cells done stay.
 StudyResult run_study(const StudyPlan& plan, const std::filesystem::path& folder, const Globals& globals);

@@ -5,13 +5,14 @@
 
 namespace forefeel {
 
-SustainedSpeed sustained_speed(const SustainedOptions& options, const std::function<double(double)>& share_at) {
+SustainedSpeed sustained_speed(const SustainedOptions& options,
+                               const std::function<double(double)>& share_at) {
   SustainedSpeed found;
   const auto holds = [&](double speed) {
     ++found.trials;
     return share_at(speed) >= options.share;
   };
-  double failed = 0;   // the lowest speed above found.speed that did not hold; 0: none yet
+  double failed = 0;  // the lowest speed above found.speed that did not hold; 0: none yet
   int failures = 0;
   for (double speed = options.low; failures < 2; speed = std::min(2 * speed, options.high)) {
     if (holds(speed)) {

@@ -1,9 +1,9 @@
 #pragma once
-// The highest speed that a session sustains: the largest v in [low, high] at which at least `share` of the frames
-// that visit a lattice cell for the first time are within `tolerance` of the reference, |F - f| <= tolerance |f|
-// with the floor F_abs of the JND. Each trial runs the same way, `travel` [m], in travel / v seconds.
-// A coarse scan upward by a factor of 2 ends at the second failure in a row; bisection in log v between the last
-// speed that held and the next that did not then narrows it to 5 %.
+// The highest speed that a session sustains: the largest v in [low, high] at which at least `share` of the
+// frames that visit a lattice cell for the first time are within `tolerance` of the reference, |F - f| <=
+// tolerance |f| with the floor F_abs of the JND. Each trial runs the same way, `travel` [m], in travel / v
+// seconds. A coarse scan upward by a factor of 2 ends at the second failure in a row; bisection in log v
+// between the last speed that held and the next that did not then narrows it to 5 %.
 
 #include <functional>
 
@@ -12,12 +12,13 @@
 namespace forefeel {
 
 struct SustainedSpeed {
-  double speed = 0;        // [m/s]; 0 where even `low` fails
-  bool capped = false;     // `high` holds
+  double speed = 0;     // [m/s]; 0 where even `low` fails
+  bool capped = false;  // `high` holds
   int trials = 0;
 };
 
 // share_at(v): share of first visits within the tolerance at speed v.
-SustainedSpeed sustained_speed(const SustainedOptions& options, const std::function<double(double)>& share_at);
+SustainedSpeed sustained_speed(const SustainedOptions& options,
+                               const std::function<double(double)>& share_at);
 
 }  // namespace forefeel

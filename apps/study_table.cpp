@@ -63,13 +63,14 @@ void add_regret(const Study& study, std::vector<CellColumns>& cells) {
   const auto best = std::ranges::find(policies, std::string("clairvoyant"), &StudyValue::text);
   if (best == policies.end()) return;
   const std::vector<std::size_t> blocks = blocks_without(study, *axis);
-  std::map<std::size_t, std::size_t> bound;   // block -> cell of the clairvoyant policy
+  std::map<std::size_t, std::size_t> bound;  // block -> cell of the clairvoyant policy
   for (std::size_t i = 0; i < cells.size(); ++i)
-    if (study.choice(i / study.seeds.size())[*axis] == static_cast<std::size_t>(best - policies.begin())) bound[blocks[i]] = i;
+    if (study.choice(i / study.seeds.size())[*axis] == static_cast<std::size_t>(best - policies.begin()))
+      bound[blocks[i]] = i;
   for (const std::string key : {"within_jnd", "first_visit.within_jnd"})
     for (std::size_t i = 0; i < cells.size(); ++i)
-      cells[i]["regret." + key] =
-          number(cell_number(cells[bound.at(blocks[i])], "error." + key) - cell_number(cells[i], "error." + key));
+      cells[i]["regret." + key] = number(cell_number(cells[bound.at(blocks[i])], "error." + key) -
+                                         cell_number(cells[i], "error." + key));
 }
 
 std::string cells_csv(const Study& study, const std::vector<CellColumns>& cells) {
@@ -81,7 +82,8 @@ std::string cells_csv(const Study& study, const std::vector<CellColumns>& cells)
   text += '\n';
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::vector<std::size_t> choice = study.choice(i / study.seeds.size());
-    for (std::size_t a = 0; a < choice.size(); ++a) text += quoted(study.axes[a].values[choice[a]].text) + ',';
+    for (std::size_t a = 0; a < choice.size(); ++a)
+      text += quoted(study.axes[a].values[choice[a]].text) + ',';
     text += std::to_string(study.seeds[i % study.seeds.size()]);
     for (const std::string& key : keys) {
       text += ',';

@@ -1,6 +1,6 @@
 #pragma once
-// cells.csv: one row a cell, in an order that only the study decides; the same bytes for the same study however
-// many threads ran it and however often it was resumed.
+// cells.csv: one row a cell, in an order that only the study decides; the same bytes for the same study
+// however many threads ran it and however often it was resumed.
 
 #include <string>
 #include <vector>
@@ -14,8 +14,8 @@ namespace forefeel {
 //   regret.within_jnd, regret.first_visit.within_jnd
 void add_regret(const Study& study, std::vector<CellColumns>& cells);
 
-// A column for each varied key, seed, then the keys of the cells (all that occur, in order of first appearance;
-// those that are varied keys already are not repeated). Unknown values are empty.
+// A column for each varied key, seed, then the keys of the cells (all that occur, in order of first
+// appearance; those that are varied keys already are not repeated). Unknown values are empty.
 std::string cells_csv(const Study& study, const std::vector<CellColumns>& cells);
 
 // NaN where a cell lacks the key or it is no number.

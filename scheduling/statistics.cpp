@@ -74,7 +74,7 @@ std::size_t count(const GroupedValues& groups) {
 // Values of each level by block, for blocks that hold all levels asked for.
 struct Block {
   std::size_t group = 0;
-  std::map<std::size_t, double> values;   // level -> value
+  std::map<std::size_t, double> values;  // level -> value
 };
 
 std::map<std::size_t, Block> by_block(std::span<const Observation> observations) {
@@ -150,23 +150,25 @@ Ranking rank(std::span<const Observation> observations, std::size_t levels, bool
              const BootstrapOptions& options) {
   std::map<std::size_t, Block> blocks = by_block(observations);
   Ranking ranking;
-  ranking.dropped = std::erase_if(blocks, [&](const auto& entry) { return entry.second.values.size() < levels; });
+  ranking.dropped =
+      std::erase_if(blocks, [&](const auto& entry) { return entry.second.values.size() < levels; });
   ranking.blocks = blocks.size();
   if (blocks.empty()) return ranking;
   for (std::size_t level = 0; level < levels; ++level)
-    ranking.ranked.push_back({.level = level,
-                              .value = compare(grouped(blocks, [&](const Block& b) { return b.values.at(level); }),
-                                               options),
-                              .to_best = {},
-                              .tied = false});
+    ranking.ranked.push_back(
+        {.level = level,
+         .value = compare(grouped(blocks, [&](const Block& b) { return b.values.at(level); }), options),
+         .to_best = {},
+         .tied = false});
   std::ranges::stable_sort(ranking.ranked, [&](const Ranked& a, const Ranked& b) {
     return larger_is_better ? a.value.student.mean > b.value.student.mean
                             : a.value.student.mean < b.value.student.mean;
   });
   const std::size_t best = ranking.ranked.front().level;
   for (Ranked& entry : ranking.ranked) {
-    entry.to_best = compare(
-        grouped(blocks, [&](const Block& b) { return b.values.at(entry.level) - b.values.at(best); }), options);
+    entry.to_best =
+        compare(grouped(blocks, [&](const Block& b) { return b.values.at(entry.level) - b.values.at(best); }),
+                options);
     entry.tied = entry.to_best.verdict() == 0;
   }
   return ranking;
@@ -178,7 +180,8 @@ Comparison compare_levels(std::span<const Observation> observations, std::size_t
   std::erase_if(blocks, [&](const auto& entry) {
     return !entry.second.values.contains(a) || !entry.second.values.contains(b);
   });
-  return compare(grouped(blocks, [&](const Block& block) { return block.values.at(a) - block.values.at(b); }), options);
+  return compare(grouped(blocks, [&](const Block& block) { return block.values.at(a) - block.values.at(b); }),
+                 options);
 }
 
 }  // namespace forefeel

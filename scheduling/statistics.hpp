@@ -4,9 +4,11 @@
 // y_gi is the value of replicate i (a seed) in group g (a trace); groups weigh the same whatever their size:
 //   m_g = mean_i y_gi,   m = mean_g m_g
 // Two intervals for m, because neither is enough alone:
-//   Student    m +- t_{G-1} s_m / sqrt(G), s_m the deviation of the m_g over G groups (over the replicates where
+//   Student    m +- t_{G-1} s_m / sqrt(G), s_m the deviation of the m_g over G groups (over the replicates
+//   where
 //              G = 1): what other traces of this kind would give; honest but wide with few traces
-//   bootstrap  two-stage percentile: groups drawn with replacement, then replicates within each (Davison, Hinkley,
+//   bootstrap  two-stage percentile: groups drawn with replacement, then replicates within each (Davison,
+//   Hinkley,
 //              Bootstrap Methods and their Application, 1997, 3.8); assumes no distribution, too narrow below
 //              about 5 groups
 // A comparison pairs the same trace, seed and remaining settings: y = y_a - y_b.
@@ -19,7 +21,7 @@
 namespace forefeel {
 
 struct ConfidenceInterval {
-  double mean, low, high;            // low and high NaN where one observation gives no spread
+  double mean, low, high;  // low and high NaN where one observation gives no spread
   bool excludes_zero() const { return low > 0 || high < 0; }
 };
 
@@ -29,7 +31,7 @@ using GroupedValues = std::vector<std::vector<double>>;
 struct BootstrapOptions {
   double confidence = 0.95;
   std::size_t resamples = 4000;
-  std::uint64_t seed = 0;            // same seed, same interval
+  std::uint64_t seed = 0;  // same seed, same interval
 };
 
 double student_quantile(double probability, double freedom);
@@ -39,15 +41,15 @@ ConfidenceInterval bootstrap_interval(const GroupedValues& values, const Bootstr
 struct Comparison {
   ConfidenceInterval student, bootstrap;
   std::size_t pairs = 0, groups = 0;
-  std::size_t won = 0, lost = 0;     // pairs where y > 0, y < 0
+  std::size_t won = 0, lost = 0;  // pairs where y > 0, y < 0
   // +1 or -1 where both intervals exclude zero on that side, else 0.
   int verdict() const;
 };
 // Of the values themselves: `a - b` already taken, one value a pair.
 Comparison compare(const GroupedValues& differences, const BootstrapOptions& options = {});
 
-// One observation: the value of contender `level` in block `block`, which belongs to trace `group`. A block is what
-// all contenders share: trace, seed and every other setting.
+// One observation: the value of contender `level` in block `block`, which belongs to trace `group`. A block
+// is what all contenders share: trace, seed and every other setting.
 struct Observation {
   std::size_t level = 0, block = 0, group = 0;
   double value = 0;
@@ -55,15 +57,15 @@ struct Observation {
 
 struct Ranked {
   std::size_t level = 0;
-  Comparison value;                  // of the level's own mean; verdict means nothing here
-  Comparison to_best;                // level - best, paired; zero for the best itself
-  bool tied = false;                 // its difference to the best is not shown
+  Comparison value;    // of the level's own mean; verdict means nothing here
+  Comparison to_best;  // level - best, paired; zero for the best itself
+  bool tied = false;   // its difference to the best is not shown
 };
 
 struct Ranking {
-  std::vector<Ranked> ranked;        // best first
-  std::size_t blocks = 0;            // used
-  std::size_t dropped = 0;           // blocks where a level is missing or NaN: never used, for no level
+  std::vector<Ranked> ranked;  // best first
+  std::size_t blocks = 0;      // used
+  std::size_t dropped = 0;     // blocks where a level is missing or NaN: never used, for no level
 };
 
 Ranking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,

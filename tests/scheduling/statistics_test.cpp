@@ -1,5 +1,5 @@
-// Intervals against published quantiles, hand-worked numbers, SciPy where installed, and their coverage on data
-// whose mean is known.
+// Intervals against published quantiles, hand-worked numbers, SciPy where installed, and their coverage on
+// data whose mean is known.
 
 #include "scheduling/statistics.hpp"
 
@@ -27,7 +27,8 @@ std::string output_of(const std::string& command) {
 }
 
 // Groups with means of deviation `between` and replicates of deviation `within` around them; true mean 1.
-GroupedValues drawn(std::size_t groups, std::size_t replicates, double between, double within, std::uint64_t seed) {
+GroupedValues drawn(std::size_t groups, std::size_t replicates, double between, double within,
+                    std::uint64_t seed) {
   GroupedValues values(groups);
   for (std::size_t g = 0; g < groups; ++g) {
     const double centre = 1 + between * normal(mix(seed, 1000 * g));
@@ -84,7 +85,8 @@ TEST_CASE("equal values have an interval of no width") {
 
 TEST_CASE("the bootstrap repeats with its seed, shifts and scales with the data") {
   const GroupedValues values = drawn(6, 4, 0.5, 0.3, 7);
-  const ConfidenceInterval first = bootstrap_interval(values, {.seed = 3}), again = bootstrap_interval(values, {.seed = 3});
+  const ConfidenceInterval first = bootstrap_interval(values, {.seed = 3}),
+                           again = bootstrap_interval(values, {.seed = 3});
   CHECK(first.low == again.low);
   CHECK(first.high == again.high);
   CHECK(bootstrap_interval(values, {.seed = 4}).low != first.low);
@@ -111,7 +113,7 @@ TEST_CASE("intervals cover the true mean about as often as they say") {
   const auto share = [](std::size_t n) { return static_cast<double>(n) / trials; };
   // Three standard errors of a share of 0.95 in 1500 trials: 0.017.
   CHECK(share(student) == Approx(0.95).margin(0.017));
-  CHECK(share(bootstrap) > 0.80);      // known to be narrow with five groups
+  CHECK(share(bootstrap) > 0.80);  // known to be narrow with five groups
   CHECK(share(bootstrap) < share(student));
   CHECK(share(both) >= share(student));
 }
@@ -144,7 +146,7 @@ TEST_CASE("ranking pairs blocks, so that a hard trace does not hide a small diff
   CHECK(up.ranked.back().to_best.verdict() == -1);
   CHECK(up.ranked.front().tied);
   CHECK(up.ranked[1].tied);
-  CHECK(up.ranked.front().value.student.low < 0);   // unpaired, nothing would be seen
+  CHECK(up.ranked.front().value.student.low < 0);  // unpaired, nothing would be seen
   CHECK(rank(seen, 3, false).ranked.front().level == 0);
   const Comparison pair = compare_levels(seen, 1, 0);
   CHECK(pair.pairs == 12);
@@ -158,7 +160,10 @@ TEST_CASE("a block that lacks a contender is used for none, and counted") {
   for (std::size_t block = 0; block < 4; ++block)
     for (std::size_t level = 0; level < 2; ++level)
       if (!(block == 3 && level == 1))
-        seen.push_back({.level = level, .block = block, .group = block, .value = block == 2 && level == 0 ? nan_value : 1.0});
+        seen.push_back({.level = level,
+                        .block = block,
+                        .group = block,
+                        .value = block == 2 && level == 0 ? nan_value : 1.0});
   const Ranking ranking = rank(seen, 2, true);
   CHECK(ranking.blocks == 2);
   CHECK(ranking.dropped == 2);
@@ -166,13 +171,14 @@ TEST_CASE("a block that lacks a contender is used for none, and counted") {
 }
 
 TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installed") {
-  const std::string python = "/usr/bin/python3 -c \""
-                             "import numpy as np, scipy.stats as s\n"
-                             "x = np.array([0.31, 0.42, 0.77, 0.05, 0.66, 0.58, 0.49, 0.93, 0.12, 0.38])\n"
-                             "t = s.t.interval(0.95, 9, x.mean(), s.sem(x))\n"
-                             "b = s.bootstrap((x,), np.mean, n_resamples=200000, method='percentile', random_state=1)\n"
-                             "print(repr(float(t[0])), repr(float(t[1])), float(b.confidence_interval.low), "
-                             "float(b.confidence_interval.high))\" 2>/dev/null";
+  const std::string python =
+      "/usr/bin/python3 -c \""
+      "import numpy as np, scipy.stats as s\n"
+      "x = np.array([0.31, 0.42, 0.77, 0.05, 0.66, 0.58, 0.49, 0.93, 0.12, 0.38])\n"
+      "t = s.t.interval(0.95, 9, x.mean(), s.sem(x))\n"
+      "b = s.bootstrap((x,), np.mean, n_resamples=200000, method='percentile', random_state=1)\n"
+      "print(repr(float(t[0])), repr(float(t[1])), float(b.confidence_interval.low), "
+      "float(b.confidence_interval.high))\" 2>/dev/null";
   double low = 0, high = 0, b_low = 0, b_high = 0;
   if (std::sscanf(output_of(python).c_str(), "%lf %lf %lf %lf", &low, &high, &b_low, &b_high) != 4) {
     WARN("python3-scipy is not installed: not compared");
@@ -180,7 +186,7 @@ TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installe
   }
   const GroupedValues one{{0.31, 0.42, 0.77, 0.05, 0.66, 0.58, 0.49, 0.93, 0.12, 0.38}};
   const ConfidenceInterval student = student_interval(one);
-  CHECK(student.low == Approx(low).epsilon(1e-9));   // SciPy's quantile itself is good to 2e-11
+  CHECK(student.low == Approx(low).epsilon(1e-9));  // SciPy's quantile itself is good to 2e-11
   CHECK(student.high == Approx(high).epsilon(1e-9));
   const ConfidenceInterval bootstrap = bootstrap_interval(one, {.resamples = 100'000});
   CHECK(bootstrap.low == Approx(b_low).margin(0.003));
