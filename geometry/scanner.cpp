@@ -125,11 +125,19 @@ std::int64_t Scanner::integer(const char* expected, std::int64_t low, std::int64
   return value;
 }
 
+namespace {
+// "a number of nodes" -> "nodes"
+std::string_view counted(std::string_view expected) {
+  constexpr std::string_view article = "a number of ";
+  return expected.starts_with(article) ? expected.substr(article.size()) : expected;
+}
+}  // namespace
+
 std::size_t Scanner::count(const char* expected, std::size_t bytes_each) {
   const std::int64_t value = integer(expected);
   if (value < 0) fail(fmt::format("{} is negative, expected {}", value, expected));
   if (static_cast<std::uint64_t>(value) > (remaining() + 1) / bytes_each)
-    fail(fmt::format("{} {} announced, but the file is cut short", value, expected));
+    fail(fmt::format("{} {} announced, but the file is cut short", value, counted(expected)));
   return static_cast<std::size_t>(value);
 }
 

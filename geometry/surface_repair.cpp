@@ -124,6 +124,11 @@ Surface repair(const Surface& surface, RepairReport& report) {
     Mesh wrapped = cgal::to_mesh(result);
     report.components = drop_crumbs(wrapped);
     result = cgal::from_mesh(wrapped);
+    // Around an open sheet the wrap is a shell of twice its offset; a body thicker than the offset passes.
+    const double offset = diagonal(surface) / 60 / 20;
+    if (enclosed_volume(result) < 1.5 * offset * area(result)) {
+      throw InputError("surface", "encloses no volume, expected a closed surface");
+    }
   }
   const double side = bounding_box(result).size().maxCoeff();
   if (!(enclosed_volume(result) > 1e-9 * side * side * side)) throw InputError("surface", "encloses no volume, expected a closed surface");
