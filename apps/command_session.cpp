@@ -88,9 +88,16 @@ void take_states(const Scene& scene, const SessionArguments& given, SessionInput
   input.known = StateFile::open_or_create(file, header).read_all();
 }
 
-void remove_states_of_last_run(const SessionInput& input, const fs::path& run) {
-  if (input.state_file != run / "session.states") return;
-  for (const char* end : {"", "-wal", "-shm"}) fs::remove(input.state_file->string() + end);
+// What an earlier run into this folder solved is kept beside, as session-1.states, session-2.states, …
+void set_aside_states_of_last_run(const SessionInput& input, const fs::path& run) {
+  const fs::path file = run / "session.states";
+  if (input.state_file != file || !fs::exists(file)) return;
+  int k = 1;
+  while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
+  for (const char* end : {"-wal", "-shm", ""}) {
+    const fs::path part = file.string() + end;
+    if (fs::exists(part)) fs::rename(part, run / fmt::format("session-{}.states{}", k, end));
+  }
 }
 
 std::string text_for(const SessionProgress& p) {
@@ -135,7 +142,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   const fs::path run = given.output;
   take_states(scene, given, input);
   prepare_run_folder(run);
-  remove_states_of_last_run(input, run);
+  set_aside_states_of_last_run(input, run);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");

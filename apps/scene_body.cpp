@@ -168,6 +168,7 @@ BodyIdentity identity_of(const Body& body) {
   for (const Tet& tet : body.mesh.tets)
     for (const NodeIndex node : tet) mesh.add(std::int64_t{node});
   return {{"mesh", "sha256 " + mesh.hex()},
+          {"element", std::string(name(body.element))},
           {"material", fmt::format("{}, young {} Pa, poisson {}", name(body.material.law),
                                    body.material.young, body.material.poisson)},
           {"clamp", hash_nodes(body.clamp)},
