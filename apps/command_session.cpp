@@ -71,7 +71,7 @@ double whole_motion(double duration, const SessionOptions& options, bool asked) 
 }
 
 // States known at the start, and the file that new ones are appended to.
-void take_states(const Scene& scene, const SessionArguments& given, SessionInput& input) {
+void take_states(const Scene& scene, const SessionArguments& given, const Globals& globals, SessionInput& input) {
   input.state_file = fs::path(given.output) / "session.states";
   if (given.states.empty()) return;
   const fs::path file = given.states;
@@ -82,6 +82,7 @@ void take_states(const Scene& scene, const SessionArguments& given, SessionInput
   input.state_file = file;
   if (!fs::exists(file)) {
     check_writable(file);
+    warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states", file.string()));
     return;
   }
   StateFileHeader header{.identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
@@ -140,7 +141,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   check_session(input, options);
   if (!given.seconds) options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
-  take_states(scene, given, input);
+  take_states(scene, given, globals, input);
   prepare_run_folder(run);
   set_aside_states_of_last_run(input, run);
   for (const std::string& warning : scene.warnings) warn(globals, warning);

@@ -192,7 +192,8 @@ void create(const fs::path& file, const StateFileHeader& header) {
 std::string shown(const BodyIdentity& identity, const std::string& key) {
   const auto found = identity.find(key);
   if (found == identity.end()) return "none";
-  return found->second.size() > 24 ? found->second.substr(0, 24) + "…" : found->second;
+  const bool digest = found->second.find("sha256") != std::string::npos;   // a person compares its beginning at most
+  return digest && found->second.size() > 24 ? found->second.substr(0, 24) + "…" : found->second;
 }
 
 void check_identity(const std::string& where, const BodyIdentity& in_file, const BodyIdentity& ours) {
@@ -283,6 +284,12 @@ StateFile StateFile::open_or_create(const fs::path& file, const StateFileHeader&
   impl->header = read_header(impl->database.get(), impl->where);
   check_identity(impl->where, impl->header.identity, header.identity);
   execute(impl->database.get(), impl->where, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+  // Labels are measured in the spacing that the states are to fill: the finest that anybody asked for.
+  if (header.spacing < impl->header.spacing) {
+    execute(impl->database.get(), impl->where,
+            fmt::format("UPDATE header SET value = {} WHERE key = 'spacing'", header.spacing).c_str());
+    impl->header.spacing = header.spacing;
+  }
   return StateFile(std::move(impl));
 }
 

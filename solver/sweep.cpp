@@ -88,7 +88,7 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
 // is known to have another branch, the reference branch decides: straight from rest in steps of h.
 void SweepWorker::compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours) {
   if (!node.solved()) return;
-  bool doubt = false;
+  bool doubt = node.state.min_jacobian <= 0;   // with an element turned inside out there is mostly another way to settle
   for (const SweepNode* other : neighbours) {
     const Vec3 foretold =
         other->state.force - 0.5 * (other->state.stiffness + node.state.stiffness) * (node.state.at - other->state.at);
