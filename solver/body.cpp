@@ -1,5 +1,6 @@
 #include "solver/body.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -64,6 +65,22 @@ std::string_view name(Element element) { return element == Element::linear ? "li
 
 std::vector<std::string> element_names() { return {"linear", "quadratic"}; }
 
+namespace {
+// Held along a line at most, a body turns about it and has no single equilibrium.
+void check_held(const Body& body, const std::string& prefix) {
+  std::vector<Vec3> held;
+  for (const auto* nodes : {&body.clamp, &body.contact})
+    for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[static_cast<std::size_t>(node)]);
+  const auto further = [&](const Vec3& a, const Vec3& b) { return (a - held[0]).norm() < (b - held[0]).norm(); };
+  const Vec3 far = *std::max_element(held.begin(), held.end(), further) - held[0];
+  const double length = longest_side(body.mesh);
+  for (const Vec3& node : held)
+    if ((node - held[0]).cross(far).norm() > 1e-9 * length * length) return;
+  throw InputError(prefix + "clamp", "clamp and contact lie on one line, so the body can turn about it, "
+                                     "expected at least three nodes off a line");
+}
+}  // namespace
+
 std::vector<std::string> check(const Body& body, const std::string& where) {
   const std::string prefix = where.empty() ? "" : where + ": ";
   if (body.mesh.tets.empty()) throw InputError(prefix + "body.mesh", "no tetrahedra, expected at least one");
@@ -76,6 +93,7 @@ std::vector<std::string> check(const Body& body, const std::string& where) {
     if (clamped[static_cast<std::size_t>(node)])
       throw InputError(prefix + "contact", fmt::format("node {} is clamped, expected a node that can move", node));
   check_parts(body, prefix);
+  check_held(body, prefix);
 
   std::vector<std::string> warnings;
   if (body.material.poisson > 0.45 && body.element == Element::linear)
