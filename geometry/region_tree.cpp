@@ -282,6 +282,7 @@ void RegionTree::settle_below(std::int32_t index, std::size_t& budget) {
   std::uint8_t below = 0;
   for (std::int32_t child = 0; child < 8; ++child) {
     settle_below(node(index).children + child, budget);
+    if (node(index).kind != RegionNode::Kind::branch) return;   // the child's collapse went on up to here
     below |= summary(node(node(index).children + child));
   }
   nodes_[static_cast<std::size_t>(index)].below = below;
