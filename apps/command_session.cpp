@@ -182,7 +182,7 @@ void add_session(CLI::App& app, Commands& commands) {
   sub.add_option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
   sub.add_option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
   sub.add_option("--select", given->select, "Neighbour set: label or nearest");
-  auto* arrivals = sub.add_option("--arrivals", given->arrivals, "CSV t,x,y,z: states become known at given times");
+  auto* arrivals = sub.add_option("--arrivals", given->arrivals, "CSV t,x,y,z, rows in any order: states become known at given times");
   sub.add_option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")->excludes(arrivals);
   sub.add_option("-o,--output", given->output, "Folder for the files of the run")->type_name("RUN/")->required();
 }

@@ -109,9 +109,9 @@ std::optional<std::int64_t> SceneTable::integer(const std::string& key, std::int
   if (!value) return {};
   const auto* integer = value->as_integer();
   if (!integer || integer->get() < low || integer->get() > high)
-    throw wrong(key, high == std::numeric_limits<std::int64_t>::max()
-                         ? fmt::format("a whole number of at least {}", low)
-                         : fmt::format("a whole number from {} to {}", low, high));
+    throw wrong(key, high < std::numeric_limits<std::int64_t>::max() ? fmt::format("a whole number from {} to {}", low, high)
+                     : low > std::numeric_limits<std::int64_t>::min() ? fmt::format("a whole number of at least {}", low)
+                                                                      : "a whole number");
   return integer->get();
 }
 

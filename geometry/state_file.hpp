@@ -63,7 +63,7 @@ class StateFile {
 };
 
 // A queue in front of a StateFile: push() never blocks on the disk; a thread of its own commits what has waited for
-// 50 ms at most, and at destruction. Safe to push from many threads. If the disk fails, the next push() or flush()
+// 20 ms at most, and at destruction. Safe to push from many threads. If the disk fails, the next push() or flush()
 // throws the InputError, and nothing more is written.
 class StateWriter {
  public:

@@ -10,7 +10,7 @@ namespace forefeel {
 
 struct StateWriter::Impl {
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds patience{50};
+  static constexpr std::chrono::milliseconds patience{20};
 
   StateFile file;                       // touched by the thread alone
   std::mutex mutex;

@@ -11,6 +11,7 @@
 #include "geometry/output_file.hpp"
 #include "scheduling/csv_table.hpp"
 #include "scheduling/random.hpp"
+#include "solver/revision.hpp"
 
 namespace forefeel {
 namespace {
@@ -23,6 +24,7 @@ std::string cache_name(const BodyIdentity& identity, double spacing, bool displa
   };
   for (const auto& [name, hash] : identity) take(name), take(hash);
   take(fmt::format("{}", spacing));
+  take(solver_revision());
   return fmt::format("{:016x}{:016x}{}", low, high, displacements ? "-displacements" : "");
 }
 

@@ -37,7 +37,7 @@ struct SessionOptions {
   double update_travel = 0.25;             // HIP travel that triggers an update, in spacings
   std::string cost = "constant:0.01";      // virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded, paper
   double latency = 0;                      // per message [s]
-  std::optional<std::filesystem::path> arrivals;   // CSV t,x,y,z: states become known at given times
+  std::optional<std::filesystem::path> arrivals;   // CSV t,x,y,z, rows in any order: states become known at given times
   std::optional<std::filesystem::path> replay;     // a run folder: HIP and arrivals as recorded there
   bool preempt = true;
   std::string predictor = "kalman";        // or constant-velocity
