@@ -29,9 +29,10 @@ struct Functions {
 
 Functions choose() {
 #ifdef FOREFEEL_MULTIVERSION
-  if (__builtin_cpu_supports("x86-64-v4"))
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512bw"))
     return {"avx512", avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum};
-  if (__builtin_cpu_supports("x86-64-v3"))
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
     return {"avx2", avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
 #endif
   return {"portable", portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum};
