@@ -45,36 +45,45 @@ bool Continuation::take_tangent() {
   return has_tangent_ = true;
 }
 
-NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop) {
+NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
+                                   bool keep_factor) {
   NewtonReport report;
   if (!take_tangent()) {
     report.status = SolveStatus::diverged;
     return report;
   }
   predict(*d_, field_, x - at_, x, trial_);
-  return correct_trial(x, tolerance, max_iterations, stop);
+  return correct_trial(x, tolerance, max_iterations, stop, keep_factor);
 }
 
 NewtonReport Continuation::correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
                                    const std::stop_token& stop) {
   trial_ = u;
   iterations_ = 0;
-  return correct_trial(x, tolerance, max_iterations, stop);
+  return correct_trial(x, tolerance, max_iterations, stop, true);
 }
 
-NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop) {
-  const NewtonReport report = newton_.solve(trial_, tolerance, max_iterations, stop);
+NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
+                                         bool keep_factor) {
+  NewtonReport report = newton_.solve(trial_, tolerance, max_iterations, stop, keep_factor);
   iterations_ += report.iterations;
   if (report.status != SolveStatus::converged) return report;
+  if (!newton_.condense(trial_, newton_.contraction(), field_.tangent.data(), stiffness_)) {
+    has_tangent_ = false;
+    if (!newton_.factorise(trial_)) {        // an equilibrium, but not a stable one
+      report.status = SolveStatus::diverged;
+      return report;
+    }
+    newton_.condense(trial_, 0, field_.tangent.data(), stiffness_);
+  }
   std::swap(field_.u, trial_);
   at_ = x;
   has_tangent_ = true;
-  newton_.factor().tangent(field_.tangent.data());
   return report;
 }
 
 NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
-                                   const std::stop_token& stop) {
+                                   const std::stop_token& stop, double between) {
   const Vec3 from = at_;
   const double distance = (x - from).norm();
   const double steps = max_step > 0 ? std::max(1.0, std::ceil(distance / max_step * (1 - 1e-12))) : 1.0;
@@ -84,7 +93,7 @@ NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolera
   do {
     const double next = done + share >= 1 - 1e-9 ? 1.0 : done + share;
     const Vec3 target = next == 1.0 ? x : Vec3(from + next * (x - from));
-    report = step_to(target, tolerance, max_iterations, stop);
+    report = step_to(target, between > 0 && next < 1 ? between : tolerance, max_iterations, stop, between > 0);
     if (report.status == SolveStatus::converged) {
       done = next;
       share = std::min(1 / steps, 2 * share);

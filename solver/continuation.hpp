@@ -18,29 +18,33 @@ class Continuation {
   void begin_at_rest();
   void begin_at(const Vec3& at, const LocalField& field);    // an empty tangent is worked out when needed
 
-  // In steps of at most max_step (0: one). Ends at x, or where the last step that worked ended.
-  NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations, const std::stop_token& stop);
+  // In steps of at most max_step (0: one). Ends at x, or where the last step that worked ended. With between > 0 the steps
+  // on the way are solved to that tolerance only, and factors serve on while they contract.
+  NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations, const std::stop_token& stop,
+                       double between = 0);
 
   const Vec3& at() const { return at_; }
   int iterations() const { return iterations_; }             // since begin
-  // Newton at x from the prediction u.
+  // Newton at x from the prediction u, on one factor where that contracts.
   NewtonReport correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
                        const std::stop_token& stop);
 
   const LocalField& field() const { return field_; }         // with its tangent after an advance that converged
-  Mat3 stiffness() const { return newton_.factor().stiffness(); }   // after an advance that converged
+  const Mat3& stiffness() const { return stiffness_; }       // after an advance or a correction that converged
   NewtonSolver& newton() { return newton_; }
 
  private:
   bool take_tangent();
-  NewtonReport correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop);
-  NewtonReport step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop);
+  NewtonReport correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
+                             bool keep_factor);
+  NewtonReport step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop, bool keep_factor);
 
   std::shared_ptr<const Discretisation> d_;
   NewtonSolver newton_;
   LocalField field_;
   std::vector<double> trial_;
   Vec3 at_ = Vec3::Zero();
+  Mat3 stiffness_ = Mat3::Zero();
   bool has_tangent_ = false;
   int iterations_ = 0;
 };

@@ -152,6 +152,42 @@ void hessian_of(const ElementView& view, const double* u, double* blocks) {
 }
 
 template <class Law, int nodes>
+void product_of(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
+  using S = Shape<nodes>;
+  for (std::int64_t group = 0; group < view.groups; ++group) {
+    const std::int32_t* node = view.node + group * nodes * lane_count;
+    Lanes rest[12], local[3 * nodes], along[3][3 * nodes], sum[3][3 * nodes]{};
+    for (int i = 0; i < 12; ++i) rest[i] = load(view.gradient + (group * 12 + i) * lane_count);
+    const Lanes weight = load(view.volume + group * lane_count) * (1.0 / S::points);
+    gather<nodes>(node, u, local);
+    for (int c = 0; c < 3; ++c) gather<nodes>(node, d + c * stride, along[c]);
+    for (int q = 0; q < S::points; ++q) {
+      Lanes g[3 * nodes];
+      S::gradients(q, rest, g);
+      Point<Lanes> point;
+      deformation_gradient<nodes>(local, g, point.f);
+      prepare<Law>(view.constants, point);
+      for (int c = 0; c < 3; ++c) {
+        Lanes df[9], p[9];
+        deformation_gradient<nodes>(along[c], g, df);
+        for (int i = 0; i < 3; ++i) df[4 * i] -= 1.0;
+        stress_change<Law>(view.constants, point, df, p);
+        for (int i = 0; i < 9; ++i) p[i] *= weight;
+        for (int a = 0; a < nodes; ++a)
+          for (int i = 0; i < 3; ++i)
+            sum[c][3 * a + i] += p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
+      }
+    }
+    for (int c = 0; c < 3; ++c)
+      for (int e = 0; e < lane_count; ++e)
+        for (int a = 0; a < nodes; ++a) {
+          double* to = y + c * stride + 3 * static_cast<std::int64_t>(node[a * lane_count + e]);
+          for (int i = 0; i < 3; ++i) to[i] += sum[c][3 * a + i][e];
+        }
+  }
+}
+
+template <class Law, int nodes>
 void gradient_lanes_of(const ElementView& view, const double* u, double* r, double* energy, double* min_jacobian) {
   using S = Shape<nodes>;
   Lanes total{}, lowest = spread<Lanes>(__builtin_inf());
@@ -255,11 +291,14 @@ struct Both {
     view.nodes_per_element == 4 ? gradient_lanes_of<Law, 4>(view, u, r, energy, least_j)
                                 : gradient_lanes_of<Law, 10>(view, u, r, energy, least_j);
   }
+  static void product(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
+    view.nodes_per_element == 4 ? product_of<Law, 4>(view, stride, u, d, y) : product_of<Law, 10>(view, stride, u, d, y);
+  }
   static void product_lanes(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
     view.nodes_per_element == 4 ? product_lanes_of<Law, 4>(view, stride, u, d, y)
                                 : product_lanes_of<Law, 10>(view, stride, u, d, y);
   }
-  static constexpr ElementKernels table{gradient, hessian, gradient_lanes, product_lanes};
+  static constexpr ElementKernels table{gradient, hessian, gradient_lanes, product, product_lanes};
 };
 
 }  // namespace

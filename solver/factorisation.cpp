@@ -20,7 +20,7 @@ double elimination_flops(double pivots, double rest) {
 // What a front costs besides its flops: its bookkeeping, and handing its update matrix to the parent.
 double front_cost(const Supernode& s) {
   const double rest = static_cast<double>(s.rest.size());
-  return 4000 + 60 * rest * rest + elimination_flops(s.pivots, rest);
+  return 10000 + 150 * rest * rest + elimination_flops(s.pivots, rest);
 }
 
 std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free_nodes) {
@@ -152,16 +152,25 @@ struct FactorLayout {
           place[static_cast<std::size_t>(s)] = position(f, pattern.column[static_cast<std::size_t>(s)]);
   }
 
-  // A front's update matrix is made above those of its children and then moved down over them.
+  // Two stacks, for fronts of even and odd depth: a front's update matrix is made on the one while those of its children
+  // lie on top of the other, so that nothing has to be moved.
   void place_stack() {
-    std::int64_t top = 0;
-    for (Front& f : fronts) {
-      f.work = top;
-      f.keep = f.child_count > 0 ? fronts[static_cast<std::size_t>(children[static_cast<std::size_t>(f.children)])].keep : top;
-      const std::int64_t size = 3 * f.rest * f.update_ld;
-      stack_size = std::max(stack_size, f.work + size);
-      top = f.keep + (f.parent < 0 ? 0 : size);
+    std::vector<char> odd(fronts.size(), 0);
+    for (std::size_t s = fronts.size(); s-- > 0;)
+      if (fronts[s].parent >= 0) odd[s] = !odd[static_cast<std::size_t>(fronts[s].parent)];
+    std::int64_t top[2] = {0, 0}, size[2] = {0, 0};
+    for (std::size_t s = 0; s < fronts.size(); ++s) {
+      Front& f = fronts[s];
+      const std::size_t mine = odd[s] != 0 ? 1 : 0;
+      f.update = top[mine];
+      size[mine] = std::max(size[mine], f.update + 3 * f.rest * f.update_ld);
+      if (f.child_count > 0)
+        top[1 - mine] = fronts[static_cast<std::size_t>(children[static_cast<std::size_t>(f.children)])].update;
+      if (f.parent >= 0) top[mine] = f.update + 3 * f.rest * f.update_ld;
     }
+    for (std::size_t s = 0; s < fronts.size(); ++s)
+      if (odd[s] != 0) fronts[s].update += size[0];
+    stack_size = size[0] + size[1];
   }
 };
 

@@ -140,9 +140,12 @@ bool factor(const FrontTree& tree, const double* blocks, double* panels, double*
     const Front& front = tree.fronts[s];
     const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), rest = 3 * static_cast<std::int64_t>(front.rest);
     double* panel = panels + front.panel;
-    double* update = stack + front.work;
+    double* update = stack + front.update;
     __builtin_memset(panel, 0, static_cast<std::size_t>(pivots * front.ld) * sizeof(double));
-    __builtin_memset(update, 0, static_cast<std::size_t>(rest * front.update_ld) * sizeof(double));
+    for (std::int64_t i = 0; i < rest; ++i) {      // the upper triangle, and what whole vectors touch beside it
+      const std::int64_t from = i / lane_count * lane_count - (i < lane_count ? 0 : lane_count);
+      __builtin_memset(update + i * front.update_ld + from, 0, static_cast<std::size_t>(front.update_ld - from) * sizeof(double));
+    }
     for (std::int64_t i = 0; i < front.pivots; ++i)
       for (std::int64_t block = tree.row_start[front.first + i]; block < tree.row_start[front.first + i + 1]; ++block) {
         double* to = panel + 3 * i * front.ld + 3 * tree.place[block];
@@ -151,7 +154,7 @@ bool factor(const FrontTree& tree, const double* blocks, double* panels, double*
       }
     for (std::int64_t c = 0; c < front.child_count; ++c) {
       const Front& child = tree.fronts[tree.children[front.children + c]];
-      extend_add(tree, child, front, stack + child.keep, panel, update);
+      extend_add(tree, child, front, stack + child.update, panel, update);
     }
     if (!eliminate(panel, pivots, front.ld, front.ld)) return false;
     symmetric_update(pivots, rest, rest, panel + pivots, front.ld, update, front.update_ld);
@@ -161,8 +164,6 @@ bool factor(const FrontTree& tree, const double* blocks, double* panels, double*
           const int a = i / 3 < i % 3 ? i / 3 : i % 3, b = i / 3 + i % 3 - a;
           corner[i] += update[a * front.update_ld + b];
         }
-    } else if (front.keep != front.work) {
-      __builtin_memmove(stack + front.keep, update, static_cast<std::size_t>(rest * front.update_ld) * sizeof(double));
     }
   }
   for (int a = 0; a < 3; ++a)

@@ -43,7 +43,9 @@ struct ElementKernels {
   void (*hessian)(const ElementView&, const double* u, double* blocks);
   // r += dW/du for eight displacement fields at once; energy and min_jacobian are [8].
   void (*gradient_lanes)(const ElementView&, const double* u, double* r, double* energy, double* min_jacobian);
-  // y_c += (d2W/du2)(u) d_c for three directions, c = 0..2, of each of eight fields; d_c and y_c are `stride` apart.
+  // y_c += (d2W/du2)(u) d_c for three directions, c = 0..2; d_c and y_c are `stride` apart.
+  void (*product)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
+  // The same for each of eight fields.
   void (*product_lanes)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
 };
 
@@ -55,7 +57,7 @@ struct Front {
   std::int32_t parent = -1;                    // -1: what is left goes to the contact's corner, K
   std::int64_t panel = 0, ld = 0;              // offset and row length in the panel store
   std::int64_t rows = 0;                       // offset of the `rest` local nodes in FrontTree::rows
-  std::int64_t work = 0, keep = 0, update_ld = 0;   // offsets of the update matrix in the stack: made, then kept
+  std::int64_t update = 0, update_ld = 0;      // offset and row length of the update matrix in the stack
   std::int64_t runs = 0, run_count = 0;        // extend-add into the parent
   std::int64_t children = 0, child_count = 0;  // in FrontTree::children
 };

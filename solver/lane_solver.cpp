@@ -9,7 +9,9 @@ namespace forefeel {
 namespace {
 
 constexpr int most_iterations = 14;
-constexpr double settled_share = 3e-5;    // of K: how much the last correction of V may still have changed it
+// The last correction of V changed K by a share g of it; with a factor that leaves a share e of an error per step, what
+// is left is about e g.
+constexpr double settled_share = 1e-4, largest_gain = 3e-3, least_contraction = 0.03, unknown_contraction = 0.2;
 
 double& lane(std::vector<double>& v, std::size_t row, int l) {
   return v[row * lane_count + static_cast<std::size_t>(l)];
@@ -112,6 +114,7 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
       result.converged = result.residual <= tolerance && std::isfinite(result.energy);
       const bool hopeless = !std::isfinite(result.energy) || !std::isfinite(result.residual) ||
                             result.residual > 20 * best[at] || iteration == most_iterations;
+      if (iteration > 0) result.contraction = std::max(result.contraction, result.residual / best[at]);
       slow = slow || (iteration > 0 && result.residual > 0.125 * best[at]);
       best[at] = std::min(best[at], result.residual);
       if (result.converged || hopeless) active[at] = 0;
@@ -169,7 +172,9 @@ void LaneSolver::finish(const Factorisation& factor, int count, std::array<LaneR
     for (int l = 0; l < count; ++l) {
       LaneResult& result = results[static_cast<std::size_t>(l)];
       result.stiffness = plain[static_cast<std::size_t>(l)] - gain[static_cast<std::size_t>(l)];
-      result.stiffness_settled = gain[static_cast<std::size_t>(l)].norm() <= settled_share * result.stiffness.norm();
+      const double share = gain[static_cast<std::size_t>(l)].norm() / result.stiffness.norm();
+      const double left = result.iterations > 0 ? std::max(result.contraction, least_contraction) : unknown_contraction;
+      result.stiffness_settled = share <= largest_gain && left * share <= settled_share;
       settled = settled && (result.stiffness_settled || !result.converged);
     }
     if (settled) break;

@@ -23,6 +23,7 @@ struct LocalField {
 struct LaneResult {
   bool converged = false;
   bool stiffness_settled = false;    // false: M fits too badly for K and V, which then hold nothing
+  double contraction = 0;            // the worst share of a residual that a step left; 0 where there was no step
   int iterations = 0;
   double residual = 0, energy = 0, min_jacobian = 0;
   Vec3 force = Vec3::Zero();

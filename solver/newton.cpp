@@ -82,8 +82,9 @@ bool NewtonSolver::line_search(std::vector<double>& u, NewtonReport& report) {
 }
 
 NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int max_iterations,
-                                 const std::stop_token& stop) {
+                                 const std::stop_token& stop, bool keep_factor) {
   NewtonReport report;
+  contraction_ = 0;
   evaluate(u, report);
   std::swap(gradient_, trial_gradient_);
   if (!std::isfinite(report.energy) || !std::isfinite(report.residual)) {
@@ -99,10 +100,12 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
       return report;
     }
     // The factor serves on while each step with it takes the residual down fivefold: a step without a new factor
-    // costs a tenth. The equilibrium itself always gets its own, which also shows that it is stable.
+    // costs a tenth. The equilibrium itself gets its own, which also shows that it is stable, unless the caller is
+    // content with one that contracts.
     const bool settled = report.residual <= tolerance ||
                          report.residual * std::max(report.force.norm(), d_->force_floor) <= d_->round_off;
-    const bool keep = has_factor && !settled && report.residual < 0.2 * before;
+    const bool keep = has_factor && (keep_factor || !settled) && report.residual < 0.2 * before;
+    contraction_ = keep ? std::max(contraction_, report.residual / before) : 0;
     has_factor = keep || factorise_shifted(u);
     before = report.residual;
     if (!has_factor) {
@@ -135,6 +138,43 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
                               : report.min_jacobian > 0 ? SolveStatus::stalled : SolveStatus::inverted;
     return report;
   }
+}
+
+bool NewtonSolver::condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness) {
+  factor_.tangent(tangent);
+  stiffness = factor_.stiffness();
+  if (left == 0) return true;
+  constexpr double settled_share = 1e-5, largest_gain = 1e-3;      // as in lane_solver.cpp
+  constexpr int most_rounds = 3;
+  const std::size_t size = u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  product_.resize(3 * size);
+  lanes_.resize(size * lane_count);
+  for (int round = 0; round < most_rounds; ++round) {
+    std::fill(product_.begin(), product_.end(), 0.0);
+    d_->kernels->product(d_->view(), static_cast<std::int64_t>(size), u.data(), tangent, product_.data());
+    std::fill(lanes_.begin(), lanes_.end(), 0.0);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < rows; ++i) lanes_[i * lane_count + c] = -product_[c * size + i];
+    factor_.solve_lanes(lanes_.data());
+    Mat3 plain, gain;
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = a; b < 3; ++b) {
+        double sum = product_[b * size + rows + a], lost = 0;
+        for (std::size_t i = 0; i < rows; ++i) {
+          sum += tangent[a * size + i] * product_[b * size + i];
+          lost -= product_[a * size + i] * lanes_[i * lane_count + b];
+        }
+        const auto row = static_cast<int>(a), column = static_cast<int>(b);
+        plain(row, column) = plain(column, row) = sum;
+        gain(row, column) = gain(column, row) = lost;
+      }
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < rows; ++i) tangent[c * size + i] += lanes_[i * lane_count + c];
+    stiffness = plain - gain;
+    const double share = gain.norm() / stiffness.norm();
+    if (share <= largest_gain && std::max(left, 0.03) * share <= settled_share) return true;
+  }
+  return false;
 }
 
 }  // namespace forefeel

@@ -26,8 +26,14 @@ class NewtonSolver {
  public:
   explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
 
-  // u, a local vector with the contact already at x, becomes the equilibrium; on success `factor()` is of H(u) itself.
-  NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations, const std::stop_token& stop);
+  // u, a local vector with the contact already at x, becomes the equilibrium. On success `factor()` is of H(u) itself;
+  // with keep_factor it may be of an iterate before, and then the last step with it took the residual down fivefold.
+  NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations, const std::stop_token& stop,
+                     bool keep_factor = false);
+  // V = du/dx and K at u from the factor, be it of H(u) or of one nearby (`left`: the share of an error that a step with
+  // it leaves): see lane_solver.hpp. False where that factor fits too badly.
+  bool condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness);
+  double contraction() const { return contraction_; }   // of the last steps with the factor; 0: it is of H(u)
   const Factorisation& factor() const { return factor_; }
   bool factorise(const std::vector<double>& u);       // H(u); false unless positive definite
 
@@ -41,8 +47,8 @@ class NewtonSolver {
 
   std::shared_ptr<const Discretisation> d_;
   Factorisation factor_;
-  std::vector<double> gradient_, step_, trial_, trial_gradient_, blocks_, rest_blocks_;
-  double shift_ = 0;
+  std::vector<double> gradient_, step_, trial_, trial_gradient_, blocks_, rest_blocks_, product_, lanes_;
+  double shift_ = 0, contraction_ = 0;
 };
 
 }  // namespace forefeel

@@ -11,8 +11,10 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// A force that differs by more than this share from what the stiffness of a neighbour foretells is looked into.
-constexpr double suspicious = 0.1;
+// A force that differs by more than this share from what the stiffness of a neighbour foretells is looked into; with an
+// element turned inside out, one that differs by this share from the cubic through the corners of its cell.
+constexpr double suspicious = 0.1, suspicious_inverted = 2e-3;
+constexpr double between_tolerance = 1e-4;    // on the way along the straight path
 // Values on two branches differ by more than this.
 constexpr double other_branch = 1e-4;
 constexpr double coarse_tolerance = 1e-7;
@@ -57,6 +59,13 @@ void SweepWorker::take(SweepNode& node, const LaneResult& result) const {
   s.min_jacobian = result.min_jacobian;
 }
 
+// Newton from the prediction.
+void SweepWorker::correct_alone(SweepNode& node) {
+  const NewtonReport report =
+      path_.correct(node.field.u, node.state.at, coarse_tolerance, prediction_iterations, options_.stop);
+  if (report.status == SolveStatus::converged) take(node, report);
+}
+
 // Newton continuation from the given nodes in turn, then straight from rest.
 void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
   State& s = node.state;
@@ -67,7 +76,8 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
     else
       path_.begin_at_rest();
     const NewtonReport report = path_.advance(s.at, start ? 0.0 : options_.spacing, fallback_tolerance,
-                                              fallback_iterations, options_.stop);
+                                              fallback_iterations, options_.stop,
+                                              start ? 0.0 : between_tolerance);
     s.parent = start ? start->state.at : Vec3(Vec3::Zero());
     if (report.status != SolveStatus::converged) {
       s.status = report.status;
@@ -84,21 +94,30 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
   node.field = {};
 }
 
-// The trapezium rule on the stiffnesses foretells the force to third order. Where it does not fit, or where a neighbour
-// is known to have another branch, the reference branch decides: straight from rest in steps of h.
-void SweepWorker::compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours) {
-  if (!node.solved()) return;
-  bool doubt = node.state.min_jacobian <= 0;   // with an element turned inside out there is mostly another way to settle
+// The trapezium rule on the stiffnesses foretells the force to third order, their Hermite mean over the corners of a cell
+// to fourth. Where they do not fit, or where a neighbour is known to have another branch, the reference branch decides:
+// straight from rest in steps of h. With an element turned inside out there is mostly another way to settle, so a coarse
+// state with one (which the fine ones are predicted from) is always compared.
+bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const {
+  const State& s = node.state;
+  const bool inverted = s.min_jacobian <= 0;
+  if (inverted && (coarse || neighbours.empty())) return true;
+  Vec3 mean = Vec3::Zero();
   for (const SweepNode* other : neighbours) {
-    const Vec3 foretold =
-        other->state.force - 0.5 * (other->state.stiffness + node.state.stiffness) * (node.state.at - other->state.at);
-    const double scale = std::max({node.state.force.norm(), other->state.force.norm(), d_->force_floor});
-    doubt = doubt || other->state.multivalued || !((foretold - node.state.force).norm() <= suspicious * scale);
+    const State& o = other->state;
+    const Vec3 move = s.at - o.at, foretold = o.force - 0.5 * (o.stiffness + s.stiffness) * move;
+    mean += (o.force - 0.5 * o.stiffness * move) / static_cast<double>(neighbours.size());
+    const double scale = std::max({s.force.norm(), o.force.norm(), d_->force_floor});
+    if (o.multivalued || !((foretold - s.force).norm() <= suspicious * scale)) return true;
   }
-  if (!doubt) return;
+  return inverted && !((mean - s.force).norm() <= suspicious_inverted * std::max(s.force.norm(), d_->force_floor));
+}
+
+void SweepWorker::compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) {
+  if (!node.solved() || !doubtful(node, neighbours, coarse)) return;
   path_.begin_at_rest();
-  const NewtonReport report =
-      path_.advance(node.state.at, options_.spacing, fallback_tolerance, fallback_iterations, options_.stop);
+  const NewtonReport report = path_.advance(node.state.at, options_.spacing, fallback_tolerance, fallback_iterations,
+                                            options_.stop, between_tolerance);
   if (report.status != SolveStatus::converged) return;
   if ((report.force - node.state.force).norm() <= other_branch * report.force.norm()) return;
   State& s = node.state;
@@ -164,12 +183,10 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
       scale_into(beyond->field.tangent, -0.5, slope.tangent);
     }
     predict(*d_, slope, move, node.state.at, node.field.u);
-    const NewtonReport report =
-        path_.correct(node.field.u, node.state.at, coarse_tolerance, prediction_iterations, options_.stop);
-    if (report.status == SolveStatus::converged) take(node, report);
+    correct_alone(node);
   }
   if (!node.solved()) fall_back(node, parents);
-  compare(node, parents);
+  compare(node, parents, true);
   node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
@@ -227,8 +244,9 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<st
                       static_cast<double>(std::max<std::size_t>(1, nodes.size()));
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto own = SteadyClock::now();
+    if (!nodes[i].solved() && !corners[i].empty()) correct_alone(nodes[i]);
     if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
-    compare(nodes[i], corners[i]);
+    compare(nodes[i], corners[i], false);
     nodes[i].state.seconds = each + std::chrono::duration<double>(SteadyClock::now() - own).count();
   }
 }

@@ -50,7 +50,9 @@ class SweepWorker {
   void take(SweepNode& node, const LaneResult& result) const;
   void take(SweepNode& node, const NewtonReport& report);      // of path_
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
-  void compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours);
+  void correct_alone(SweepNode& node);
+  bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;
+  void compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse);
   void run_lanes(std::vector<SweepNode*>& nodes);
 
   std::shared_ptr<const Discretisation> d_;
