@@ -78,7 +78,7 @@ using RealMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 class Judge {
  public:
   Judge(const std::vector<State>& states, int power, int degree, bool hermite)
-      : states_(states), power_(power), degree_(degree), rows_(hermite ? 4 : 1) {
+      : states_(states), power_(power), rows_(hermite ? 4 : 1) {
     for (const auto& s : states) centre_ += s.at / double(states.size());
     for (const auto& s : states) scale_ = std::max(scale_, (s.at - centre_).norm());
     if (scale_ == 0) scale_ = 1;
@@ -142,7 +142,7 @@ class Judge {
   }
 
   std::vector<State> states_;
-  int power_, degree_;
+  int power_;
   Eigen::Index rows_;
   Vec3 centre_ = Vec3::Zero();
   double scale_ = 0;

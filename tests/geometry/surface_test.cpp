@@ -51,7 +51,7 @@ TEST_CASE("a surface file cut at any byte or damaged is refused in one line, or 
   const TemporaryFolder folder;
   std::mt19937 random(3);
   for (const auto& [name, content] : test::surface_files(test::unit_cube())) {
-    const auto sound = [&](const std::string& text) {
+    const auto sound = [&folder, &name = name](const std::string& text) {
       const auto file = folder.write("bad_" + name, text);
       const std::string line = error_of([&] { read_surface(file); });
       return line.empty() || (line.starts_with(file.string()) && line.find('\n') == std::string::npos);
