@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "approx/kernel_sums.hpp"
+#include "approx/methods.hpp"
 #include "approx/model_data.hpp"
 
 namespace forefeel {
@@ -98,6 +99,7 @@ void Model::Impl::reserve(std::size_t wanted, bool with_stiffness) {
 
 void Model::Impl::clear() {
   states.clear();
+  lattice.reset();
   power = 0;
   degree = 0;
   padded = 0;
@@ -176,8 +178,19 @@ void Model::Impl::set_hull(const double* px, const double* py, const double* pz,
 
 namespace {
 
+// An older method; its Jacobian by central differences.
+Vec3 on_lattice(const LatticeField& field, const Vec3& x, Mat3* jacobian) noexcept {
+  if (jacobian != nullptr)
+    for (int d = 0; d < 3; ++d) {
+      const Vec3 step = 1e-6 * Vec3::Unit(d);
+      jacobian->col(d) = (field.force(x + step) - field.force(x - step)) / 2e-6;
+    }
+  return field.force(x);
+}
+
 // Force (and Jacobian over x) at x; one path for both.
 Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
+  if (m.lattice) return on_lattice(*m.lattice, x, jacobian);
   if (jacobian != nullptr) jacobian->setZero();
   if (!m.known) return Vec3::Zero();
   const double keep = full_share * m.bound;

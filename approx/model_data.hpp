@@ -13,12 +13,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "approx/aligned.hpp"
 #include "approx/model.hpp"
 
 namespace forefeel {
+
+class LatticeField;  // methods.hpp
 
 struct Model::Impl {
   std::vector<StateId> states;
@@ -32,6 +35,8 @@ struct Model::Impl {
   std::array<std::array<double, 10>, 3> polynomial{};  // per component over 1 x y z xx yy zz xy xz yz
   Vec3 centre = Vec3::Zero();
   double scale = 1, inverse_scale = 1;
+
+  std::shared_ptr<const LatticeField> lattice;         // where it is set, it is the model and the rest counts nothing
 
   bool known = false;  // false: zero everywhere
   Vec3 tangent_at = Vec3::Zero(), tangent_force = Vec3::Zero();

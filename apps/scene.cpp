@@ -174,6 +174,12 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.predictor =
       table.word<std::string>("predictor", {{"kalman", "kalman"}, {"constant-velocity", "constant-velocity"}})
           .value_or(session.predictor);
+  session.method =
+      table.word<std::string>("method", {{"rbf", "rbf"}, {"trilinear", "trilinear"}, {"tricubic", "tricubic"}})
+          .value_or(session.method);
+  session.placement =
+      table.word<std::string>("placement", {{"lattice", "lattice"}, {"adaptive", "adaptive"}, {"path", "path"}})
+          .value_or(session.placement);
   session.workers = static_cast<int>(table.integer("workers", 1, 4096).value_or(session.workers));
   read_switch(table, session.switching);
   session.update_travel = table.number("update_travel", positive()).value_or(session.update_travel);
@@ -184,6 +190,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
   session.error_floor = table.number("error_floor", positive()).value_or(session.error_floor);
   session.reference_step = table.number("reference_step", positive()).value_or(session.reference_step);
+  session.visit_cell = table.number("visit_cell", not_negative()).value_or(session.visit_cell);
   read_limits(table.sub("limits", {"force", "slew", "ramp", "stale"}), session);
 }
 
@@ -235,7 +242,8 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
   const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements"});
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
   const SceneTable session =
-      root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select",
+      root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select", "method",
+                           "placement", "visit_cell",
                            "update_travel", "cost", "latency", "arrivals", "preempt", "seed", "error_floor",
                            "reference_step", "jnd", "limits"});
   const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),

@@ -128,7 +128,7 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
                                                    .inward = scene.inward,
                                                    .seed = options.seed,
                                                    .folder = scene.file.parent_path()});
-  const double h = scene.space.spacing;
+  const double h = options.visit_cell > 0 ? options.visit_cell : scene.space.spacing;
   const auto frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   std::set<std::tuple<long, long, long>> corners;
   Vec3 cell = Vec3::Constant(unknown);

@@ -31,7 +31,8 @@ StudyPlan plan_study(Study study);
 SessionInput session_input(const Scene& scene);  // without known states, with the cache folder
 
 // States of the lattice that a motion needs, the corners in the box of every lattice cell it passes, per
-// second: the numerator of the summary's `load`.
+// second: the numerator of the summary's `load`. Where visit_cell is set its cells count, so that methods on lattices
+// of different spacing bear the same load.
 double states_needed_per_second(const Scene& scene, const SessionOptions& options);
 // Cost model under which `load` holds: log-normal with the spread of the paper's times and mean
 // load x workers / demand.

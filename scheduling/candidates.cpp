@@ -1,27 +1,38 @@
 #include "scheduling/candidates.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "geometry/error.hpp"
 #include "geometry/regions.hpp"
 
 namespace forefeel {
 
-Candidates::Candidates(const StateSpace& space, std::span<const State> failed) : space_(space) {
-  std::unordered_map<std::uint64_t, bool> skip;
-  for (const State& state : failed) skip[key(state.at)] = true;
-  std::vector<StateId> nearest;
-  std::uint32_t order = 0;
-  for (const Vec3& x : lattice(space.options().box, space.options().spacing)) {
-    const std::uint32_t mine = order++;
-    if (space.find(x).valid() || skip.count(key(x))) continue;
-    Candidate c{.at = x, .requested = std::numeric_limits<double>::infinity(), .order = mine};
-    c.delta = std::numeric_limits<double>::infinity();
-    space.nearest(x, 1, nearest);
-    if (!nearest.empty()) c.delta = (space[nearest[0]].at - x).norm();
-    place_[key(x)] = static_cast<std::uint32_t>(open_.size());
-    open_.push_back(c);
+namespace {
+constexpr double coarsest = 4;   // width of the adaptive lattice's first leaves, in spacings
+constexpr int deepest = 2;       // how often they may be split: down to the spacing
+}  // namespace
+
+Placement check_placement(const std::string& name) {
+  if (name == "lattice") return Placement::lattice;
+  if (name == "adaptive") return Placement::adaptive;
+  if (name == "path") return Placement::path;
+  throw InputError("session.placement", fmt::format("unknown placement '{}', expected lattice, adaptive, path", name));
+}
+
+Candidates::Candidates(const StateSpace& space, std::span<const State> failed, Placement placement)
+    : space_(space), placement_(placement) {
+  for (const State& state : failed) gone_[key(state.at)] = true;
+  const double h = space.options().spacing;
+  const Box& box = space.options().box;
+  if (placement == Placement::adaptive) {
+    leaves_ = std::make_unique<AdaptiveLattice>(box, coarsest * h);
+    for (const AdaptiveLattice::Point& point : leaves_->points()) add(point.at, false);
+  } else {
+    for (const Vec3& x : lattice(box, placement == Placement::path ? 2 * h : h)) add(x, false);
   }
 }
 
@@ -35,6 +46,25 @@ std::uint64_t Candidates::key(const Vec3& x) const {
   return packed;
 }
 
+// Once for each place but those of a passing step.
+void Candidates::add(const Vec3& x, bool passing) {
+  const std::uint32_t mine = order_++;
+  const std::uint64_t where = key(x);
+  if (place_.contains(where) || gone_.contains(where) || space_.find(x).valid()) return;
+  Candidate c{.at = x,
+              .requested = std::numeric_limits<double>::infinity(),
+              .delta = std::numeric_limits<double>::infinity(),
+              .order = mine,
+              .passing = passing};
+  std::vector<StateId> nearest;
+  space_.nearest(x, 1, nearest);
+  if (!nearest.empty()) c.delta = (space_[nearest[0]].at - x).norm();
+  if (passing && c.delta < 0.5 * space_.options().spacing) return;
+  place_[where] = static_cast<std::uint32_t>(open_.size());
+  open_.push_back(c);
+  changed_ = true;
+}
+
 Candidate Candidates::take(std::size_t i) {
   const Candidate taken = open_[i];
   place_.erase(key(taken.at));
@@ -43,10 +73,13 @@ Candidate Candidates::take(std::size_t i) {
     place_[key(open_[i].at)] = static_cast<std::uint32_t>(i);
   }
   open_.pop_back();
+  gone_[key(taken.at)] = true;
   return taken;
 }
 
 void Candidates::put_back(Candidate candidate) {
+  gone_.erase(key(candidate.at));
+  if (candidate.passing || place_.contains(key(candidate.at))) return;   // the next step places anew
   candidate = refreshed(candidate);
   place_[key(candidate.at)] = static_cast<std::uint32_t>(open_.size());
   open_.push_back(candidate);
@@ -67,7 +100,38 @@ void Candidates::request_near(const Vec3& hip, double now) {
     if (!std::isfinite(c.requested) && (c.at - hip).squaredNorm() <= radius * radius) c.requested = now;
 }
 
-void Candidates::refresh() {
+bool Candidates::corners_are_taken(const LatticeLeaf& leaf) const {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 share(corner & 1, (corner >> 1) & 1, corner >> 2);
+    if (place_.contains(key(leaf.box.low + leaf.box.size().cwiseProduct(share)))) return false;
+  }
+  return true;
+}
+
+void Candidates::split_leaves(std::span<const Prediction> path) {
+  const auto wanted = [&](const LatticeLeaf& leaf) {
+    const bool crossed = std::ranges::any_of(path, [&](const Prediction& p) { return leaf.box.contains(p.at); });
+    return crossed && corners_are_taken(leaf) ? 0.5 * leaf.spacing : leaf.spacing;
+  };
+  if (leaves_->refine(wanted, deepest) == 0) return;
+  for (const AdaptiveLattice::Point& point : leaves_->points()) add(point.at, false);
+}
+
+void Candidates::follow(std::span<const Prediction> path, double now) {
+  if (placement_ == Placement::adaptive) split_leaves(path);
+  if (placement_ != Placement::path) return;
+  for (std::size_t i = open_.size(); i-- > 0;)
+    if (open_[i].passing) {
+      gone_.erase(key(take(i).at));
+    }
+  const Box& box = space_.options().box;
+  for (const Prediction& p : path) {
+    add(p.at.cwiseMax(box.low).cwiseMin(box.high), true);
+    if (!open_.empty() && open_.back().passing) open_.back().requested = now;
+  }
+}
+
+void Candidates::refresh_regions() {
   if (!changed_) return;
   changed_ = false;
   for (Candidate& c : open_)

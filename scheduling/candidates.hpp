@@ -1,37 +1,58 @@
 #pragma once
-// The lattice points of a state space that nobody has solved or is solving: what a policy ranks.
+// Where a state may be solved next and nobody has solved or is solving one: what a policy ranks.
+//   lattice    the points {k h}^3 in the box
+//   adaptive   the corners of an octree of leaves 4 h wide; a leaf the hand comes into is split, down to h, once its
+//              corners are taken
+//   path       every second lattice point each way, and besides, anew in each planning step, the points of the
+//              predicted path that no state is nearer to than h / 2
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/adaptive_lattice.hpp"
 #include "scheduling/policy.hpp"
 
 namespace forefeel {
 
+enum class Placement { lattice, adaptive, path };
+Placement check_placement(const std::string& name);   // InputError lists the names
+
 class Candidates {
  public:
   // Without those known in the space and those in `failed`. The space must outlive this.
-  Candidates(const StateSpace& space, std::span<const State> failed);
+  Candidates(const StateSpace& space, std::span<const State> failed, Placement placement = Placement::lattice);
 
   std::span<const Candidate> open() const { return open_; }
   bool empty() const { return open_.empty(); }
+  bool may_grow() const { return placement_ != Placement::lattice; }   // by follow()
   // The i-th open one, taken out; the last one takes its place.
   Candidate take(std::size_t i);
   void put_back(Candidate candidate);            // a cancelled one
   void learn(const Vec3& known);                 // a state became known: it is no candidate, and distances shrink
   void request_near(const Vec3& hip, double now);
-  // Labels and distances as of the space now. Labels never get worse, so safe ones are not asked again.
-  void refresh();
-  Candidate refreshed(Candidate candidate) const;
+  // The motion ahead, from which `adaptive` and `path` place.
+  void follow(std::span<const Prediction> path, double now);
+  // Labels of the regions as of the space now. Labels never get worse, so safe ones are not asked again.
+  void refresh_regions();
+  Candidate refreshed(Candidate candidate) const;   // label and distance as of now
 
  private:
   std::uint64_t key(const Vec3& x) const;
+  void add(const Vec3& x, bool passing);
+  void split_leaves(std::span<const Prediction> path);
+  bool corners_are_taken(const LatticeLeaf& leaf) const;
 
   const StateSpace& space_;
+  Placement placement_;
   std::vector<Candidate> open_;
-  std::unordered_map<std::uint64_t, std::uint32_t> place_;   // lattice point -> index in open_
+  std::unordered_map<std::uint64_t, std::uint32_t> place_;   // position -> index in open_
+  std::unordered_map<std::uint64_t, bool> gone_;             // known at the start, failed, or seen before
+  std::unique_ptr<AdaptiveLattice> leaves_;
+  std::uint32_t order_ = 0;
   bool changed_ = true;
 };
 

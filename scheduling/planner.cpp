@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace forefeel {
 namespace {
@@ -22,7 +21,8 @@ std::vector<State> failed_of(const std::vector<State>& states) {
 
 Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
                  Hooks hooks)
-    : options_(options), generator_(generator), link_(link), hooks_(std::move(hooks)), space_(input.space) {
+    : options_(options), generator_(generator), link_(link), hooks_(std::move(hooks)), space_(input.space),
+      solve_seconds_(std::max(hooks_.expected_solve, 1e-6)) {
   for (const State& state : input.known) {
     if (!state.usable() || !space_.insert(state).is_new) continue;
     dispatch_of_.push_back(-1);
@@ -36,10 +36,10 @@ Planner::Planner(const SessionInput& input, const SessionOptions& options, Gener
   start_ = space_.size();
   link_.known.store(static_cast<std::uint32_t>(start_), std::memory_order_release);
   dirty_ = start_ > 0;
-  candidates_ = std::make_unique<Candidates>(space_, failed_of(input.known));
+  candidates_ = std::make_unique<Candidates>(space_, failed_of(input.known), check_placement(options.placement));
   policy_ = make_policy(options.policy, {.seed = options.seed});
   predictor_ = make_predictor(options.predictor);
-  updater_ = std::make_unique<ModelUpdater>(space_, options.model);
+  updater_ = std::make_unique<SessionModel>(space_, options);
   // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
   start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
 }
@@ -136,8 +136,9 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
 
 void Planner::predict(double now) {
   const bool truth = hooks_.future && knows_the_future(options_.policy);
-  const double longest = std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
-  const int steps = truth ? 16 : 8;
+  const double longest = truth ? std::clamp(1 + 8 * solve_seconds_, 1.0, 10.0)
+                               : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
+  const int steps = truth ? 64 : 8;
   predicted_.clear();
   for (int i = 0; i <= steps; ++i) {
     const double horizon = longest * i / steps;
@@ -154,49 +155,59 @@ PlannerView Planner::view(double now) const {
           .now = now,
           .hip = hip_,
           .predicted = predicted_,
-          .solve_seconds = solve_seconds_,
-          .workers = generator_.workers()};
+          .solve_seconds = solve_seconds_ + 2 * options_.latency,
+          .workers = generator_.workers(),
+          .pending = pending_,
+          .with_stiffness = options_.model.data == Data::force_and_stiffness};
 }
 
-// Best first; equal priorities by the lattice's own order, so that the result depends on nothing else.
-void Planner::rank(double now) {
-  candidates_->refresh();
-  candidates_->request_near(hip_.at, now);
+void Planner::gather_pending(const Slot* but) {
+  pending_.clear();
+  for (const Slot& slot : slots_)
+    if (slot.busy && !slot.cancelling && &slot != but) pending_.push_back(slot.candidate.at);
+}
+
+void Planner::look(double now) {
   predict(now);
+  candidates_->follow(predicted_, now);
+  candidates_->request_near(hip_.at, now);
+  if (policy_->reads_regions()) candidates_->refresh_regions();
+  gather_pending(nullptr);
+  policy_->look(view(now));
+}
+
+void Planner::rank(double now) {
   const auto open = candidates_->open();
   priorities_.resize(open.size());
   policy_->prioritise(open, view(now), priorities_);
   for (double& p : priorities_)
     if (!std::isfinite(p)) p = std::numeric_limits<double>::lowest();
-  ranking_.resize(open.size());
-  std::iota(ranking_.begin(), ranking_.end(), std::size_t{0});
 }
 
+// Equal priorities by the lattice's own order, so that the result depends on nothing else.
+std::size_t Planner::best() const {
+  const auto open = candidates_->open();
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < open.size(); ++i)
+    if (priorities_[i] != priorities_[best] ? priorities_[i] > priorities_[best] : open[i].order < open[best].order)
+      best = i;
+  return best;
+}
+
+// One after the other: what is worth solving depends on what was just given out.
 void Planner::plan(double now) {
   slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
-  const auto idle = static_cast<std::size_t>(std::count_if(slots_.begin(), slots_.end(), [](const Slot& s) { return !s.busy; }));
-  if (candidates_->empty() || slots_.empty()) return;
-  if (idle == 0) return consider_preemption(now);
-
-  rank(now);
-  const auto open = candidates_->open();
-  const std::size_t count = std::min(idle, open.size());
-  const auto better = [&](std::size_t a, std::size_t b) {
-    return priorities_[a] != priorities_[b] ? priorities_[a] > priorities_[b] : open[a].order < open[b].order;
-  };
-  std::partial_sort(ranking_.begin(), ranking_.begin() + static_cast<std::ptrdiff_t>(count), ranking_.end(), better);
-  // Taking moves the last candidate: remember who was chosen by value first.
-  std::vector<std::pair<Candidate, double>> chosen;
-  std::vector<std::size_t> places(ranking_.begin(), ranking_.begin() + static_cast<std::ptrdiff_t>(count));
-  for (const std::size_t i : places) chosen.emplace_back(open[i], priorities_[i]);
-  std::sort(places.begin(), places.end(), std::greater<>());
-  for (const std::size_t i : places) candidates_->take(i);
-
-  std::size_t next = 0;
-  for (std::size_t worker = 0; worker < slots_.size() && next < count; ++worker) {
+  if (slots_.empty() || (candidates_->empty() && !candidates_->may_grow())) return;
+  if (std::ranges::all_of(slots_, &Slot::busy)) return consider_preemption(now);
+  look(now);
+  for (std::size_t worker = 0; worker < slots_.size() && !candidates_->empty(); ++worker) {
     if (slots_[worker].busy) continue;
-    const auto& [candidate, priority] = chosen[next++];
+    rank(now);
+    const std::size_t chosen = best();
+    const double priority = priorities_[chosen];
+    const Candidate candidate = candidates_->refreshed(candidates_->take(chosen));
     dispatch(static_cast<int>(worker), candidate, priority, now);
+    pending_.push_back(candidate.at);
   }
 }
 
@@ -216,23 +227,28 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
   generator_.dispatch(worker, {.dispatch = record.id, .at = candidate.at, .start = start ? start->equilibrium : nullptr});
 }
 
-// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twice as much.
-// No candidate is cancelled more than twice, so that every one is solved in the end.
+// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth five times as much.
+// The two are compared as if neither were being solved. No candidate is cancelled more than twice, so that every one
+// is solved in the end.
 void Planner::consider_preemption(double now) {
-  if (!options_.preempt || now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_)) return;
+  if (!options_.preempt || candidates_->empty() || now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_)) return;
   preemption_checked_ = now;
+  look(now);
+  if (candidates_->empty()) return;
   rank(now);
-  const double best = *std::max_element(priorities_.begin(), priorities_.end());
-  const PlannerView seen = view(now);
+  const Candidate waiting = candidates_->open()[best()];
   Slot* weakest = nullptr;
-  double least = 0.5 * best;
+  double least = 0.2;
   for (Slot& slot : slots_) {
     const auto before = preemptions_.find(slot.candidate.order);
     if (slot.cancelling || (before != preemptions_.end() && before->second >= 2)) continue;
+    gather_pending(&slot);
+    const PlannerView seen = view(now);
+    const double gain = policy_->priority(waiting, seen);
     const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
     const double worth = policy_->priority(candidates_->refreshed(slot.candidate), seen) / left;
-    if (worth < least) {
-      least = worth;
+    if (gain > 0 && worth < least * gain) {
+      least = worth / gain;
       weakest = &slot;
     }
   }

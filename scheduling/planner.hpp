@@ -11,12 +11,12 @@
 #include <unordered_map>
 #include <vector>
 
-#include "approx/updater.hpp"
 #include "scheduling/candidates.hpp"
 #include "scheduling/generator.hpp"
 #include "scheduling/predictor.hpp"
 #include "scheduling/render_loop.hpp"
 #include "scheduling/session.hpp"
+#include "scheduling/session_model.hpp"
 
 namespace forefeel {
 
@@ -24,7 +24,8 @@ class Planner {
  public:
   struct Hooks {
     std::function<void(const State&)> on_state;      // each new one, failed solves included; may be empty
-    std::function<Vec3(double)> future;              // the motion itself, for a policy that knows it
+    std::function<Vec3(double)> future = {};         // the motion itself, for a policy that knows it
+    double expected_solve = 0.01;                    // time of a solve, until some were seen [s]
   };
   Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link, Hooks hooks);
 
@@ -58,7 +59,10 @@ class Planner {
   bool insert(const State& state, std::int64_t dispatch);
   void predict(double now);
   PlannerView view(double now) const;
-  void rank(double now);
+  void rank(double now);                             // priorities of the open candidates
+  void look(double now);                             // before anything is ranked at this time
+  std::size_t best() const;                          // index of the open candidate to solve next
+  void gather_pending(const Slot* but);
   void dispatch(int worker, const Candidate& candidate, double priority, double now);
   void consider_preemption(double now);
   const Start* nearest_start(const Vec3& x) const;
@@ -76,7 +80,7 @@ class Planner {
   std::unique_ptr<Candidates> candidates_;
   std::unique_ptr<Policy> policy_;
   std::unique_ptr<Predictor> predictor_;
-  std::unique_ptr<ModelUpdater> updater_;
+  std::unique_ptr<SessionModel> updater_;
 
   std::vector<std::unique_ptr<Model>> models_;
   std::vector<Model*> free_;
@@ -89,12 +93,12 @@ class Planner {
   std::vector<Start> starts_;
   std::size_t start_limit_ = 4096;
   std::unordered_map<std::uint32_t, int> preemptions_;   // by candidate order
-  double preemption_checked_ = 0, solve_seconds_ = 0.01;
+  double preemption_checked_ = 0, solve_seconds_;
   std::vector<double> recent_costs_, costs_;
 
   std::vector<Prediction> predicted_;
   std::vector<double> priorities_;
-  std::vector<std::size_t> ranking_;
+  std::vector<Vec3> pending_;                        // where states are being solved
   std::vector<DispatchRecord> dispatches_;
   std::vector<SwitchRecord> updates_;                // one per published model
   std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0;

@@ -17,7 +17,7 @@ std::map<std::string, PolicyFactory>& registry() {
       {"fifo", make_fifo},         {"nearest", make_nearest},
       {"direction", make_direction}, {"coverage", make_coverage},
       {"coarse-to-fine", make_coarse_to_fine}, {"error", make_error},
-      {"clairvoyant", make_coverage},   // coverage on the motion itself instead of a prediction
+      {"clairvoyant", make_clairvoyant},
       {"shuffled", make_shuffled}};
   return policies;
 }

@@ -35,6 +35,8 @@ struct PlannerView {
   std::span<const Prediction> predicted;         // by growing horizon, first is now
   double solve_seconds = 0.01;                   // running median of a solve [s]
   int workers = 1;
+  std::span<const Vec3> pending;                 // where states are being solved [m]
+  bool with_stiffness = true;                    // the model uses the stiffness of states: each reaches farther
 };
 
 struct Candidate {
@@ -43,12 +45,18 @@ struct Candidate {
   double requested = 0;              // when the HIP first came within 2.5 spacings; infinite until then [s]
   double delta = 0;                  // distance to the nearest known state; infinite while none is known [m]
   std::uint32_t order = 0;           // outward from rest
+  bool passing = false;              // placed for this planning step alone
 };
 
 class Policy {
  public:
   virtual ~Policy() = default;
   virtual std::string_view name() const = 0;
+  // Called once before the candidates of a planning step are ranked, possibly several times with growing `pending`:
+  // the place for what is the same for all of them.
+  virtual void look(const PlannerView&) {}
+  // Whether Candidate::region is asked for; keeping the labels of all candidates costs more than ranking them.
+  virtual bool reads_regions() const { return true; }
   // The worth of solving the candidate next: finite, not negative, larger is sooner. Preemption compares ratios.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
   // All candidates of a planning step at once; override where they share work. Writes #candidates values.

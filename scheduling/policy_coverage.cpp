@@ -1,10 +1,11 @@
-// Regions drive it: a state is worth what its region lacks, w(label), over the time until the HIP is there,
-//   w(label) T / (T + time to reach),   T the time of a solve,
-// so that what is blank, gap or sparse on the predicted path turns safe soonest. w falls from blank to safe: the
-// error does. Measures on the way: a state near a known one adds little, so w also grows with delta / h.
+// Regions drive it: a state is worth what the labels of the places it reaches lack, weighted by how soon the hand may
+// be there (coverage_need.hpp), so that what is blank, gap or sparse on the predicted path turns safe soonest. Where
+// nothing is lacking any more: outward from the HIP.
+//   coverage      the path as predicted
+//   clairvoyant   the path as it will be
+//   shuffled      the placebo: the same labels, permuted among the places; what it loses is what labels are worth
 
-#include <algorithm>
-
+#include "scheduling/coverage_need.hpp"
 #include "scheduling/policies.hpp"
 
 namespace forefeel {
@@ -12,28 +13,39 @@ namespace {
 
 class CoveragePolicy final : public Policy {
  public:
-  std::string_view name() const override { return "coverage"; }
+  CoveragePolicy(std::string_view name, NeedOptions options) : name_(name), need_(options) {}
+  std::string_view name() const override { return name_; }
+  bool reads_regions() const override { return false; }
+  void look(const PlannerView& view) override { need_.look(view); }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
-    const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
-    const double soon = solve / (solve + time_to_reach(candidate.at, view));
-    const double gain = 0.5 + 0.5 * std::min(candidate.delta / h, 3.0);
-    return weight(candidate.region) * gain * soon;
+    double worth = 0;
+    prioritise({&candidate, 1}, view, {&worth, 1});
+    return worth;
+  }
+  void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const override {
+    need_.worth(candidates, view.pending, out);
+    const double h = view.space.options().spacing;
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      out[i] += 1e-9 * h / (h + distance_to_path(candidates[i].at, view));
   }
 
  private:
-  static double weight(Label label) {
-    switch (label) {
-      case Label::blank: return 1.0;
-      case Label::gap: return 0.8;
-      case Label::sparse: return 0.6;
-      case Label::safe: return 0.05;
-    }
-    return 1.0;
-  }
+  std::string_view name_;
+  CoverageNeed need_;
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> make_coverage(const PolicyOptions&) { return std::make_unique<CoveragePolicy>(); }
+std::unique_ptr<Policy> make_coverage(const PolicyOptions&) {
+  return std::make_unique<CoveragePolicy>("coverage", NeedOptions{});
+}
+
+std::unique_ptr<Policy> make_clairvoyant(const PolicyOptions&) {
+  return std::make_unique<CoveragePolicy>("clairvoyant", NeedOptions{.path_share = 0.98, .know_path = true});
+}
+
+std::unique_ptr<Policy> make_shuffled(const PolicyOptions& options) {
+  return std::make_unique<CoveragePolicy>("shuffled", NeedOptions{.shuffle = true, .seed = options.seed});
+}
 
 }  // namespace forefeel

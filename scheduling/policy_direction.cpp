@@ -10,6 +10,7 @@ namespace {
 class Direction final : public Policy {
  public:
   std::string_view name() const override { return "direction"; }
+  bool reads_regions() const override { return false; }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double solve = std::max(view.solve_seconds, 1e-3);
     return solve / (solve + time_to_reach(candidate.at, view));

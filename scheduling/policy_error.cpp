@@ -14,6 +14,7 @@ namespace {
 class ErrorPolicy final : public Policy {
  public:
   std::string_view name() const override { return "error"; }
+  bool reads_regions() const override { return false; }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing, solve = std::max(view.solve_seconds, 1e-3);
     double chance = 0;
@@ -22,7 +23,9 @@ class ErrorPolicy final : public Policy {
       const double near = std::exp(-(candidate.at - p.at).squaredNorm() / (2 * variance));
       chance = std::max(chance, near * solve / (solve + p.horizon));
     }
-    const double reach = std::min(candidate.delta / h, 4.0);
+    double delta = candidate.delta;   // states under way count as known
+    for (const Vec3& p : view.pending) delta = std::min(delta, (candidate.at - p).norm());
+    const double reach = std::min(delta / h, 4.0);
     const double far = 1e-6 * h / (h + (candidate.at - view.hip.at).norm());   // orders what no prediction reaches
     return reach * reach * reach * chance + far;
   }

@@ -1,4 +1,5 @@
-// The nearest unknown lattice states around the HIP first (Filipovič, Peterlík, Matyska 2009): h / (h + |x - HIP|).
+// The nearest unknown lattice states around the HIP first (Filipovič, Peterlík, Matyska 2009):
+// (h / (h + |x - HIP|))^2.
 
 #include "scheduling/policies.hpp"
 
@@ -8,9 +9,11 @@ namespace {
 class Nearest final : public Policy {
  public:
   std::string_view name() const override { return "nearest"; }
+  bool reads_regions() const override { return false; }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing;
-    return h / (h + (candidate.at - view.hip.at).norm());
+    const double near = h / (h + (candidate.at - view.hip.at).norm());
+    return near * near;   // the square tells preemption what is far
   }
 };
 

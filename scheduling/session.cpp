@@ -8,6 +8,8 @@
 
 #include "geometry/error.hpp"
 #include "scheduling/csv_table.hpp"
+#include "scheduling/candidates.hpp"
+#include "scheduling/session_model.hpp"
 #include "scheduling/session_parts.hpp"
 
 namespace forefeel {
@@ -32,6 +34,7 @@ void check(const SessionInput& input, const SessionOptions& o) {
   expect(positive(o.update_travel), "update_travel", fmt::format("is {}, expected spacings above 0", o.update_travel));
   expect(positive(o.error_floor), "error_floor", fmt::format("is {}, expected a force above 0 N", o.error_floor));
   expect(positive(o.reference_step), "reference_step", fmt::format("is {}, expected a length above 0 m", o.reference_step));
+  expect(std::isfinite(o.visit_cell) && o.visit_cell >= 0, "visit_cell", fmt::format("is {}, expected 0 (the spacing) or a length [m]", o.visit_cell));
   expect(positive(o.force_limit), "force_limit", fmt::format("is {}, expected a force above 0 N", o.force_limit));
   expect(positive(o.slew_limit), "slew_limit", fmt::format("is {}, expected N/s above 0", o.slew_limit));
   expect(std::isfinite(o.ramp_seconds) && o.ramp_seconds >= 0, "ramp_seconds", fmt::format("is {}, expected 0 s or more", o.ramp_seconds));
@@ -44,6 +47,8 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   check(input, options);
   make_policy(options.policy, {.seed = options.seed});   // unknown names are refused before anything runs
   make_predictor(options.predictor);
+  check_method(options.method);
+  check_placement(options.placement);
   check_cost(options.cost);
   SessionPlan plan(input, options);
   if (options.replay) {
@@ -117,6 +122,13 @@ Planner::Hooks hooks_of(const SessionPlan& plan, StateWriter* writer) {
       const auto k = static_cast<std::size_t>(std::max(0LL, std::llround(t / frame)));
       return motion[std::min(k, motion.size() - 1)];
     };
+  if (plan.cost) {   // a body that has been solved before: its median is known
+    std::vector<double> seconds;
+    for (const Vec3& x : lattice(plan.input.space.box, plan.input.space.box.size().maxCoeff() / 4))
+      seconds.push_back(plan.cost->seconds(x));
+    std::ranges::nth_element(seconds, seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2));
+    if (!seconds.empty()) hooks.expected_solve = seconds[seconds.size() / 2];
+  }
   return hooks;
 }
 

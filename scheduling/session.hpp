@@ -34,6 +34,8 @@ struct SessionOptions {
   int threads = 0;                         // real threads; never changes a virtual run's result
   SwitchOptions switching;
   ModelOptions model;
+  std::string method = "rbf";              // or trilinear, tricubic: the lattice cell around the HIP, as before RBF models
+  std::string placement = "lattice";       // where states may be placed: lattice, adaptive or path (candidates.hpp)
   double update_travel = 0.25;             // HIP travel that triggers an update, in spacings
   std::string cost = "constant:0.01";      // virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded, paper
   double latency = 0;                      // per message [s]
@@ -45,6 +47,7 @@ struct SessionOptions {
   double frame = 1e-3;                     // [s]
   double error_floor = 0.05;               // f0 [N]
   double reference_step = 0.002;           // HIP travel between reference samples [m]
+  double visit_cell = 0;                   // side of the cells whose first visits are sampled [m]; 0: the spacing
   double force_limit = 12;                 // safety clamp [N]: that of an omega.3; paths have no device profile
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up

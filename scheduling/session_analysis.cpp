@@ -10,15 +10,16 @@
 #include <set>
 #include <tuple>
 
+#include "scheduling/session_model.hpp"
 #include "scheduling/session_parts.hpp"
 
 namespace forefeel {
 namespace {
 
-// Marks frames: sampled by arc length, and first visits of the cells of the lattice (cubes of h whose corners lie
-// in the box).
-void choose_samples(SessionResult& result, const SessionInput& input, double step) {
-  const double h = input.space.spacing;
+// Marks frames: sampled by arc length, and first visits of the cells of the lattice (cubes of h, or of a side of their
+// own, whose corners lie in the box).
+void choose_samples(SessionResult& result, const SessionInput& input, double step, double cell_side) {
+  const double h = cell_side > 0 ? cell_side : input.space.spacing;
   const Box& box = input.space.box;
   std::set<std::tuple<long, long, long>> visited;
   double travel = 0, next = 0;
@@ -50,14 +51,14 @@ void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double 
 
 void analyse(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
              SessionResult& result, const ShowProgress& show) {
-  choose_samples(result, input, options.reference_step);
+  choose_samples(result, input, options.reference_step, options.visit_cell);
   std::vector<std::size_t> samples;
   for (std::size_t k = 0; k < result.frames.size(); ++k)
     if (result.frames[k].sampled || result.frames[k].first_visit) samples.push_back(k);
   for (const std::size_t k : samples) references.request(result.frames[k].at);   // solved while labels are made
 
   StateSpace space(input.space);
-  ModelUpdater updater(space, options.model);
+  SessionModel updater(space, options);
   std::size_t inserted = 0, sample = 0;
   std::vector<Vec3> fresh(samples.size(), Vec3::Zero());
   const auto total = static_cast<double>(result.frames.size());

@@ -131,8 +131,8 @@ Json switch_json(const SessionResult& result, const SessionOptions& options) {
           {"drift", {{"ms50", drift(result, 0.05)}, {"ms100", drift(result, 0.1)}, {"ms300", drift(result, 0.3)}}}};
 }
 
-double load(const SessionResult& result, const SessionInput& input) {
-  const double h = input.space.spacing;
+double load(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
+  const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
   std::set<std::tuple<long, long, long>> corners;
   for (const FrameRecord& f : result.frames)
     for (int corner = 0; corner < 8; ++corner) {
@@ -164,7 +164,7 @@ Json summary_json(const SessionResult& result, const SessionInput& input, const 
   json["time_in"] = time_in;
   json["switch"] = switch_json(result, options);
   json["error"] = error_json(result, options.switching);
-  json["load"] = number(load(result, input));
+  json["load"] = number(load(result, input, options));
   json["energy"] = {{"generated_J", number(result.generated_energy)}, {"work_J", number(result.work)}};
   json["safety"] = {{"clamped", result.clamped}, {"slewed", result.slewed}, {"stale", result.stale}, {"non_finite", result.non_finite}};
   json["workers"] = options.workers;

@@ -1,0 +1,62 @@
+#pragma once
+// What the labels say is lacking where the hand will be, and what one more state would mend.
+//
+// A place q lacks, at three spacings H = 4 h, 2 h, h,
+//   n_H(q) = N_H lack(label of q at spacing H)                    lack: blank > gap > sparse > safe
+// where the label at H is that of coverage.hpp with H for h: as scale-free as labels are. Coarse spacings count most:
+// a model of forces and stiffnesses is good long before the lattice is full, a model of forces alone less so. A state
+// at c mends the places within its reach 1.5 H of them, the radius within which a state makes a place sparse:
+//   V(c) = sum_q w(q) sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (1.5 H)^2)_+
+// over the states p that are being solved. w(q) is how soon the hand may be at q. The places are points of the path
+// ahead, as predicted or as known, and one in each cube of 2 h of the box.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "scheduling/policy.hpp"
+
+namespace forefeel {
+
+struct NeedOptions {
+  double path_share = 0.6;           // of the weight: on the path ahead; the rest on the box
+  bool know_path = false;            // the path ahead is certain: a state that comes too late for it is worth nothing
+  bool shuffle = false;              // labels permuted among all places: the placebo
+  std::uint64_t seed = 0;            // of the permutation
+};
+
+class CoverageNeed {
+ public:
+  static constexpr int scales = 3;
+  explicit CoverageNeed(NeedOptions options);
+  ~CoverageNeed();
+
+  // Once a planning step: labels of all places now, and w.
+  void look(const PlannerView& view);
+  // V of each candidate given the states that are being solved; never negative.
+  void worth(std::span<const Candidate> candidates, std::span<const Vec3> pending, std::span<double> out) const;
+
+ private:
+  struct Place {
+    Vec3 at;
+    double weight = 0;
+    std::array<Label, scales> label{Label::blank, Label::blank, Label::blank};
+  };
+  void begin(const StateSpace& space);
+  void learn(const StateSpace& space);
+  void relabel(Place& place) const;
+  void weigh(const PlannerView& view);
+  void shuffle_labels();
+
+  NeedOptions options_;
+  const StateSpace* space_ = nullptr;
+  std::array<std::unique_ptr<StateSpace>, scales> spaces_;   // the same states at 4 h, 2 h, h
+  std::array<double, scales> importance_{};
+  std::size_t known_ = 0;
+  std::vector<Place> box_;           // fixed; labels kept up to date
+  std::vector<Place> places_;        // of this step: the path ahead, then the box
+};
+
+}  // namespace forefeel

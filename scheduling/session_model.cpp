@@ -1,0 +1,58 @@
+#include "scheduling/session_model.hpp"
+
+#include <fmt/format.h>
+
+#include "approx/methods.hpp"
+#include "approx/model_data.hpp"
+#include "geometry/error.hpp"
+
+namespace forefeel {
+
+namespace {
+constexpr double around = 4;   // spacings around the HIP whose states a lattice model holds: it is replaced before
+}
+
+void check_method(const std::string& method) {
+  if (method != "rbf" && method != "trilinear" && method != "tricubic")
+    throw InputError("session.method", fmt::format("unknown method '{}', expected rbf, trilinear, tricubic", method));
+}
+
+SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
+    : space_(space),
+      rbf_(space, options.model),
+      lattice_(options.method != "rbf"),
+      cubic_(options.method == "tricubic") {}
+
+bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* report) {
+  if (space_.empty()) {
+    out.impl().clear();
+    return false;
+  }
+  space_.within(hip, around * space_.options().spacing, near_);
+  if (near_.empty()) space_.nearest(hip, 1, near_);
+  states_.clear();
+  for (const StateId id : near_) states_.push_back(space_[id]);
+  Model::Impl& model = out.impl();
+  model.clear();
+  model.states.assign(near_.begin(), near_.end());
+  model.lattice = std::make_shared<const LatticeField>(states_, space_.options().spacing, cubic_);
+  model.known = true;
+  model.serial = ++serial_;
+  if (report != nullptr)
+    *report = {.n = near_.size(), .replaced = near_.size(), .refit = true, .label = space_.label(hip)};
+  return true;
+}
+
+bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
+  return lattice_ ? update_lattice(hip, out, report) : rbf_.update(hip, out, report);
+}
+
+Model SessionModel::model_at(const Vec3& hip) {
+  Model model;
+  update(hip, model);
+  return model;
+}
+
+void SessionModel::forget() { rbf_.forget(); }
+
+}  // namespace forefeel

@@ -1,0 +1,39 @@
+#pragma once
+// What makes the models of a session from the states known so far:
+//   rbf                    the RBF model whose neighbour set follows the HIP (approx/updater.hpp)
+//   trilinear, tricubic    interpolation in the lattice cell around the HIP (approx/methods.hpp), as before RBF models:
+//                          where a corner of the cell is not known, the force of the nearest state
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "approx/updater.hpp"
+#include "scheduling/session.hpp"
+
+namespace forefeel {
+
+void check_method(const std::string& method);   // InputError lists the names
+
+class SessionModel {
+ public:
+  // The space must outlive it; both belong to one thread.
+  SessionModel(const StateSpace& space, const SessionOptions& options);
+
+  // As ModelUpdater: false while no state is known.
+  bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);
+  Model model_at(const Vec3& hip);
+  void forget();
+
+ private:
+  bool update_lattice(const Vec3& hip, Model& out, UpdateReport* report);
+
+  const StateSpace& space_;
+  ModelUpdater rbf_;
+  bool lattice_, cubic_;
+  std::vector<StateId> near_;
+  std::vector<State> states_;
+  std::uint64_t serial_ = 0;
+};
+
+}  // namespace forefeel
