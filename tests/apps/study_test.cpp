@@ -457,7 +457,7 @@ TEST_CASE("a study that was killed goes on: no cell is run twice, and the table 
   shop.shell("mkdir out && (" FOREFEEL_BINARY_DIR
              "/apps/forefeel study study.toml -o out --quiet --threads 1 & p=$!; "
              "while [ $(ls out/cells 2>/dev/null | grep -c json) -lt 2 ] && kill -0 $p 2>/dev/null; do sleep "
-             "0.02; done; kill -9 $p)");
+             "0.02; done; kill -9 $p; wait $p)");
   const auto count = std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out);
   CHECK(count >= 2);
   const auto resumed = shop.forefeel("study study.toml -o out --json");
