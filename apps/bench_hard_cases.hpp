@@ -6,6 +6,7 @@
 
 namespace forefeel {
 
-int bench_hard_cases(const Globals& globals);    // `forefeel bench solver hard-cases`
+// `forefeel bench solver hard-cases`; output: a folder for hard_cases.csv and hard_cases.html, or empty.
+int bench_hard_cases(const Globals& globals, const std::string& output);
 
 }  // namespace forefeel

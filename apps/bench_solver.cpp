@@ -5,16 +5,17 @@
 
 #include <fmt/format.h>
 #include <omp.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <random>
 
-#include "apps/bench_hard_cases.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
@@ -29,6 +30,21 @@ using SteadyClock = std::chrono::steady_clock;
 
 double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+// OpenBLAS takes old kernels on processors it does not know, as virtual ones. It chooses while it is loaded, so where
+// its choice is below our instruction set the command starts itself again with the choice made.
+void match_blas_to_processor() {
+  const char* wanted = cholmod_blas_wanted();
+  if (!wanted || std::getenv("OPENBLAS_CORETYPE")) return;
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  if (words.empty() || setenv("OPENBLAS_CORETYPE", wanted, 1) != 0) return;
+  execv("/proc/self/exe", arguments.data());      // returns only where that fails: then with what there is
 }
 
 struct BenchCase {
@@ -91,9 +107,10 @@ struct BaselineRun {
   std::vector<State> solved;
 };
 
-// Each of the sample from the displacements of its neighbour one spacing nearer to rest, which are not charged.
+// Each of the sample from the displacements of its neighbour one spacing nearer to rest, which are not charged; as many
+// as are begun within `budget` seconds.
 BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
-                         const std::vector<std::size_t>& sample, int threads, double tolerance) {
+                         const std::vector<std::size_t>& sample, int threads, double tolerance, double budget) {
   const auto d = std::make_shared<const Discretisation>(discretise(*bench.body));
   const double h = bench.space.spacing;
   const auto key = [&](const Vec3& x) {
@@ -124,13 +141,15 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
   const auto start = SteadyClock::now();
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (std::size_t i = 0; i < starts.size(); ++i)
-    run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(starts[i].second, starts[i].first, tolerance);
+    if (seconds_since(start) < budget)
+      run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(starts[i].second, starts[i].first, tolerance);
   const double seconds = seconds_since(start);
+  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });   // not begun
   for (const State& s : run.solved) {
     run.failed += !s.usable();
     run.iterations += s.iterations;
   }
-  run.states = starts.size();
+  run.states = run.solved.size();
   run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));
   run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states));
   return run;
@@ -170,10 +189,11 @@ nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& basel
 }  // namespace
 
 int bench_solver(const Globals& globals, const std::string& scene) {
-  if (scene == "hard-cases") return bench_hard_cases(globals);
+  match_blas_to_processor();
   constexpr double tolerance = 1e-6;
   constexpr std::size_t error_sample = 60;
   constexpr int rounds = 3;
+  constexpr double enough = 40;      // [s] after which no further round is begun
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   const BenchCase bench = take_case(globals, scene);
   GenerateOptions options;
@@ -188,7 +208,8 @@ int bench_solver(const Globals& globals, const std::string& scene) {
   GenerateReport report;
   std::vector<double> ours, eigen, cholmod;
   BaselineRun last_eigen, last_cholmod;
-  for (int round = 0; round < rounds; ++round) {
+  const auto begun = SteadyClock::now();
+  for (int round = 0; round < rounds && (round == 0 || seconds_since(begun) < enough); ++round) {
     progress.show(static_cast<double>(round) / rounds, "whole lattice");
     states.clear();
     report = generate_lattice(bench.body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
@@ -196,16 +217,27 @@ int bench_solver(const Globals& globals, const std::string& scene) {
     std::sort(states.begin(), states.end(), [](const State& a, const State& b) {
       return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
     });
-    // As many as take about the time of our whole lattice, drawn anew in each round.
+    // A share of the lattice, drawn anew in each round, and no more than takes about as long as our whole lattice.
     std::vector<std::size_t> sample(states.size());
     for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
     std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
     std::shuffle(sample.begin(), sample.end(), random);
     sample.resize(std::min(sample.size(), std::max<std::size_t>(20, states.size() / 20)));
-    last_eigen = run_baseline(Baseline::eigen_ldlt, bench, states, sample, threads, tolerance);
-    last_cholmod = run_baseline(Baseline::cholmod, bench, states, sample, threads, tolerance);
+    const double budget = std::max(2.0, report.seconds);
+    progress.show((round + 0.5) / rounds, "baselines");
+    last_eigen = run_baseline(Baseline::eigen_ldlt, bench, states, sample, threads, tolerance, budget);
+    last_cholmod = run_baseline(Baseline::cholmod, bench, states, sample, threads, tolerance, budget);
     eigen.push_back(last_eigen.per_state);
     cholmod.push_back(last_cholmod.per_state);
+  }
+  double scaling = unknown;            // states per second over those of one thread
+  if (threads > 1 && seconds_since(begun) < enough) {
+    progress.show(0.9, "one thread");
+    GenerateOptions alone = options;
+    alone.threads = 1;
+    std::size_t count = 0;
+    const GenerateReport one = generate_lattice(bench.body, alone, {}, [&](const State&) { ++count; }, {});
+    scaling = one.seconds / static_cast<double>(std::max<std::size_t>(1, one.solved)) / median(ours);
   }
   progress.show(1, "errors");
   Errors errors = sample_errors(bench, states, error_sample, globals.seed, threads);
@@ -218,6 +250,9 @@ int bench_solver(const Globals& globals, const std::string& scene) {
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();
   document["failed"] = report.failed;
+  document["speedup_over_one_thread"] = number(scaling);
+  document["errors_drawn"] = errors.values.size();
+  document["baseline_states"] = {last_eigen.states, last_cholmod.states};
   document["baseline_iterations"] = number(last_eigen.iterations);
   document["baseline_failed"] = last_eigen.failed + last_cholmod.failed;
   document["peak_bytes"] = number(peak_bytes());
@@ -229,6 +264,9 @@ int bench_solver(const Globals& globals, const std::string& scene) {
   say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * median(ours)));
   say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * median(eigen), median(eigen) / median(ours)));
   say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * median(cholmod), median(cholmod) / median(ours), cholmod_blas()));
+  if (std::isfinite(scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, scaling));
+  say(globals, fmt::format("baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
+                           "charged), on the same threads", last_eigen.states, last_cholmod.states));
   say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}", errors.values.size(),
                            errors.at(0.5), errors.at(0.95), errors.at(1)));
   return 0;

@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "apps/bench_elements.hpp"
+#include "apps/bench_hard_cases.hpp"
 #include "apps/command.hpp"
 #include "apps/scene.hpp"
 #include "geometry/error.hpp"
@@ -13,9 +15,12 @@ namespace {
 struct BenchOptions {
   std::string what;
   std::string scene;
+  std::string output;
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
+  if (!options.output.empty() && !(options.what == "solver" && options.scene == "hard-cases"))
+    throw InputError("--output", "only bench solver hard-cases writes a report, expected none here");
   if (options.what == "coverage") {
     if (!options.scene.empty()) {
       load_scene(options.scene, globals.set);
@@ -23,6 +28,8 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
     }
     return bench_coverage(globals);
   }
+  if (options.what == "solver" && options.scene == "hard-cases") return bench_hard_cases(globals, options.output);
+  if (options.what == "solver" && options.scene == "elements") return bench_elements(globals);
   if (options.what == "solver") return bench_solver(globals, options.scene);
   if (options.what == "approx") return bench_approx(globals, options.scene);
   throw InputError("bench " + options.what, "not in this build");
@@ -39,7 +46,9 @@ void add_bench(CLI::App& app, Commands& commands) {
       ->required()
       ->check(CLI::IsMember({"approx", "solver", "coverage", "switch"}));
   sub.add_option("SCENE", options->scene,
-                 "Scene to take states from; default: the built-in one of each bench");
+                 "Scene to take states from; default: the built-in one of each bench.\n"
+                 "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
+  sub.add_option("-o,--output", options->output, "hard-cases: folder for hard_cases.csv and .html")->type_name("DIR");
 }
 
 }  // namespace forefeel

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -55,7 +56,9 @@ class Solver {
 };
 
 // Whether a second way, along the axes one after the other instead of straight, ends in another stable equilibrium at
-// state.at: its force differs by more than 1e-4. False where the second way does not arrive.
+// state.at: its force differs by more than 1e-4. Nothing where the state is not solved or the second way does not arrive.
+std::optional<bool> second_way(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
+// False where that is not known.
 bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
 
 // True where f = -K x exactly, so that three solves give the whole state space.

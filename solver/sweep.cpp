@@ -113,17 +113,70 @@ bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepN
   return inverted && !((mean - s.force).norm() <= suspicious_inverted * std::max(s.force.norm(), d_->force_floor));
 }
 
-void SweepWorker::compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) {
-  if (!node.solved() || !doubtful(node, neighbours, coarse)) return;
+void SweepWorker::compare(SweepNode& node) {
   path_.begin_at_rest();
-  const NewtonReport report = path_.advance(node.state.at, options_.spacing, fallback_tolerance, fallback_iterations,
-                                            options_.stop, between_tolerance);
+  settle(node, path_.advance(node.state.at, options_.spacing, fallback_tolerance, fallback_iterations, options_.stop,
+                             between_tolerance));
+}
+
+// report: of path_, at the node on the reference branch.
+void SweepWorker::settle(SweepNode& node, const NewtonReport& report) {
   if (report.status != SolveStatus::converged) return;
   if ((report.force - node.state.force).norm() <= other_branch * report.force.norm()) return;
   State& s = node.state;
   s.multivalued = true;
   s.parent = Vec3::Zero();
   take(node, report);
+}
+
+// The same for several states of a cell: they go their straight ways from rest side by side on common factors, and
+// who falls behind goes on alone from where it is.
+void SweepWorker::compare_together(const std::vector<SweepNode*>& nodes) {
+  const std::size_t size = static_cast<std::size_t>(d_->local_size());
+  LocalField rest{std::vector<double>(size, 0.0), std::vector<double>(3 * size)};
+  if (!path_.newton().factorise(rest.u)) return;
+  path_.newton().factor().tangent(rest.tangent.data());
+  std::vector<LocalField> fields(nodes.size(), rest), next(nodes.size());
+  std::vector<int> reached(nodes.size(), 0);        // steps done
+  std::vector<Vec3> force(nodes.size());
+  double farthest = 0;
+  for (const SweepNode* node : nodes) farthest = std::max(farthest, node->state.at.norm());
+  const int steps = std::max(1, static_cast<int>(std::ceil(farthest / options_.spacing * (1 - 1e-12))));
+  for (int step = 1; step <= steps && !options_.stop.stop_requested(); ++step) {
+    std::vector<std::size_t> going;
+    std::vector<LocalField*> moved;
+    std::vector<double> middle(size, 0.0);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (reached[i] != step - 1) continue;
+      const Vec3& x = nodes[i]->state.at;
+      predict(*d_, fields[i], x / steps, x * step / steps, next[i].u);
+      next[i].tangent = fields[i].tangent;
+      going.push_back(i);
+      moved.push_back(&next[i]);
+    }
+    if (going.empty()) break;
+    for (const LocalField* field : moved) scale_into(field->u, 1.0 / static_cast<double>(moved.size()), middle);
+    if (!path_.newton().factorise(middle)) break;
+    std::array<LaneResult, lane_count> results;
+    lanes_.solve(path_.newton().factor(), moved, step < steps ? between_tolerance : options_.residual_tolerance, results);
+    for (std::size_t l = 0; l < going.size(); ++l) {
+      if (!results[l].converged || !results[l].stiffness_settled) continue;
+      std::swap(fields[going[l]], next[going[l]]);
+      reached[going[l]] = step;
+      force[going[l]] = results[l].force;
+    }
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    SweepNode& node = *nodes[i];
+    const Vec3& x = node.state.at;
+    if (reached[i] == steps) {
+      if ((force[i] - node.state.force).norm() <= other_branch * force[i].norm()) continue;
+      settle(node, path_.correct(fields[i].u, x, fallback_tolerance, fallback_iterations, options_.stop));
+      continue;
+    }
+    path_.begin_at(x * reached[i] / steps, fields[i]);
+    settle(node, path_.advance(x, options_.spacing, fallback_tolerance, fallback_iterations, options_.stop, between_tolerance));
+  }
 }
 
 void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
@@ -186,7 +239,7 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
     correct_alone(node);
   }
   if (!node.solved()) fall_back(node, parents);
-  compare(node, parents, true);
+  if (node.solved() && doubtful(node, parents, true)) compare(node);
   node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
@@ -246,9 +299,16 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<st
     const auto own = SteadyClock::now();
     if (!nodes[i].solved() && !corners[i].empty()) correct_alone(nodes[i]);
     if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
-    compare(nodes[i], corners[i], false);
     nodes[i].state.seconds = each + std::chrono::duration<double>(SteadyClock::now() - own).count();
   }
+  std::vector<SweepNode*> doubted;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].solved() && doubtful(nodes[i], corners[i], false)) doubted.push_back(&nodes[i]);
+  const auto last = SteadyClock::now();
+  if (doubted.size() == 1) compare(*doubted.front());
+  if (doubted.size() > 1) compare_together(doubted);
+  for (SweepNode* node : doubted)
+    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - last).count() / static_cast<double>(doubted.size());
 }
 
 }  // namespace forefeel

@@ -52,7 +52,9 @@ class SweepWorker {
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void correct_alone(SweepNode& node);
   bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;
-  void compare(SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse);
+  void compare(SweepNode& node);
+  void settle(SweepNode& node, const NewtonReport& report);
+  void compare_together(const std::vector<SweepNode*>& nodes);
   void run_lanes(std::vector<SweepNode*>& nodes);
 
   std::shared_ptr<const Discretisation> d_;

@@ -8,6 +8,7 @@
 
 extern "C" {
 char* openblas_get_config() __attribute__((weak));
+char* openblas_get_corename() __attribute__((weak));
 void openblas_set_num_threads(int) __attribute__((weak));
 }
 
@@ -107,7 +108,22 @@ std::unique_ptr<SparseSolver> make_eigen_ldlt(const SparsePattern& p) { return s
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& p) { return std::make_unique<CholmodSolver>(p); }
 
 std::string cholmod_blas() {
-  return openblas_get_config ? std::string(openblas_get_config()) + ", one thread" : std::string("reference BLAS");
+  if (!openblas_get_config) return "reference BLAS";
+  std::string version = openblas_get_config();      // "OpenBLAS 0.3.21 …"
+  version = version.substr(0, version.find(' ', version.find(' ') + 1));
+  return version + (openblas_get_corename ? std::string(", ") + openblas_get_corename() + " kernels" : "") + ", one thread";
+}
+
+const char* cholmod_blas_wanted() {
+  if (!openblas_get_corename) return nullptr;
+  const std::string_view core = openblas_get_corename(), isa = instruction_set();
+  const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), core) != names.end();
+  };
+  const bool wide = is_one_of({"SkylakeX", "Cooperlake", "SapphireRapids"});
+  if (isa == "AVX-512") return wide ? nullptr : "SKYLAKEX";
+  if (isa == "AVX2") return wide || is_one_of({"Haswell", "Zen"}) ? nullptr : "HASWELL";
+  return nullptr;
 }
 
 BaselineNewton::BaselineNewton(std::shared_ptr<const Discretisation> discretisation, Baseline which)

@@ -27,7 +27,9 @@ struct SparseSolver {
 
 std::unique_ptr<SparseSolver> make_eigen_ldlt(const SparsePattern& pattern);   // of this processor's instruction set
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
-std::string cholmod_blas();                    // the BLAS it runs on, with threads
+std::string cholmod_blas();                    // the BLAS it runs on, its kernels and threads
+// The OPENBLAS_CORETYPE of this processor's instruction set where OpenBLAS chose lesser kernels, or null.
+const char* cholmod_blas_wanted();
 
 enum class Baseline { eigen_ldlt, cholmod };
 

@@ -56,6 +56,24 @@ TEST_CASE("solve", "[contract]") {
   CHECK_THAT(shop.files(), Catch::Contains("out.csv"));
 }
 
+TEST_CASE("generate that was killed goes on from what is on disk and ends with the states of a whole run") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string fine = " --set state_space.spacing=0.0004 --threads 1";      // 9261 states
+  shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel generate beam.toml -o cut.states --quiet" + fine +
+             " & p=$!; while [ ! -s cut.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.2; kill -9 $p");
+  const json resumed = run_json(shop, "generate beam.toml -o cut.states" + fine);
+  CHECK(resumed["resumed"].get<int>() > 0);
+  CHECK(resumed["solved"].get<int>() > 0);
+  CHECK(resumed["states"] == 9261);
+  REQUIRE(shop.forefeel("generate beam.toml -o whole.states --quiet" + fine).code == 0);
+  for (const std::string file : {"cut", "whole"}) {
+    REQUIRE(shop.forefeel("export " + file + ".states -o " + file + ".csv --quiet").code == 0);
+    shop.shell("sort " + file + ".csv > " + file + ".sorted");
+  }
+  CHECK(shop.shell("cmp cut.sorted whole.sorted").code == 0);
+}
+
 TEST_CASE("mesh", "[contract]") {
   const Workshop shop;
   const json document = run_json(shop, "mesh --phantom ball --elements 400 -o ball.msh");
