@@ -39,7 +39,11 @@ CLI::App& add_command(CLI::App& app, Commands& commands, const std::string& name
       ->check(CLI::Range(0, 4096))
       ->type_name("N")
       ->group("Everywhere");
-  sub.add_option("--seed", globals.seed, "Seed of everything random")->type_name("N")->group("Everywhere");
+  sub.add_option("--seed", globals.seed, "Seed of everything random")
+      ->check([](const std::string& text) {
+        return text.starts_with('-') ? "is " + text + ", expected a whole number of at least 0" : std::string();
+      })
+      ->type_name("N")->group("Everywhere");
   sub.add_option("--set", globals.set, "Override a key of the scene: material.poisson=0.4; may be repeated")
       ->allow_extra_args(false)
       ->type_name("KEY.PATH=VALUE")
@@ -74,15 +78,38 @@ void flush_warnings() {
   waiting_warnings.clear();
 }
 
+void answer(const Globals& globals, const std::string& line) {
+  flush_warnings();
+  (globals.json ? std::cerr : std::cout) << line << '\n' << std::flush;
+}
+
 void say(const Globals& globals, const std::string& line) {
   flush_warnings();
-  if (globals.quiet) return;
-  (globals.json ? std::cerr : std::cout) << line << '\n' << std::flush;
+  if (!globals.quiet) answer(globals, line);
 }
 
 void warn(const Globals&, const std::string& line) {
   const std::lock_guard lock(waiting_mutex);
   waiting_warnings.push_back(line);
+}
+
+namespace {
+
+std::string refuse_unless(const std::string& text, bool (*good)(double), const char* expected) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool number = !text.empty() && *end == '\0';
+  return number && std::isfinite(value) && good(value) ? "" : fmt::format("is {}, expected {}", text, expected);
+}
+
+}  // namespace
+
+std::string above_zero(const std::string& text) {
+  return refuse_unless(text, [](double v) { return v > 0; }, "a number above 0");
+}
+
+std::string zero_or_more(const std::string& text) {
+  return refuse_unless(text, [](double v) { return v >= 0; }, "a number of at least 0");
 }
 
 Eigen::Vector3d parse_vector(const std::string& text, const std::string& where) {

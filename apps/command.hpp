@@ -51,10 +51,14 @@ nlohmann::ordered_json number(double value);             // null where not finit
 nlohmann::ordered_json vector3(const Eigen::Ref<const Eigen::Vector3d>& value);
 void print_json(const nlohmann::ordered_json& document); // stdout
 void say(const Globals& globals, const std::string& line);   // a line for people: stdout, stderr with --json, silent with --quiet
+void answer(const Globals& globals, const std::string& line);   // a result: as say(), but --quiet shows it too
 // stderr: "forefeel: warning: …", held back until the command shows something else or ends well, so that an input
 // error that follows stays the only line.
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
+// For numbers on the command line; NaN is refused too.
+std::string above_zero(const std::string& text);
+std::string zero_or_more(const std::string& text);
 Eigen::Vector3d parse_vector(const std::string& text, const std::string& where);   // "X,Y,Z", finite
 
 // One progress line on stderr, redrawn at most 10 times a second and only on a terminal; silent otherwise.

@@ -253,7 +253,7 @@ void add_classify(CLI::App& app, Commands& commands) {
   sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run")->check(CLI::Range(1, 10000));
   CoverageOptions& limits = arguments->coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {
-    sub.add_option(option, value, text)->check(CLI::PositiveNumber)->group("Thresholds");
+    sub.add_option(option, value, text)->check(above_zero)->group("Thresholds");
   };
   threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
   threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");

@@ -196,7 +196,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   }
   if (arguments.output.empty())
     for (std::size_t i = 0; i < points.size(); ++i)
-      say(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}",
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}",
                                points[i][0], points[i][1], points[i][2], result.forces[i][0],
                                result.forces[i][1], result.forces[i][2], name(result.labels[i])));
   say(globals,
@@ -226,15 +226,15 @@ void add_evaluate(CLI::App& app, Commands& commands) {
       ->check(CLI::IsMember({"force", "force+stiffness"}));
   sub.add_option("--neighbours", arguments->neighbours,
                  "States in a model (default 25 with stiffness, else 100); centres of rbf-network")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))
       ->capture_default_str();
   sub.add_option("--spacing", arguments->spacing,
                  "h [m]; default: as in the file, else the median distance of states")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   sub.add_option("--ridge", arguments->ridge, "For noisy states, on the kernel's diagonal")
-      ->check(CLI::NonNegativeNumber);
+      ->check(zero_or_more);
   sub.add_option("-o,--output", arguments->output, "Forces as CSV")->type_name("OUT.csv");
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -20,6 +21,12 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
+
+volatile std::sig_atomic_t interrupted = 0;
+extern "C" void forefeel_session_interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);   // a second one ends the program
+}
 
 struct SessionArguments {
   std::string scene, states, output;
@@ -89,12 +96,20 @@ void take_states(const Scene& scene, const SessionArguments& given, const Global
   input.known = StateFile::open_or_create(file, header).read_all();
 }
 
+// A run is not written over the one that it replays.
+void keep_replayed(const SessionOptions& options, const fs::path& run) {
+  std::error_code error;
+  if (options.replay && fs::equivalent(*options.replay, run, error))
+    throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
+}
+
 // What an earlier run into this folder solved is kept beside, as session-1.states, session-2.states, …
-void set_aside_states_of_last_run(const SessionInput& input, const fs::path& run) {
+void set_aside_states_of_last_run(const Globals& globals, const SessionInput& input, const fs::path& run) {
   const fs::path file = run / "session.states";
   if (input.state_file != file || !fs::exists(file)) return;
   int k = 1;
   while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
+  warn(globals, fmt::format("{}: states of an earlier run, kept as session-{}.states; --states continues from them", file.string(), k));
   for (const char* end : {"-wal", "-shm", ""}) {
     const fs::path part = file.string() + end;
     if (fs::exists(part)) fs::rename(part, run / fmt::format("session-{}.states{}", k, end));
@@ -125,6 +140,11 @@ void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::pat
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
+// What is wrong with the device or the cost was said by the scene unless it was given here.
+bool from_scene(const InputError& error, const SessionArguments& given) {
+  return (error.where().starts_with("device") && !given.device) || (error.where().starts_with("cost") && !given.cost);
+}
+
 int run_session_command(const Globals& globals, const SessionArguments& given) {
   const Scene scene = load_scene(given.scene, globals.set);
   SessionOptions options = options_of(scene, given, globals);
@@ -138,15 +158,24 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
                      .references = {},
                      .scene_folder = fs::absolute(scene.file).parent_path(),
                      .inward = scene.inward};
-  check_session(input, options);
+  try {
+    check_session(input, options);
+  } catch (const InputError& error) {
+    if (!from_scene(error, given)) throw;
+    throw InputError(scene.file.string() + ": session: " + error.where(),
+                     std::string(error.what()).substr(error.where().size() + 2));
+  }
   if (!given.seconds) options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
   take_states(scene, given, globals, input);
+  keep_replayed(options, run);
   prepare_run_folder(run);
-  set_aside_states_of_last_run(input, run);
+  set_aside_states_of_last_run(globals, input, run);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
+  options.interrupted = &interrupted;
+  std::signal(SIGINT, forefeel_session_interrupt);
   const SessionResult result = run_session(
       input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); });
   progress.reset();
@@ -161,7 +190,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   write_report(run, scene, globals);
   if (globals.json) print_json(summary);
   if (!globals.json) tell(globals, summary, run);
-  return 0;
+  return result.interrupted ? 1 : 0;
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   if (globals.json) print_json(document);
   if (!globals.json)
     for (std::size_t i = 0; i < states.size(); ++i)
-      say(globals, line_for(states[i]) +
+      answer(globals, line_for(states[i]) +
                        (mesh_errors.empty() ? "" : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));
   if (failed == 0) return 0;
   warn(globals, fmt::format("{} of {} states did not converge", failed, states.size()));

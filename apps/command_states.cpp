@@ -138,10 +138,10 @@ int info_states(const Globals& globals, const std::string& file) {
     document["bytes"] = std::filesystem::file_size(file);
     print_json(document);
   }
-  say(globals, fmt::format("{}: {} states ({} failed), {} with stiffness, spacing {}, within {}, forces up to {:.4g} N", file, loaded.states.size(),
+  answer(globals, fmt::format("{}: {} states ({} failed), {} with stiffness, spacing {}, within {}, forces up to {:.4g} N", file, loaded.states.size(),
                            loaded.states.size() - usable, stiff,
                            std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing) : "unknown", size_text(extent.size()), strongest));
-  for (const auto& [key, value] : loaded.header.identity) say(globals, fmt::format("  {}: {}", key, value));
+  for (const auto& [key, value] : loaded.header.identity) answer(globals, fmt::format("  {}: {}", key, value));
   return 0;
 }
 
@@ -168,10 +168,10 @@ int info_mesh(const Globals& globals, const std::string& file) {
     document["warnings"] = check.warnings;
     print_json(document);
   }
-  say(globals, fmt::format("{}: {} tetrahedra, {} nodes ({} on the surface), {} part{}, {}, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees", file,
+  answer(globals, fmt::format("{}: {} tetrahedra, {} nodes ({} on the surface), {} part{}, {}, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees", file,
                            mesh.tets.size(), mesh.nodes.size(), on_surface, parts, parts == 1 ? "" : "s", size_text(bounding_box(mesh).size()),
                            1e6 * measured.volume, measured.min_dihedral_deg, measured.max_dihedral_deg));
-  for (const auto& [group, nodes] : mesh.groups) say(globals, fmt::format("  group {}: {} nodes", group, nodes.size()));
+  for (const auto& [group, nodes] : mesh.groups) answer(globals, fmt::format("  group {}: {} nodes", group, nodes.size()));
   return 0;
 }
 
@@ -194,7 +194,7 @@ int info_surface(const Globals& globals, const std::string& file) {
                 {"volume", closed ? number(enclosed_volume(surface)) : Json(nullptr)},
                 {"longest_side", number(box.size().maxCoeff())},
                 {"box", box_json(box)}});
-  say(globals, fmt::format("{}: {} triangles, {} nodes, {}, {} (unscaled)", file, surface.triangles.size(), surface.nodes.size(),
+  answer(globals, fmt::format("{}: {} triangles, {} nodes, {}, {} (unscaled)", file, surface.triangles.size(), surface.nodes.size(),
                            closed ? "closed" : fmt::format("open: {} border edges, {} shared by more than two", border, crowded), size_text(box.size())));
   return 0;
 }

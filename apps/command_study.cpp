@@ -190,7 +190,7 @@ void add_study(CLI::App& app, Commands& commands) {
       ->type_name("DIR/");
   sub.add_option("--gantt", arguments->gantt,
                  "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->type_name("CELL");
 }
 

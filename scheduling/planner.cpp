@@ -84,7 +84,7 @@ void Planner::receive(JobResult result, double now) {
 }
 
 void Planner::arrive(State state, double now) {
-  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = label_};
+  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = space_.label(state.at)};
   record.requested = record.finished = record.known = now;
   record.status = state.usable() ? "arrived" : "failed";
   const std::int64_t row = record.id;
@@ -217,6 +217,7 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
                         .label = candidate.region,
                         .priority = priority};
   record.requested = std::isfinite(candidate.requested) ? candidate.requested : now;
+  record.started = now + options_.latency;   // until the worker tells
   record.status = "running";
   record.worker = worker;
   const Start* start = nearest_start(candidate.at);

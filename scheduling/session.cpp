@@ -43,6 +43,17 @@ void check(const SessionInput& input, const SessionOptions& o) {
   expect(!(o.arrivals && o.replay), "arrivals", "cannot go with replay, which brings its own");
 }
 
+// A motion in other units than metres leads where no body can be pulled, and its references would take for ever.
+void check_motion(const SessionPlan& plan) {
+  const double length = bounding_box(plan.input.body->mesh).size().maxCoeff(), most = 2 * length;
+  for (std::size_t k = 0; k < plan.frames; k += 10) {
+    const double distance = plan.device->position(frame_time(k, plan.options.frame), Vec3::Zero()).norm();
+    if (!(distance <= most))
+      throw InputError("device " + plan.options.device,
+                       fmt::format("leads {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)", distance, most));
+  }
+}
+
 SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) {
   check(input, options);
   make_policy(options.policy, {.seed = options.seed});   // unknown names are refused before anything runs
@@ -68,6 +79,7 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   }
   plan.frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   expect(plan.frames >= 1, "seconds", "is shorter than a frame");
+  check_motion(plan);
   if (knows_the_future(options.policy))
     for (std::size_t k = 0; k < plan.frames; ++k)
       plan.motion.push_back(plan.device->position(frame_time(k, options.frame), Vec3::Zero()));
@@ -132,13 +144,18 @@ Planner::Hooks hooks_of(const SessionPlan& plan, StateWriter* writer) {
   return hooks;
 }
 
-void take_loop(RenderLoop& loop, SessionResult& result) {
+void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
   result.frames = loop.take_log();
+  result.interrupted = result.frames.size() < frames;
+  if (result.interrupted) result.notes.push_back(fmt::format("interrupted after {} of {} frames", result.frames.size(), frames));
   const SafetyCounts& counts = loop.safety().counts();
   result.clamped = counts.clamped;
   result.slewed = counts.slewed;
   result.stale = counts.stale;
   result.non_finite = counts.non_finite;
+  if (result.clamped > 0)
+    result.notes.push_back(fmt::format("{} of {} frames were clamped by safety: the device got less force than was rendered; the error is "
+                                       "that of the rendered force", result.clamped, result.frames.size()));
   result.generated_energy = loop.safety().generated();
   result.work = loop.safety().work();
 }

@@ -3,6 +3,7 @@
 // Both clocks run the same Planner and the same RenderLoop; only who calls them when differs.
 
 #include <array>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -51,6 +52,7 @@ struct SessionOptions {
   double force_limit = 12;                 // safety clamp [N]: that of an omega.3; paths have no device profile
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up
+  const volatile std::sig_atomic_t* interrupted = nullptr;   // once not 0, the session ends after that frame
   double stale_seconds = 0.5;              // watchdog: no sign of the planner for so long fades the force out
 };
 
@@ -117,7 +119,7 @@ struct SessionResult {
   std::vector<SwitchRecord> switches;
   std::vector<State> states;                 // all known at the end, those of the start first
   double wall_seconds = 0;
-  bool realtime_priority = false, memory_locked = false;
+  bool realtime_priority = false, memory_locked = false, interrupted = false;
   std::vector<std::string> notes;            // what the system did not permit, what failed
   // Everything that summary.json holds but provenance is derived from the above in run_files.hpp.
   std::array<std::size_t, 3> start_solved_failed{};

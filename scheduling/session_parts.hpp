@@ -49,6 +49,6 @@ void analyse(const SessionInput& input, const SessionOptions& options, Reference
              SessionResult& result, const ShowProgress& show);
 
 Planner::Hooks hooks_of(const SessionPlan& plan, StateWriter* writer);
-void take_loop(RenderLoop& loop, SessionResult& result);   // its log and counters
+void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);   // its log and counters
 
 }  // namespace forefeel

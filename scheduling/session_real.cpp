@@ -62,13 +62,13 @@ struct LoopEnd {
   std::string note;
 };
 
-void run_loop(RenderLoop& loop, std::size_t frames, double frame, Nanoseconds start, LoopEnd& end) {
+void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& options, Nanoseconds start, LoopEnd& end) {
   const sched_param priority{.sched_priority = 80};
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
   end.realtime = refused == 0;
   if (refused) end.note = fmt::format("the loop runs without real-time priority: {}", std::strerror(refused));
-  for (std::size_t k = 0; k < frames; ++k) {
-    const Nanoseconds due = start + std::llround(static_cast<double>(k) * frame * 1e9);
+  for (std::size_t k = 0; k < frames && !(options.interrupted && *options.interrupted); ++k) {
+    const Nanoseconds due = start + std::llround(static_cast<double>(k) * options.frame * 1e9);
     sleep_until(due);
     const Nanoseconds woke = monotonic();
     loop.frame(k);
@@ -151,7 +151,7 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
   LoopEnd end;
   std::exception_ptr failure;
 
-  std::thread loop_thread([&] { run_loop(loop, plan.frames, options.frame, start, end); });
+  std::thread loop_thread([&] { run_loop(loop, plan.frames, options, start, end); });
   std::thread planner_thread([&] {
     try {
       run.until(end);
@@ -172,7 +172,7 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
   if (failure) std::rethrow_exception(failure);
   if (workers.failure()) std::rethrow_exception(workers.failure());
 
-  take_loop(loop, result);
+  take_loop(loop, plan.frames, result);
   planner.finish(result);
   result.workers = plan.given_arrivals ? 0 : workers.workers();
   result.realtime_priority = end.realtime;

@@ -147,7 +147,7 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult&
       planner.observe(*link.hip.take());
       planner.plan(now);
       const std::size_t next = event.payload + 1;
-      if (next == plan.frames) break;
+      if (next == plan.frames || (options.interrupted && *options.interrupted)) break;
       events.push(ns(static_cast<double>(next) * options.frame), Kind::frame, next);
       if (show && next % 250 == 0)
         show({.t = now, .seconds = options.seconds, .known = planner.space().size(), .solved = planner.solved(),
@@ -155,7 +155,7 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult&
     }
   }
   if (writer) writer->flush();
-  take_loop(loop, result);
+  take_loop(loop, plan.frames, result);
   planner.finish(result);
   result.workers = workers.workers();
 }

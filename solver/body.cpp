@@ -100,7 +100,7 @@ std::vector<std::string> check(const Body& body, const std::string& where) {
     warnings.push_back(fmt::format("material.poisson = {}: linear tetrahedra lock above 0.45 and answer too stiffly; "
                                    "body.element = \"quadratic\" does not", body.material.poisson));
   if (body.contact.size() == 1)
-    warnings.push_back("the contact is one node: its force falls without limit as the mesh is refined; give a radius");
+    warnings.push_back("the contact is one node: its force falls without limit as the mesh is refined; give a radius that takes several");
   return warnings;
 }
 

@@ -7,6 +7,7 @@ namespace forefeel {
 namespace {
 
 constexpr double smallest_share = 1.0 / 256;   // of a continuation step, after halvings
+constexpr double most_steps = 5000;
 
 }  // namespace
 
@@ -87,6 +88,11 @@ NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolera
   const Vec3 from = at_;
   const double distance = (x - from).norm();
   const double steps = max_step > 0 ? std::max(1.0, std::ceil(distance / max_step * (1 - 1e-12))) : 1.0;
+  if (!(steps <= most_steps)) {   // a position of other units, or not finite: no way there
+    NewtonReport report;
+    report.status = SolveStatus::stalled;
+    return report;
+  }
   double done = 0, share = 1 / steps;
   const double least = smallest_share * share;
   NewtonReport report;
