@@ -52,6 +52,9 @@ TEST_CASE("usage errors are one line", "[command-line]") {
   check_refused(shop, "solve", {"SCENE"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --threads -2", {"--threads"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --seed none", {"--seed"});
+  check_refused(shop, "solve beam.toml --at=0,0,0 --seed -1", {"--seed", "at least 0"});
+  check_refused(shop, "evaluate s.csv --points q.csv --neighbours 0", {"--neighbours", "above 0"});
+  check_refused(shop, "classify s.csv --safe-angle nan", {"--safe-angle", "above 0"});
   check_refused(shop, "bench nothing", {"nothing"});
 }
 
@@ -196,6 +199,10 @@ TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
   check_refused(shop, "session beam.toml --device trace:back.csv -o run", {"back.csv:4"});
   shop.write("short.csv", "t,x,y,z\n0,0,0,0\n0.2,0,0\n");
   check_refused(shop, "session beam.toml --device trace:short.csv -o run", {"short.csv:3"});
+  shop.write("mm.csv", "t,x,y,z\n0,0,0,0\n1,0,0,-20\n");
+  check_refused(shop, "session beam.toml --seconds 1 --device trace:mm.csv -o run", {"mm.csv", "expected metres"});
+  shop.write("spiral.toml", beam_scene("[session]\ndevice = \"path:spiral\"\n"));
+  check_refused(shop, "session spiral.toml -o run", {"spiral.toml", "session", "'spiral'"});
   check_refused(shop, "session beam.toml --clock wooden -o run", {"wooden"});
   check_refused(shop, "session beam.toml --workers 0 -o run", {"workers"});
   check_refused(shop, "session beam.toml --seconds 0.1 -o beam.toml/run", {"beam.toml/run"});

@@ -207,6 +207,34 @@ TEST_CASE("a virtual session is the same bits again, whatever the threads", "[co
     CHECK(shop.shell(std::string("cmp one/") + file + " two/" + file).code == 0);
 }
 
+TEST_CASE("a run is not written over the one it replays, and states that arrive have the label of their place", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  shop.write("arrivals.csv", "t,x,y,z\n0.1,0,0,0.006\n0.05,0,0,0\n");   // in any order
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 "
+                        "--arrivals arrivals.csv -o run --quiet").code == 0);
+  const std::string frames = shop.shell("cat run/frames.csv").out;
+  const std::string dispatch = shop.shell("cut -d, -f2-5,12 run/dispatch.csv").out;
+  CHECK_THAT(dispatch, Catch::Contains("0,0,0,blank,arrived") && Catch::Contains("0,0,0.006,sparse,arrived"));
+  const Workshop::Outcome again = shop.forefeel("session beam.toml --clock virtual --seconds 0.1 --replay run -o ./run");
+  CHECK(again.code == 2);
+  CHECK_THAT(again.err, Catch::Contains("expected another folder"));
+  CHECK(shop.shell("cat run/frames.csv").out == frames);
+}
+
+TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome outcome = shop.shell(
+      "timeout -s INT 3 '" FOREFEEL_BINARY_DIR "/apps/forefeel' session beam.toml --clock real --seconds 600 "
+      "--device path:circle -o run --json");
+  const auto frames = outcome.json()["frames"].get<std::size_t>();
+  CHECK(frames > 0);
+  CHECK(frames < 600000);
+  CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted"));
+  CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
+}
+
 TEST_CASE("a report stands on its own", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
@@ -237,6 +265,7 @@ TEST_CASE("--quiet says nothing and --json keeps stdout to itself", "[contract]"
   CHECK(quiet.code == 0);
   CHECK(quiet.out.empty());
   CHECK(quiet.err.empty());
+  CHECK_THAT(shop.forefeel("solve beam.toml --at=0,0,0.002 --quiet").out, Catch::Contains("0.002"));   // results are shown
   const Workshop::Outcome overridden = shop.forefeel(
       "solve beam.toml --at=0,0,0.002 --json --set material.young=10000 --set body.elements=240");
   const Workshop::Outcome plain = shop.forefeel("solve beam.toml --at=0,0,0.002 --json");
