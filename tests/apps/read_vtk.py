@@ -1,0 +1,48 @@
+#!/usr/bin/python3
+"""What VTK's own reader sees in .vtu files, as JSON. Exit 77 where VTK is absent. usage: read_vtk.py FILE.vtu..."""
+import json
+import sys
+
+try:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+except ImportError:
+    sys.exit(77)
+
+
+def arrays(data):
+    found = {}
+    for i in range(data.GetNumberOfArrays()):
+        values = vtk_to_numpy(data.GetArray(i))
+        found[data.GetArrayName(i)] = {
+            "size": len(values),
+            "min": float(values.min()) if values.size else None,
+            "max": float(values.max()) if values.size else None,
+        }
+    return found
+
+
+out = []
+for name in sys.argv[1:]:
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(name)
+    reader.Update()
+    if reader.GetErrorCode() != 0:
+        sys.exit(f"{name}: error {reader.GetErrorCode()}")
+    grid = reader.GetOutput()
+    volume = {}
+    labels = grid.GetCellData().GetArray("label")
+    for i in range(grid.GetNumberOfCells() if labels else 0):
+        b = grid.GetCell(i).GetBounds()
+        key = str(int(labels.GetValue(i)))
+        volume[key] = volume.get(key, 0) + (b[1] - b[0]) * (b[3] - b[2]) * (b[5] - b[4])
+    out.append({
+        "cells": grid.GetNumberOfCells(),
+        "points": grid.GetNumberOfPoints(),
+        "types": sorted({grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}),
+        "bounds": grid.GetBounds(),
+        "volume": volume,
+        "cell_data": arrays(grid.GetCellData()),
+        "point_data": arrays(grid.GetPointData()),
+    })
+print(json.dumps(out))

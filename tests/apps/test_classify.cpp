@@ -1,0 +1,272 @@
+// forefeel classify: its options, its files as other programs read them, a run over time, differences, bad input.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "executable.hpp"
+#include "geometry/setups.hpp"
+
+using namespace forefeel;
+using namespace forefeel::test;
+using nlohmann::json;
+
+namespace {
+
+constexpr double h = 0.006;
+
+std::string csv(const std::vector<Vec3>& states) {
+  std::string text = "x,y,z,fx,fy,fz\n";
+  for (const Vec3& p : states) {
+    std::ostringstream line;
+    line.precision(17);
+    line << p.x() << ',' << p.y() << ',' << p.z() << ",0,0,0\n";
+    text += line.str();
+  }
+  return text;
+}
+
+std::string setup_csv(std::string_view name) { return csv(make_setup(name, {.depth = 3, .half_width = 4}).states); }
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// What VTK reads of the files; null (and a warning) where VTK is not installed.
+json read_by_vtk(const Workshop& shop, const std::string& files) {
+  const auto outcome = shop.shell("/usr/bin/python3 " FOREFEEL_SOURCE_DIR "/tests/apps/read_vtk.py " + files);
+  if (outcome.code == 77 || outcome.code == 127) {
+    WARN("no VTK under /usr/bin/python3: what the .vtu hold is not checked");
+    return nullptr;
+  }
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  return outcome.json();
+}
+
+void refused(const Workshop& shop, const std::string& arguments, const std::vector<std::string>& says) {
+  const std::string before = shop.files();
+  const auto outcome = shop.forefeel("classify " + arguments);
+  INFO(arguments << ": " << outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  for (const std::string& part : says) CHECK(outcome.err.find(part) != std::string::npos);
+  CHECK(shop.files() == before);
+}
+
+}  // namespace
+
+TEST_CASE("classify reports volumes, gaps with sides and safe parts, fill distance and hole", "[classify]") {
+  const Workshop shop;
+  shop.write("gap.csv", setup_csv("gap"));
+  for (const std::string index : {"delaunay", "octree"}) {
+    INFO(index);
+    const auto outcome = shop.forefeel("classify gap.csv --spacing 0.006 --json --agreement --index " + index);
+    REQUIRE(outcome.code == 0);
+    const json report = outcome.json();
+    double all = 0;
+    for (const char* label : {"safe", "sparse", "gap", "blank"}) all += report["volume"][label].get<double>();
+    const Setup setup = make_setup("gap", {.depth = 3, .half_width = 4});
+    CHECK(all == Approx(setup.box.size().prod()));
+    CHECK(report["components"]["safe"] == 2);
+    const json bridge = report["gaps"][0];
+    CHECK(bridge["safe_components"].size() == 2);
+    REQUIRE(bridge["sides"].size() == 2);
+    const double a = bridge["sides"][0]["direction"][0], b = bridge["sides"][1]["direction"][0];
+    CHECK(a * b < -0.9);   // against each other, along x
+    CHECK(report["fill_distance"].get<double>() == Approx(1e-3 * std::sqrt(24.0 * 24 + 18)).epsilon(2e-3));
+    CHECK(report["fill_distance"].get<double>() <= report["fill_distance_bound"].get<double>());
+    CHECK(report["fill_distance_bound"].get<double>() <= report["fill_distance"].get<double>() + 0.1 * h);
+    CHECK(report["largest_hole"]["radius"].get<double>() == Approx(1e-3 * std::sqrt(24.0 * 24 + 18)).epsilon(1e-3));
+    CHECK(report["agreement"]["share"].get<double>() >= 0.95);
+    CHECK(report["peak_bytes"].get<double>() > 1e6);
+  }
+}
+
+TEST_CASE("classify labels points, lines and grids", "[classify]") {
+  const Workshop shop;
+  shop.write("gap.csv", setup_csv("gap"));
+  shop.write("q.csv", "x,y,z\n-0.003,0.001,0.001\n0.004,0.001,0.001\n0.024,0.001,0.001\n0.2,0,0\n");
+  const json points = shop.forefeel("classify gap.csv --spacing 0.006 --points q.csv --json").json();
+  CHECK(points["labels"] == json({"safe", "sparse", "gap", "blank"}));
+  CHECK(points["gamma_deg"][0].is_null());
+  CHECK(points["gamma_deg"][2].get<double>() < 85);
+  CHECK(points["delta"][2].get<double>() == Approx(1e-3 * std::hypot(24.0, 1.0, 1.0)));
+  CHECK(points["spread"][3].is_null());
+  const json line = shop.forefeel("classify gap.csv --spacing 0.006 --line -0.01,0.0017,0.0023:0.05,0.0017,0.0023:61 --json").json();
+  REQUIRE(line["labels"].size() == 61);
+  CHECK(line["labels"][10] == "safe");
+  CHECK(line["labels"][11] == "sparse");
+  const json grid = shop.forefeel("classify gap.csv --spacing 0.006 --grid 0.012 --json -o grid.csv").json();
+  const std::string rows = text_of(shop.path() / "grid.csv");
+  CHECK(static_cast<std::size_t>(std::count(rows.begin(), rows.end(), '\n')) == grid["labels"].size() + 1);
+  // Thresholds: with a wider reach the sparse rim swallows the gap.
+  const json wide = shop.forefeel("classify gap.csv --spacing 0.006 --sparse-distance 5 --points q.csv --json").json();
+  CHECK(wide["labels"][2] == "sparse");
+  CHECK(wide["volume"]["gap"] == 0);
+}
+
+TEST_CASE("the files of classify open in VTK, with labels whose volumes are those reported", "[classify]") {
+  const Workshop shop;
+  shop.write("gap.csv", setup_csv("gap"));
+  const json report = shop.forefeel("classify gap.csv --spacing 0.006 -o out.vtu --json").json();
+  const json seen = read_by_vtk(shop, "out.vtu out_states.vtu out_cells.vtu");
+  if (seen.is_null()) return;
+  const json &regions = seen[0], &states = seen[1], &cells = seen[2];
+  CHECK(regions["types"] == json({11}));
+  CHECK(regions["cells"] == report["leaves"]);
+  const char* labels[] = {"safe", "sparse", "gap", "blank"};
+  for (std::size_t i = 0; i < 4; ++i)
+    CHECK(regions["volume"].value(std::to_string(i), 0.0) == Approx(report["volume"][labels[i]].get<double>()).margin(1e-15));
+  CHECK(regions["cell_data"]["component"]["size"] == report["leaves"]);
+  CHECK(regions["cell_data"]["safe_components"]["max"] == 2);
+  CHECK(regions["cell_data"]["bridge_sides"]["max"] == 2);
+  CHECK(states["points"] == report["states"]);
+  CHECK(cells["types"] == json({10}));
+  // In full cubes the spread at a cell's centroid stays below the half diagonal; across the gap it is wider.
+  CHECK(cells["cell_data"]["spread"]["min"].get<double>() < std::sqrt(3.0) / 2 * h);
+  CHECK(cells["cell_data"]["spread"]["max"].get<double>() > 2 * h);
+  CHECK(cells["cell_data"]["alpha"]["min"].get<double>() == Approx(std::sqrt(3.0) / 2 * h));
+}
+
+TEST_CASE("pictures hold three slices, four classes of their own hatching and a legend", "[classify]") {
+  const Workshop shop;
+  shop.write("gap.csv", setup_csv("gap"));
+  REQUIRE(shop.forefeel("classify gap.csv --spacing 0.006 -o out.svg --through 0.01,0,0").code == 0);
+  const std::string svg = text_of(shop.path() / "out.svg");
+  for (const char* part : {"x = 10 mm", "y = 0 mm", "z = 0 mm", "class=\"safe\"", "class=\"sparse\"", "class=\"gap\"",
+                           "safe: ", "blank: ", "states", "pattern id=\"gap\"", "</svg>"})
+    CHECK(svg.find(part) != std::string::npos);
+  REQUIRE(shop.forefeel("classify gap.csv --spacing 0.006 --index octree -o out.csv").code == 0);
+  CHECK(text_of(shop.path() / "out.csv").starts_with("x,y,z,dx,dy,dz,label,component\n"));
+  const auto png = shop.forefeel("classify gap.csv --spacing 0.006 -o out.png");
+  if (shop.shell("command -v gnuplot").code != 0) {
+    CHECK(png.code == 2);
+    return;
+  }
+  REQUIRE(png.code == 0);
+  CHECK(text_of(shop.path() / "out.png").starts_with("\x89PNG"));
+}
+
+TEST_CASE("--diff says from which label to which, in volumes and in a file", "[classify]") {
+  const Workshop shop;
+  shop.write("blank.csv", setup_csv("blank"));
+  shop.write("gap.csv", setup_csv("gap"));
+  const json same = shop.forefeel("classify --diff gap.csv gap.csv --spacing 0.006 --json").json();
+  CHECK(same["diff"]["changed"] == 0);
+  const auto outcome = shop.forefeel("classify --diff blank.csv gap.csv --spacing 0.006 -o diff.vtu --json");
+  REQUIRE(outcome.code == 0);
+  const json diff = outcome.json()["diff"];
+  CHECK(diff["worse"].get<double>() == Approx(0).margin(1e-15));   // only states were added
+  CHECK(diff["from_to"]["blank"]["gap"].get<double>() > 1e-6);
+  CHECK(diff["better"].get<double>() == Approx(diff["changed"].get<double>()));
+  const json back = shop.forefeel("classify --diff gap.csv blank.csv --spacing 0.006 --json").json()["diff"];
+  CHECK(back["worse"].get<double>() == Approx(diff["better"].get<double>()));
+  const json seen = read_by_vtk(shop, "diff.vtu");
+  if (seen.is_null()) return;
+  CHECK(seen[0]["cell_data"].contains("label_before"));
+  CHECK(seen[0]["cell_data"].contains("label_after"));
+  CHECK_FALSE(seen[0]["cell_data"].contains("component"));
+  CHECK(seen[0]["cell_data"]["label_before"]["max"] == 3);
+}
+
+TEST_CASE("a run becomes a series over time that grows with its states", "[classify]") {
+  const Workshop shop;
+  const Setup setup = make_setup("full", {.depth = 2, .half_width = 2, .width = 0.012});
+  std::filesystem::create_directories(shop.path() / "run");
+  std::string frames = "t,x,y,z,fx,fy,fz,label,model,known\n", dispatch = "id,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent\n";
+  for (int i = 0; i <= 100; ++i) frames += std::to_string(0.01 * i) + "," + std::to_string(1e-4 * i) + ",0,0,0,0,0,blank,0,0\n";
+  for (std::size_t i = 0; i < setup.states.size(); ++i) {
+    const Vec3& p = setup.states[i];
+    dispatch += std::to_string(i) + "," + std::to_string(p.x()) + "," + std::to_string(p.y()) + "," + std::to_string(p.z()) +
+                ",blank,1,0,0," + std::to_string(0.9 * double(i) / double(setup.states.size())) + ",,solved,0,\n";
+  }
+  shop.write("run/frames.csv", frames);
+  shop.write("run/dispatch.csv", dispatch);
+  const auto outcome = shop.forefeel("classify run --spacing 0.006 --snapshots 5 --json");
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json report = outcome.json();
+  REQUIRE(report["snapshots"].size() == 5);
+  for (std::size_t i = 1; i < 5; ++i) {
+    CHECK(report["snapshots"][i]["volume"]["safe"] >= report["snapshots"][i - 1]["volume"]["safe"]);
+    CHECK(report["snapshots"][i]["states"] > report["snapshots"][i - 1]["states"]);
+  }
+  CHECK(report["snapshots"][4]["label"] == "safe");
+  const std::string series = text_of(shop.path() / "run/coverage.pvd");
+  CHECK(series.find("timestep=\"1\"") != std::string::npos);
+  for (const char* part : {"regions_00004.vtu", "states_00004.vtu", "hip_00004.vtu"}) {
+    CHECK(series.find(part) != std::string::npos);
+    CHECK(std::filesystem::exists(shop.path() / "run/coverage_series" / part));
+  }
+  const json seen = read_by_vtk(shop, "run/coverage_series/regions_00004.vtu run/coverage_series/states_00004.vtu");
+  if (!seen.is_null()) CHECK(seen[1]["points"] == setup.states.size());
+}
+
+TEST_CASE("states with spacings of their own are labelled by them", "[classify]") {
+  const Workshop shop;
+  // A lattice of 12 mm, and one octant of it at 6 mm.
+  std::string text = "x,y,z,fx,fy,fz,h\n";
+  for (int k = -4; k <= 4; ++k)
+    for (int j = -4; j <= 4; ++j)
+      for (int i = -4; i <= 4; ++i) {
+        const bool fine = i >= 0 && j >= 0 && k >= 0, coarse = i % 2 == 0 && j % 2 == 0 && k % 2 == 0;
+        if (fine || coarse)
+          text += std::to_string(h * i) + "," + std::to_string(h * j) + "," + std::to_string(h * k) + ",0,0,0," + (fine ? "0.006" : "0.012") + "\n";
+      }
+  shop.write("adaptive.csv", text);
+  shop.write("q.csv", "x,y,z\n-0.013,-0.014,-0.015\n0.0131,0.0142,0.0153\n");
+  const json own = shop.forefeel("classify adaptive.csv --points q.csv --json").json();
+  CHECK(own["adaptive"] == true);
+  CHECK(own["labels"] == json({"safe", "safe"}));
+  CHECK(own["volume"]["safe"].get<double>() == Approx(std::pow(0.048, 3)));
+  const json fine = shop.forefeel("classify adaptive.csv --spacing 0.006 --points q.csv --json").json();
+  CHECK(fine["adaptive"] == false);
+  CHECK(fine["labels"] == json({"sparse", "safe"}));
+}
+
+TEST_CASE("strange states are labelled or refused in one line", "[classify]") {
+  const Workshop shop;
+  shop.write("one.csv", csv({Vec3(0.01, 0, 0)}));
+  shop.write("row.csv", csv({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0.012, 0, 0), Vec3(0.018, 0, 0)}));
+  shop.write("sheet.csv", csv({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0, 0.006, 0), Vec3(0.006, 0.006, 0), Vec3(0.012, 0, 0)}));
+  shop.write("twice.csv", csv({Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0.006, 0, 0)}));
+  for (const std::string index : {"delaunay", "octree"})
+    for (const char* file : {"one.csv", "row.csv", "sheet.csv", "twice.csv"}) {
+      INFO(file << " " << index);
+      const auto outcome = shop.forefeel(std::string("classify ") + file + " --spacing 0.006 --json --index " + index +
+                                         " --box=-0.02,-0.02,-0.02:0.03,0.02,0.02 --agreement");
+      REQUIRE(outcome.code == 0);
+      const json report = outcome.json();
+      CHECK(report["volume"]["safe"] == 0);
+      CHECK(report["volume"]["sparse"].get<double>() > 0);
+    }
+  std::vector<Vec3> far = make_setup("full", {.depth = 2, .half_width = 2, .width = 0.012}).states;
+  const double near_volume = [&] {
+    shop.write("near.csv", csv(far));
+    return shop.forefeel("classify near.csv --spacing 0.006 --json").json()["volume"]["safe"].get<double>();
+  }();
+  for (Vec3& p : far) p += Vec3(1000, -1000, 1000);
+  shop.write("far.csv", csv(far));
+  CHECK(shop.forefeel("classify far.csv --spacing 0.006 --json").json()["volume"]["safe"].get<double>() == Approx(near_volume).epsilon(1e-6));
+
+  shop.write("empty.csv", "x,y,z,fx,fy,fz\n");
+  shop.write("nan.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\nnan,0,0,0,0,0\n");
+  shop.write("wide.csv", csv({Vec3(0, 0, 0), Vec3(10, 10, 10)}));
+  refused(shop, "empty.csv --spacing 0.006", {"empty.csv"});
+  refused(shop, "nan.csv --spacing 0.006", {"nan.csv:3"});
+  refused(shop, "one.csv", {"--spacing"});
+  refused(shop, "wide.csv --spacing 0.001", {"--spacing"});
+  refused(shop, "near.csv --spacing 1e-9", {"--spacing"});
+  refused(shop, "near.csv --spacing 0.006 --grid 1e-6", {"--grid"});
+  refused(shop, "near.csv --spacing 0.006 --box 0,0,0:-1,1,1", {"--box"});
+  refused(shop, "near.csv --spacing 0.006 --line 0,0,0:1,1,1:1", {"--line"});
+  refused(shop, "near.csv --spacing 0.006 -o out.obj", {".vtu"});
+  refused(shop, "near.csv --spacing 0.006 --sparse-distance 0.5", {"sparse"});
+  refused(shop, "--diff near.csv", {"--diff"});
+  refused(shop, "near.csv --spacing 0.006 --diff near.csv one.csv", {"--diff"});
+}
