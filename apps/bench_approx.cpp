@@ -11,6 +11,7 @@
 #include <random>
 
 #include "approx/baselines/baseline.hpp"
+#include "approx/instruction_set.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
@@ -266,7 +267,7 @@ int bench_approx(const Globals& globals, const std::string& scene) {
     bench.run(kind);
   nlohmann::ordered_json document;
   document["rows"] = bench.rows;
-  document["instruction_set"] = baseline_instruction_set();
+  document["instruction_set"] = name(instruction_set());
   document["provenance"] = provenance("");
   if (globals.json) print_json(document);
   return 0;
