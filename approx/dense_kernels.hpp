@@ -47,6 +47,6 @@ struct Loops {
                 double* out);
 };
 
-const Loops& loops();  // those of instruction_set()
+const Loops& loops();  // those of approx_instruction_set()
 
 }  // namespace forefeel::dense

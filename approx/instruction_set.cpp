@@ -52,8 +52,8 @@ InstructionSet choose() {
 
 #ifdef FOREFEEL_MULTIVERSION
 #define FOREFEEL_CHOSEN(loops)                                    \
-  (instruction_set() == InstructionSet::avx512 ? avx512::loops    \
-   : instruction_set() == InstructionSet::avx2 ? avx2::loops      \
+  (approx_instruction_set() == InstructionSet::avx512 ? avx512::loops    \
+   : approx_instruction_set() == InstructionSet::avx2 ? avx2::loops      \
                                                : portable::loops)
 #else
 #define FOREFEEL_CHOSEN(loops) portable::loops
@@ -61,7 +61,7 @@ InstructionSet choose() {
 
 }  // namespace
 
-InstructionSet instruction_set() {
+InstructionSet approx_instruction_set() {
   static const InstructionSet chosen = choose();
   return chosen;
 }

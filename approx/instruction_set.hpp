@@ -9,6 +9,6 @@ namespace forefeel {
 
 enum class InstructionSet { portable, avx2, avx512 };  // x86-64, x86-64-v3, x86-64-v4
 std::string_view name(InstructionSet set);
-InstructionSet instruction_set();
+InstructionSet approx_instruction_set();
 
 }  // namespace forefeel

@@ -38,6 +38,6 @@ struct Loops {
                   const double base[3], double out[19]);
 };
 
-const Loops& loops();  // those of instruction_set()
+const Loops& loops();  // those of approx_instruction_set()
 
 }  // namespace forefeel::sums

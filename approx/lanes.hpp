@@ -15,26 +15,29 @@ namespace {
 
 #if defined(__AVX512F__)
 constexpr std::size_t width = 8;
-typedef double Pack __attribute__((vector_size(64), aligned(8), may_alias));
+typedef double Pack __attribute__((vector_size(64)));
+typedef double Loose __attribute__((vector_size(64), aligned(8), may_alias));
 typedef long long Lanes __attribute__((vector_size(64)));
 constexpr Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
 #elif defined(__AVX2__)
 constexpr std::size_t width = 4;
-typedef double Pack __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double Pack __attribute__((vector_size(32)));
+typedef double Loose __attribute__((vector_size(32), aligned(8), may_alias));
 typedef long long Lanes __attribute__((vector_size(32)));
 constexpr Lanes lane = {0, 1, 2, 3};
 #else
 constexpr std::size_t width = 2;
-typedef double Pack __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double Pack __attribute__((vector_size(16)));
+typedef double Loose __attribute__((vector_size(16), aligned(8), may_alias));
 typedef long long Lanes __attribute__((vector_size(16)));
 constexpr Lanes lane = {0, 1};
 #endif
 
 FOREFEEL_INLINE Pack load(const double* at) {
-  return *reinterpret_cast<const Pack*>(at);
+  return *reinterpret_cast<const Loose*>(at);
 }
 FOREFEEL_INLINE void store(double* at, Pack value) {
-  *reinterpret_cast<Pack*>(at) = value;
+  *reinterpret_cast<Loose*>(at) = value;
 }
 FOREFEEL_INLINE Pack same(double value) {
   return Pack{} + value;

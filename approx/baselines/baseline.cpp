@@ -30,9 +30,9 @@ struct Functions {
 
 Functions choose() {
 #ifdef FOREFEEL_MULTIVERSION
-  if (instruction_set() == InstructionSet::avx512)
+  if (approx_instruction_set() == InstructionSet::avx512)
     return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum};
-  if (instruction_set() == InstructionSet::avx2)
+  if (approx_instruction_set() == InstructionSet::avx2)
     return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
 #endif
   return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum};
