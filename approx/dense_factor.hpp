@@ -1,9 +1,9 @@
 #pragma once
 // A Cholesky factor that grows and shrinks, with a border of right-hand sides that follows it:
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
-// remove() takes rows and columns out of A by Givens rotations (a positive rank-one update of the trailing
-// factor, which is stable; a downdate is never needed), append() adds up to 8 at the end by a triangular
-// solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole (a unit row)
+// remove() takes up to 8 rows and columns at a time out of A by one reflection a column (a positive update of
+// the trailing factor, which is stable; a downdate is never needed), append() adds up to 8 at the end by a
+// triangular solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole (a unit row)
 // until compact(). O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
@@ -12,13 +12,14 @@
 #include <vector>
 
 #include "approx/aligned.hpp"
+#include "approx/dense_kernels.hpp"
 
 namespace forefeel {
 
 class DenseFactor {
  public:
-  static constexpr std::size_t border = 16;  // columns of B
-  static constexpr std::size_t panel = 8;    // most rows that one append() takes
+  static constexpr std::size_t border = dense::border;    // columns of B
+  static constexpr std::size_t panel = dense::most_rows;  // most rows that one append() takes
 
   explicit DenseFactor(std::size_t row_capacity = 0);
 
@@ -32,31 +33,31 @@ class DenseFactor {
   // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included,
   // and their rows of B. Row-major, stride panel_stride(); valid until the next append().
   double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
-  double* panel_border(std::size_t r) { return cross_border_ + r * border; }
-  std::size_t panel_stride() const { return (row_capacity_ + 2 * panel - 1) / 8 * 8; }
-  // Appends the first `used` of `count` = 4 or 8 panel rows; the others, and holes on purpose, are marked in
-  // skip. A row whose pivot falls below tolerance[r] times its diagonal entry carries nothing new and becomes
-  // a hole. Returns the rows that were taken, bit r for row r.
-  std::uint32_t append(std::size_t count, std::size_t used, std::uint32_t skip, const double* tolerance,
-                       std::size_t used_border);
+  double* panel_border(std::size_t r) { return cross_border_.data() + r * border; }
+  std::size_t panel_stride() const { return (row_capacity_ + 3 * panel - 1) / 8 * 8; }
+  // Appends `count` panel rows; holes on purpose are marked in skip. A row whose pivot falls below tolerance[r]
+  // times its diagonal entry carries nothing new and becomes a hole. Returns the rows that were taken, bit r
+  // for row r.
+  std::uint32_t append(std::size_t count, std::uint32_t skip, const double* tolerance);
 
   // Keeps only the given rows (ascending); every other row must be a hole.
   void compact(std::span<const std::size_t> kept);
 
   // Y: row m has 16 entries.
-  const double* border_row(std::size_t row) const { return columns_.data() + row * stride_; }
+  const double* border_row(std::size_t row) const { return border_.data() + row * border; }
   // Solves L^T z = y in place for three right-hand sides of length rows(), padded by 8.
   void solve_transposed(double* y0, double* y1, double* y2) const;
 
  private:
-  double* column(std::size_t c) { return columns_.data() + c * stride_ + border; }
-  const double* column(std::size_t c) const { return columns_.data() + c * stride_ + border; }
+  double* column(std::size_t c) { return columns_.data() + c * stride_; }
+  const double* column(std::size_t c) const { return columns_.data() + c * stride_; }
 
   std::size_t row_capacity_, stride_ = 0, rows_ = 0;
-  AlignedArray columns_;  // column c: 16 of Y, then column c of L
+  AlignedArray columns_;  // L
+  AlignedArray border_;   // Y
   AlignedArray inverse_diagonal_;
-  AlignedArray cross_, solved_, removed_;
-  double cross_border_[panel * border] = {};
+  AlignedArray cross_, cross_border_, removed_, removed_border_;
+  std::vector<dense::Run> runs_;  // of compact()
 };
 
 }  // namespace forefeel

@@ -1,238 +1,289 @@
+// Compiled once per instruction set.
 #include "approx/dense_kernels.hpp"
 
-#include <cmath>
+#include "approx/lanes.hpp"
 
-#include "geometry/simd.hpp"
-
-#define FOREFEEL_INLINE static inline __attribute__((always_inline))
-
-namespace forefeel::dense {
+namespace forefeel::FOREFEEL_ISA {
 namespace {
 
-// Unaligned vectors; the compiler splits them where the processor's are shorter.
-typedef double Pack8 __attribute__((vector_size(64), aligned(8), may_alias));
+using dense::border;
+using dense::most_rows;
+constexpr std::size_t block = 8;                           // columns that a solve takes at a time
+constexpr std::size_t rows_together = width == 8 ? 4 : 2;  // rows whose factors fit into registers
 
-// By name, as a template argument a type loses its attributes.
-struct Four {
-  typedef double Pack __attribute__((vector_size(32), aligned(8), may_alias));
-  static constexpr std::size_t size = 4;
+// S -= factors times rows of length `count` (a multiple of the width) at from[t * stride], t < C.
+template <std::size_t P, std::size_t C>
+FOREFEEL_INLINE void subtract(const double* __restrict from, std::size_t stride, std::size_t begin,
+                              std::size_t end, const double* __restrict factor, double* rows,
+                              std::size_t row_stride) {
+  Pack f[P][C];
+  for (std::size_t p = 0; p < P; ++p)
+    for (std::size_t t = 0; t < C; ++t) f[p][t] = same(factor[p * block + t]);
+  for (std::size_t i = begin; i < end; i += width) {
+    Pack l[C];
+    for (std::size_t t = 0; t < C; ++t) l[t] = load(from + t * stride + i);
+    for (std::size_t p = 0; p < P; ++p) {
+      Pack x = load(rows + p * row_stride + i);
+      Pack second = f[p][C / 2] * l[C / 2];  // a second chain halves the delay
+      for (std::size_t t = 0; t < C / 2; ++t) x -= f[p][t] * l[t];
+      for (std::size_t t = C / 2 + 1; t < C; ++t) second += f[p][t] * l[t];
+      store(rows + p * row_stride + i, x - second);
+    }
+  }
+}
+
+// x := x L_cc^-T for the diagonal block of the columns c to c + 7: one row, or as many as a vector has lanes.
+FOREFEEL_INLINE void solve_diagonal(const double* __restrict l, std::size_t stride,
+                                    const double* __restrict inverse, double* __restrict x) {
+  for (std::size_t t = 0; t < block; ++t) {
+    double value = x[t];
+    for (std::size_t s = 0; s < t; ++s) value -= x[s] * l[s * stride + t];
+    x[t] = value * inverse[t];
+  }
+}
+
+FOREFEEL_INLINE void solve_diagonal(const double* __restrict l, std::size_t stride,
+                                    const double* __restrict inverse, double* rows, std::size_t row_stride,
+                                    std::size_t count) {
+  Pack x[block];  // by column
+  for (std::size_t part = 0; part < block; part += width) {
+    for (std::size_t r = 0; r < width; ++r)
+      x[part + r] = r < count ? load(rows + r * row_stride + part) : Pack{};
+    transpose(x + part);
+  }
+  for (std::size_t t = 0; t < block; ++t) {
+    x[t] *= inverse[t];
+    for (std::size_t s = t + 1; s < block; ++s) x[s] -= x[t] * l[t * stride + s];
+  }
+  for (std::size_t part = 0; part < block; part += width) {
+    transpose(x + part);
+    for (std::size_t r = 0; r < width && r < count; ++r) store(rows + r * row_stride + part, x[part + r]);
+  }
+}
+
+// P rows, solved up to column c + 7, leave the rows after it and the border.
+template <std::size_t P>
+FOREFEEL_INLINE void subtract_block(const double* __restrict l, std::size_t stride,
+                                    const double* __restrict y, std::size_t m, std::size_t c, double* rows,
+                                    std::size_t row_stride, double* side) {
+  double factor[P * block];
+  for (std::size_t p = 0; p < P; ++p)
+    for (std::size_t t = 0; t < block; ++t) factor[p * block + t] = rows[p * row_stride + c + t];
+  const double* from = l + c * stride;
+  if constexpr (P <= rows_together / 2) {
+    subtract<P, 8>(from, stride, c + block, m, factor, rows, row_stride);
+    subtract<P, 8>(y + c * border, border, 0, border, factor, side, border);
+  } else {
+    subtract<P, 4>(from, stride, c + block, m, factor, rows, row_stride);
+    subtract<P, 4>(from + 4 * stride, stride, c + block, m, factor + 4, rows, row_stride);
+    subtract<P, 4>(y + c * border, border, 0, border, factor, side, border);
+    subtract<P, 4>(y + (c + 4) * border, border, 0, border, factor + 4, side, border);
+  }
+}
+
+// The last columns, fewer than a block.
+FOREFEEL_INLINE void solve_end(const double* l, std::size_t stride, const double* inverse, const double* y,
+                               std::size_t c, std::size_t m, double* __restrict row, double* __restrict side) {
+  for (std::size_t t = c; t < m; ++t) {
+    double value = row[t];
+    for (std::size_t s = c; s < t; ++s) value -= row[s] * l[s * stride + t];
+    row[t] = value * inverse[t];
+    for (std::size_t j = 0; j < border; j += width)
+      store(side + j, load(side + j) - row[t] * load(y + t * border + j));
+  }
+}
+
+void solve_rows(const double* l, std::size_t stride, const double* inverse, const double* y, std::size_t m,
+                double* rows, std::size_t row_stride, double* side, std::size_t count) {
+  std::size_t c = 0;
+  for (; c + block <= m; c += block) {
+    const double* corner = l + c * stride + c;
+    if (count < 3)
+      for (std::size_t r = 0; r < count; ++r)
+        solve_diagonal(corner, stride, inverse + c, rows + r * row_stride + c);
+    else
+      for (std::size_t r = 0; r < count; r += width)
+        solve_diagonal(corner, stride, inverse + c, rows + r * row_stride + c, row_stride, count - r);
+    for (std::size_t r = 0; r < count; r += rows_together) {
+      double* x = rows + r * row_stride;
+      double* s = side + r * border;
+      switch (count - r < rows_together ? count - r : rows_together) {
+        case 1:
+          subtract_block<1>(l, stride, y, m, c, x, row_stride, s);
+          break;
+        case 2:
+          subtract_block<2>(l, stride, y, m, c, x, row_stride, s);
+          break;
+        case 3:
+          subtract_block<3>(l, stride, y, m, c, x, row_stride, s);
+          break;
+        default:
+          subtract_block<4>(l, stride, y, m, c, x, row_stride, s);
+      }
+    }
+  }
+  for (std::size_t r = 0; r < count; ++r)
+    solve_end(l, stride, inverse, y, c, m, rows + r * row_stride, side + r * border);
+}
+
+void row_products(double* rows, std::size_t row_stride, std::size_t m, std::size_t count, double* gram) {
+  for (std::size_t r = 0; r < count; ++r) {
+    double* __restrict x = rows + r * row_stride;
+    for (std::size_t i = m; i < m + 8; ++i) x[i] = 0;
+  }
+  for (std::size_t r = 0; r < count; ++r)
+    for (std::size_t c = 0; c <= r; c += 4) {  // four at a time; those beyond r are not asked for
+      const double* x = rows + r * row_stride;
+      const double* a[4];
+      for (std::size_t t = 0; t < 4; ++t) a[t] = rows + (c + t <= r ? c + t : c) * row_stride;
+      Pack sum[4] = {};
+      for (std::size_t i = 0; i < m; i += width) {
+        const Pack value = load(x + i);
+        for (std::size_t t = 0; t < 4; ++t) sum[t] += value * load(a[t] + i);
+      }
+      for (std::size_t t = 0; t < 4 && c + t <= r; ++t) gram[most_rows * r + c + t] = sum_of(sum[t]);
+    }
+}
+
+// The reflection I - k u u^T, u = (-a, n), that takes (d, v) to (r, 0): n = v / |v|, a = |v| / (d + r),
+// k = (d + r) / r. Nothing cancels, and it tends to one that leaves d alone as v vanishes.
+template <std::size_t G>
+struct Reflection {
+  double a, k, n[G];
 };
-struct Eight {
-  typedef double Pack __attribute__((vector_size(64), aligned(8), may_alias));
-  static constexpr std::size_t size = 8;
-};
 
-constexpr std::size_t width = 6;  // columns that a panel solve holds in registers
+template <std::size_t G>
+FOREFEEL_INLINE double reflection(double d, const double* v, std::size_t stride, Reflection<G>& h) {
+  double part[2] = {};
+  for (std::size_t g = 0; g < G; ++g) part[g % 2] += v[g * stride] * v[g * stride];
+  const double squared = part[0] + part[1];
+  if (!(squared > 1e-290)) {
+    h = {};
+    return d;
+  }
+  const double r = __builtin_sqrt(d * d + squared), length = __builtin_sqrt(squared);
+  h.a = length / (d + r);
+  const double unit = 1 / length;
+  double square[2] = {h.a * h.a, 0};
+  for (std::size_t g = 0; g < G; ++g) {
+    h.n[g] = v[g * stride] * unit;
+    square[g % 2] += h.n[g] * h.n[g];
+  }
+  h.k = 2 / (square[0] + square[1]);  // (d + r) / r, but orthogonal also after rounding
+  return r;
+}
 
-template <class Lanes>
-FOREFEEL_INLINE void solve_panel(const double* __restrict l, std::size_t stride,
-                                 const double* __restrict inverse, std::size_t m, double* __restrict x) {
-  typedef typename Lanes::Pack Pack;
-  constexpr std::size_t P = Lanes::size;
-  for (std::size_t c = 0; c < m; c += width) {
-    Pack sum[width] = {};
-    const double* __restrict row = l + c;
-    for (std::size_t j = 0; j < c; ++j, row += stride) {
-      const Pack xj = *reinterpret_cast<const Pack*>(x + j * P);
-      for (std::size_t t = 0; t < width; ++t) sum[t] += xj * row[t];
+template <std::size_t G, class Value>
+FOREFEEL_INLINE void reflect(const Reflection<G>& h, Value& l, Value (&v)[G]) {
+  Value part[2] = {h.n[0] * v[0], -h.a * l};
+  for (std::size_t g = 1; g < G; ++g) part[g % 2] += h.n[g] * v[g];
+  const Value w = h.k * (part[0] + part[1]);
+  l += h.a * w;
+  for (std::size_t g = 0; g < G; ++g) v[g] -= h.n[g] * w;
+}
+
+// C columns from `col` on by G vectors, which are read and written once for all of them.
+template <std::size_t G, std::size_t C>
+FOREFEEL_INLINE void update_block(double* __restrict l, std::size_t stride, double* __restrict inverse,
+                                  double* __restrict y, std::size_t col, std::size_t m, double* __restrict v,
+                                  std::size_t vs, double* __restrict side) {
+  Reflection<G> h[C];
+  for (std::size_t t = 0; t < C; ++t) {
+    double* __restrict column = l + (col + t) * stride;
+    const double r = reflection<G>(column[col + t], v + col + t, vs, h[t]);
+    column[col + t] = r;
+    inverse[col + t] = 1 / r;
+    for (std::size_t i = col + t + 1; i < col + C; ++i) {
+      double x[G];
+      for (std::size_t g = 0; g < G; ++g) x[g] = v[g * vs + i];
+      reflect<G>(h[t], column[i], x);
+      for (std::size_t g = 0; g < G; ++g) v[g * vs + i] = x[g];
     }
-    for (std::size_t t = 0; t < width && c + t < m; ++t) {
-      Pack value = *reinterpret_cast<const Pack*>(x + (c + t) * P) - sum[t];
-      for (std::size_t s = 0; s < t; ++s)
-        value -= *reinterpret_cast<const Pack*>(x + (c + s) * P) * l[(c + s) * stride + c + t];
-      *reinterpret_cast<Pack*>(x + (c + t) * P) = value * inverse[c + t];
+  }
+  const auto sweep = [&](double* const* at, double* from, std::size_t from_stride) __attribute__((always_inline)) {
+    Pack x[G];
+    for (std::size_t g = 0; g < G; ++g) x[g] = load(from + g * from_stride);
+    for (std::size_t t = 0; t < C; ++t) {
+      Pack value = load(at[t]);
+      reflect<G>(h[t], value, x);
+      store(at[t], value);
     }
+    for (std::size_t g = 0; g < G; ++g) store(from + g * from_stride, x[g]);
+  };
+  double* at[C];
+  std::size_t i = (col + C) / width * width;
+  if (i < col + C && i < m) {  // the vector that holds row col + C: lanes before it stay
+    const auto below = lane >= static_cast<long long>(col + C - i);
+    Pack old_column[C], old_vector[G];
+    for (std::size_t t = 0; t < C; ++t) {
+      at[t] = l + (col + t) * stride + i;
+      old_column[t] = load(at[t]);
+    }
+    for (std::size_t g = 0; g < G; ++g) old_vector[g] = load(v + g * vs + i);
+    sweep(at, v + i, vs);
+    for (std::size_t t = 0; t < C; ++t) store(at[t], below ? load(at[t]) : old_column[t]);
+    for (std::size_t g = 0; g < G; ++g)
+      store(v + g * vs + i, below ? load(v + g * vs + i) : old_vector[g]);
+    i += width;
+  }
+  for (; i < m; i += width) {
+    for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
+    sweep(at, v + i, vs);
+  }
+  for (std::size_t j = 0; j < border; j += width) {
+    for (std::size_t t = 0; t < C; ++t) at[t] = y + (col + t) * border + j;
+    sweep(at, side + j, border);
   }
 }
 
-template <class Lanes>
-FOREFEEL_INLINE void products(const double* __restrict x, const double* __restrict y, std::size_t stride,
-                              std::size_t m, int halves, double* __restrict gram, double* __restrict side) {
-  typedef typename Lanes::Pack Pack;
-  constexpr std::size_t P = Lanes::size;
-  Pack g[P] = {};
-  for (std::size_t c = 0; c < m; ++c) {
-    const Pack xc = *reinterpret_cast<const Pack*>(x + c * P);
-    for (std::size_t t = 0; t < P; ++t) g[t] += xc * x[c * P + t];
-  }
-  for (std::size_t t = 0; t < P; ++t) *reinterpret_cast<Pack*>(gram + t * P) = g[t];
-  for (int h = 0; h < halves; ++h) {
-    Pack8 s[P] = {};
-    const double* __restrict yc = y + 8 * h;
-    for (std::size_t c = 0; c < m; ++c, yc += stride) {
-      const Pack8 value = *reinterpret_cast<const Pack8*>(yc);
-      for (std::size_t t = 0; t < P; ++t) s[t] += value * x[c * P + t];
-    }
-    for (std::size_t t = 0; t < P; ++t) *reinterpret_cast<Pack8*>(side + t * 16 + 8 * h) = s[t];
-  }
-}
-
-// Lane numbers, to leave alone the first lanes of a vector that starts before the first row meant.
-typedef long long Lanes8 __attribute__((vector_size(64)));
-constexpr Lanes8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
-
-FOREFEEL_INLINE void rotation(double diagonal, double x, double& c, double& s, double& r) {
-  r = std::sqrt(diagonal * diagonal + x * x);
-  c = diagonal / r;
-  s = x / r;
-}
-
-// One vector, four columns at a time: the vector stays in registers while four columns stream by.
-FOREFEEL_INLINE void rotate_one(double* __restrict l, std::size_t stride, double* __restrict inverse,
-                                std::size_t first, std::size_t last, std::size_t m, double* __restrict v) {
+template <std::size_t G>
+FOREFEEL_INLINE void update_by(double* l, std::size_t stride, double* inverse, double* y, std::size_t first,
+                               std::size_t last, std::size_t m, double* v, std::size_t vs, double* side) {
+  constexpr std::size_t C = G <= 4 ? 4 : 2;
   std::size_t col = first;
-  for (; col + 4 <= last; col += 4) {
-    double c[4], s[4];
-    double* __restrict base[4];
-    for (int t = 0; t < 4; ++t) {
-      base[t] = l + (col + t) * stride;
-      double r;
-      rotation(base[t][col + t], v[col + t], c[t], s[t], r);
-      base[t][col + t] = r;
-      inverse[col + t] = 1 / r;
-      for (std::size_t i = col + t + 1; i < col + 4; ++i) {
-        const double old = base[t][i];
-        base[t][i] = c[t] * old + s[t] * v[i];
-        v[i] = c[t] * v[i] - s[t] * old;
-      }
-    }
-    double* __restrict b0 = base[0];
-    double* __restrict b1 = base[1];
-    double* __restrict b2 = base[2];
-    double* __restrict b3 = base[3];
-    const auto sweep = [&](std::ptrdiff_t i) __attribute__((always_inline)) {
-      Pack8 x = *reinterpret_cast<Pack8*>(v + i);
-      const Pack8 l0 = *reinterpret_cast<Pack8*>(b0 + i), l1 = *reinterpret_cast<Pack8*>(b1 + i);
-      const Pack8 l2 = *reinterpret_cast<Pack8*>(b2 + i), l3 = *reinterpret_cast<Pack8*>(b3 + i);
-      *reinterpret_cast<Pack8*>(b0 + i) = c[0] * l0 + s[0] * x;
-      x = c[0] * x - s[0] * l0;
-      *reinterpret_cast<Pack8*>(b1 + i) = c[1] * l1 + s[1] * x;
-      x = c[1] * x - s[1] * l1;
-      *reinterpret_cast<Pack8*>(b2 + i) = c[2] * l2 + s[2] * x;
-      x = c[2] * x - s[2] * l2;
-      *reinterpret_cast<Pack8*>(b3 + i) = c[3] * l3 + s[3] * x;
-      *reinterpret_cast<Pack8*>(v + i) = c[3] * x - s[3] * l3;
-    };
-    sweep(-16);
-    sweep(-8);
-    const std::size_t start = (col + 4) / 8 * 8;
-    if (start < m) {  // the vector that holds row col + 4; lanes before it stay
-      Pack8* at[5] = {reinterpret_cast<Pack8*>(b0 + start), reinterpret_cast<Pack8*>(b1 + start),
-                      reinterpret_cast<Pack8*>(b2 + start), reinterpret_cast<Pack8*>(b3 + start),
-                      reinterpret_cast<Pack8*>(v + start)};
-      const Pack8 old[5] = {*at[0], *at[1], *at[2], *at[3], *at[4]};
-      const auto below = lane >= static_cast<long long>(col + 4 - start);
-      sweep(static_cast<std::ptrdiff_t>(start));
-      for (int t = 0; t < 5; ++t) *at[t] = below ? *at[t] : old[t];
-    }
-    for (std::size_t i = start + 8; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
-  }
-  for (; col < last; ++col) {
-    double* __restrict b = l + col * stride;
-    double c, s, r;
-    rotation(b[col], v[col], c, s, r);
-    b[col] = r;
-    inverse[col] = 1 / r;
-    const auto sweep = [&](std::ptrdiff_t i) __attribute__((always_inline)) {
-      const Pack8 x = *reinterpret_cast<Pack8*>(v + i);
-      const Pack8 old = *reinterpret_cast<Pack8*>(b + i);
-      *reinterpret_cast<Pack8*>(b + i) = c * old + s * x;
-      *reinterpret_cast<Pack8*>(v + i) = c * x - s * old;
-    };
-    sweep(-16);
-    sweep(-8);
-    for (std::size_t i = col + 1; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
-  }
+  for (; col + C <= last; col += C) update_block<G, C>(l, stride, inverse, y, col, m, v, vs, side);
+  for (; col < last; ++col) update_block<G, 1>(l, stride, inverse, y, col, m, v, vs, side);
 }
 
-// Several vectors, one column at a time: the column is read and written once.
-template <int V>
-FOREFEEL_INLINE void rotate_many(double* __restrict l, std::size_t stride, double* __restrict inverse,
-                                 std::size_t first, std::size_t last, std::size_t m, double* __restrict v,
-                                 std::size_t vs) {
-  for (std::size_t col = first; col < last; ++col) {
-    double* __restrict b = l + col * stride;
-    double c[V], s[V];
-    double diagonal = b[col];
-    for (int t = 0; t < V; ++t) {
-      double r;
-      rotation(diagonal, v[t * vs + col], c[t], s[t], r);
-      diagonal = r;
-    }
-    b[col] = diagonal;
-    inverse[col] = 1 / diagonal;
-    const auto sweep = [&](std::ptrdiff_t i) __attribute__((always_inline)) {
-      Pack8 value = *reinterpret_cast<Pack8*>(b + i);
-      for (int t = 0; t < V; ++t) {
-        double* __restrict vt = v + t * vs + i;
-        const Pack8 x = *reinterpret_cast<Pack8*>(vt);
-        *reinterpret_cast<Pack8*>(vt) = c[t] * x - s[t] * value;
-        value = c[t] * value + s[t] * x;
-      }
-      *reinterpret_cast<Pack8*>(b + i) = value;
-    };
-    sweep(-16);
-    sweep(-8);
-    const std::size_t start = (col + 1) / 8 * 8;
-    if (start < m) {
-      const auto below = lane >= static_cast<long long>(col + 1 - start);
-      const Pack8 old = *reinterpret_cast<Pack8*>(b + start);
-      Pack8 old_v[V];
-      for (int t = 0; t < V; ++t) old_v[t] = *reinterpret_cast<Pack8*>(v + t * vs + start);
-      sweep(static_cast<std::ptrdiff_t>(start));
-      *reinterpret_cast<Pack8*>(b + start) = below ? *reinterpret_cast<Pack8*>(b + start) : old;
-      for (int t = 0; t < V; ++t) {
-        Pack8* at = reinterpret_cast<Pack8*>(v + t * vs + start);
-        *at = below ? *at : old_v[t];
-      }
-    }
-    for (std::size_t i = start + 8; i < m; i += 8) sweep(static_cast<std::ptrdiff_t>(i));
-  }
-}
-
-FOREFEEL_INLINE double sum_of(const Pack8& p) {
-  return ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
-}
-
-}  // namespace
-
-FOREFEEL_CLONES void solve_panel4(const double* l, std::size_t stride, const double* inverse_diagonal,
-                                  std::size_t m, double* x) {
-  solve_panel<Four>(l, stride, inverse_diagonal, m, x);
-}
-
-FOREFEEL_CLONES void solve_panel8(const double* l, std::size_t stride, const double* inverse_diagonal,
-                                  std::size_t m, double* x) {
-  solve_panel<Eight>(l, stride, inverse_diagonal, m, x);
-}
-
-FOREFEEL_CLONES void panel_products4(const double* x, const double* y, std::size_t stride, std::size_t m,
-                                     int halves, double* gram, double* side) {
-  products<Four>(x, y, stride, m, halves, gram, side);
-}
-
-FOREFEEL_CLONES void panel_products8(const double* x, const double* y, std::size_t stride, std::size_t m,
-                                     int halves, double* gram, double* side) {
-  products<Eight>(x, y, stride, m, halves, gram, side);
-}
-
-FOREFEEL_CLONES void rotate_columns(double* l, std::size_t stride, double* inverse_diagonal,
-                                    std::size_t first, std::size_t last, std::size_t m, double* vectors,
-                                    std::size_t vector_stride, int count) {
+void update_columns(double* l, std::size_t stride, double* inverse, double* y, std::size_t first,
+                    std::size_t last, std::size_t m, double* v, std::size_t vs, double* side,
+                    std::size_t count) {
   switch (count) {
     case 1:
-      return rotate_one(l, stride, inverse_diagonal, first, last, m, vectors);
+      return update_by<1>(l, stride, inverse, y, first, last, m, v, vs, side);
     case 2:
-      return rotate_many<2>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
+      return update_by<2>(l, stride, inverse, y, first, last, m, v, vs, side);
     case 3:
-      return rotate_many<3>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
+      return update_by<3>(l, stride, inverse, y, first, last, m, v, vs, side);
+    case 4:
+      return update_by<4>(l, stride, inverse, y, first, last, m, v, vs, side);
+    case 5:
+      return update_by<5>(l, stride, inverse, y, first, last, m, v, vs, side);
+    case 6:
+      return update_by<6>(l, stride, inverse, y, first, last, m, v, vs, side);
+    case 7:
+      return update_by<7>(l, stride, inverse, y, first, last, m, v, vs, side);
     default:
-      return rotate_many<4>(l, stride, inverse_diagonal, first, last, m, vectors, vector_stride);
+      return update_by<8>(l, stride, inverse, y, first, last, m, v, vs, side);
   }
 }
 
-FOREFEEL_CLONES void solve_transposed3(const double* l, std::size_t stride, const double* inverse_diagonal,
-                                       std::size_t m, double* y0, double* y1, double* y2) {
+void compact(double* l, std::size_t stride, const dense::Run* runs, std::size_t count) {
+  for (std::size_t run = 0; run + 1 < count; ++run)
+    for (std::size_t c = runs[run].to; c < runs[run + 1].to; ++c) {
+      const double* from = l + (runs[run].from + c - runs[run].to) * stride;
+      double* to = l + c * stride;
+      for (std::size_t k = from == to ? run + 1 : run; k + 1 < count; ++k) {
+        std::size_t r = k == run ? c : runs[k].to;
+        const std::size_t shift = runs[k].from - runs[k].to, end = runs[k + 1].to;
+        for (; r + width <= end; r += width) store(to + r, load(from + r + shift));
+        for (; r < end; ++r) to[r] = from[r + shift];
+      }
+    }
+}
+
+void solve_transposed3(const double* l, std::size_t stride, const double* inverse, std::size_t m, double* y0,
+                       double* y1, double* y2) {
   double* __restrict y[3] = {y0, y1, y2};
   std::size_t end = m;
   if (const std::size_t odd = m % 4; odd != 0) {  // the last columns one by one, so that the rest go in fours
@@ -240,7 +291,7 @@ FOREFEEL_CLONES void solve_transposed3(const double* l, std::size_t stride, cons
       for (auto* yk : y) {
         double value = yk[c];
         for (std::size_t i = c + 1; i < m; ++i) value -= l[c * stride + i] * yk[i];
-        yk[c] = value * inverse_diagonal[c];
+        yk[c] = value * inverse[c];
       }
     end = m - odd;
   }
@@ -248,95 +299,119 @@ FOREFEEL_CLONES void solve_transposed3(const double* l, std::size_t stride, cons
     for (std::size_t i = m; i < m + 8; ++i) yk[i] = 0;
   for (std::size_t c = end; c >= 4; c -= 4) {
     const std::size_t c0 = c - 4;
-    const double* __restrict b0 = l + c0 * stride;
-    const double* __restrict b1 = b0 + stride;
-    const double* __restrict b2 = b1 + stride;
-    const double* __restrict b3 = b2 + stride;
-    Pack8 s0[3] = {}, s1[3] = {}, s2[3] = {}, s3[3] = {};
-    const std::size_t start = c / 8 * 8;
-    const auto add = [&](std::size_t i, bool whole) __attribute__((always_inline)) {
-      const Pack8 l0 = *reinterpret_cast<const Pack8*>(b0 + i), l1 = *reinterpret_cast<const Pack8*>(b1 + i);
-      const Pack8 l2 = *reinterpret_cast<const Pack8*>(b2 + i), l3 = *reinterpret_cast<const Pack8*>(b3 + i);
-      for (int k = 0; k < 3; ++k) {
-        Pack8 x = *reinterpret_cast<const Pack8*>(y[k] + i);
-        if (!whole) x = lane >= static_cast<long long>(c - start) ? x : Pack8{};
-        s0[k] += l0 * x;
-        s1[k] += l1 * x;
-        s2[k] += l2 * x;
-        s3[k] += l3 * x;
+    const double* __restrict b = l + c0 * stride;
+    Pack sum[3][4] = {};
+    const auto add = [&](std::size_t i, Pack x0, Pack x1, Pack x2) __attribute__((always_inline)) {
+      for (std::size_t t = 0; t < 4; ++t) {
+        const Pack value = load(b + t * stride + i);
+        sum[0][t] += value * x0;
+        sum[1][t] += value * x1;
+        sum[2][t] += value * x2;
       }
     };
-    if (start < m) add(start, false);
-    for (std::size_t i = start + 8; i < m; i += 8) add(i, true);
-    for (int k = 0; k < 3; ++k) {
+    // The four just solved come last, so that the others need not wait for them, and by a load that asks for
+    // no more than their store.
+    const std::size_t whole = width == 8 ? (c + 11) / 8 * 8 : c + 4;
+    for (std::size_t i = whole; i < m; i += width) add(i, load(y[0] + i), load(y[1] + i), load(y[2] + i));
+    for (std::size_t i = whole; i > c;) {
+      i -= 4;
+      if (i < m)
+        for (std::size_t part = i; part < i + 4; part += width)
+          add(part, load_four(y[0] + part), load_four(y[1] + part), load_four(y[2] + part));
+    }
+    const double* __restrict b1 = b + stride;
+    const double* __restrict b2 = b1 + stride;
+    for (std::size_t k = 0; k < 3; ++k) {
+      double s[4];
+      sums_of(sum[k], s);
       double* __restrict z = y[k] + c0;
-      z[3] = (z[3] - sum_of(s3[k])) * inverse_diagonal[c0 + 3];
-      z[2] = (z[2] - sum_of(s2[k]) - b2[c0 + 3] * z[3]) * inverse_diagonal[c0 + 2];
-      z[1] = (z[1] - sum_of(s1[k]) - b1[c0 + 2] * z[2] - b1[c0 + 3] * z[3]) * inverse_diagonal[c0 + 1];
-      z[0] = (z[0] - sum_of(s0[k]) - b0[c0 + 1] * z[1] - b0[c0 + 2] * z[2] - b0[c0 + 3] * z[3]) *
-             inverse_diagonal[c0];
+      const double z3 = (z[3] - s[3]) * inverse[c0 + 3];
+      const double z2 = (z[2] - s[2] - b2[c0 + 3] * z3) * inverse[c0 + 2];
+      const double z1 = (z[1] - s[1] - b1[c0 + 3] * z3 - b1[c0 + 2] * z2) * inverse[c0 + 1];
+      const double z0 =
+          (z[0] - s[0] - b[c0 + 3] * z3 - b[c0 + 2] * z2 - b[c0 + 1] * z1) * inverse[c0];
+      store_four(z, z0, z1, z2, z3);
     }
   }
 }
 
-FOREFEEL_CLONES void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride,
-                                   double* upper, double* right) {
-  for (std::size_t j = 0; j < q + 3; ++j)
+void columns_of(const double* y, std::size_t m, std::size_t count, double* out, std::size_t stride) {
+  for (std::size_t r = 0; r < m; r += width)
+    for (std::size_t j = 0; j < count; j += width) {
+      Pack x[width];
+      for (std::size_t t = 0; t < width; ++t) x[t] = load(y + (r + t) * border + j);
+      transpose(x);
+      for (std::size_t t = 0; t < width && j + t < count; ++t) store(out + (j + t) * stride + r, x[t]);
+    }
+}
+
+// along[t] = a . b_t, b_t := b_t - along[t] a for four vectors b_t at b[t * stride].
+FOREFEEL_INLINE void take_along(std::size_t m, const double* __restrict a, double* b, std::size_t stride,
+                                double along[4]) {
+  Pack sum[4] = {};
+  for (std::size_t r = 0; r < m; r += width)
+    for (std::size_t t = 0; t < 4; ++t) sum[t] += load(a + r) * load(b + t * stride + r);
+  sums_of(sum, along);
+  for (std::size_t r = 0; r < m; r += width)
+    for (std::size_t t = 0; t < 4; ++t)
+      store(b + t * stride + r, load(b + t * stride + r) - along[t] * load(a + r));
+}
+
+void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper,
+                   double* right) {
+  for (std::size_t j = 0; j < q + 4; ++j)
     for (std::size_t r = m; r < m + 8; ++r) columns[j * stride + r] = 0;
-  const auto dot = [&](const double* __restrict a, const double* __restrict b)
-      __attribute__((always_inline)) {
-    Pack8 sum = {};
-    for (std::size_t r = 0; r < m; r += 8)
-      sum += *reinterpret_cast<const Pack8*>(a + r) * *reinterpret_cast<const Pack8*>(b + r);
-    return sum_of(sum);
-  };
-  const auto subtract = [&](double factor, const double* __restrict a, double* __restrict b)
-      __attribute__((always_inline)) {
-    for (std::size_t r = 0; r < m; r += 8)
-      *reinterpret_cast<Pack8*>(b + r) -= factor * *reinterpret_cast<const Pack8*>(a + r);
-  };
   for (std::size_t j = 0; j < q; ++j) {
-    double* unit = columns + j * stride;
-    const double length = std::sqrt(dot(unit, unit));
+    double* __restrict unit = columns + j * stride;
+    Pack sum = {};
+    for (std::size_t r = 0; r < m; r += width) sum += load(unit + r) * load(unit + r);
+    const double length = __builtin_sqrt(sum_of(sum));
     upper[j * q + j] = length;
-    for (std::size_t r = 0; r < m; ++r) unit[r] /= length;
-    for (std::size_t k = j + 1; k < q + 3; ++k) {
-      double* other = columns + k * stride;
-      const double along = dot(unit, other);
-      subtract(along, unit, other);
-      (k < q ? upper[j * q + k] : right[(k - q) * q + j]) = along;
+    for (std::size_t r = 0; r < m; r += width) store(unit + r, load(unit + r) / length);
+    for (std::size_t k = j + 1; k < q + 3; k += 4) {  // the last four may run into vectors that do not count
+      double along[4];
+      take_along(m, unit, columns + k * stride, stride, along);
+      for (std::size_t t = 0; t < 4 && k + t < q + 3; ++t)
+        (k + t < q ? upper[j * q + k + t] : right[(k + t - q) * q + j]) = along[t];
     }
   }
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t j = 0; j < q; ++j) {
-      const double along = dot(columns + j * stride, columns + (q + c) * stride);
-      subtract(along, columns + j * stride, columns + (q + c) * stride);
-      right[c * q + j] += along;
-    }
+  for (std::size_t j = 0; j < q; ++j) {
+    double along[4];
+    take_along(m, columns + j * stride, columns + q * stride, stride, along);
+    for (std::size_t c = 0; c < 3; ++c) right[c * q + j] += along[c];
+  }
 }
 
-FOREFEEL_CLONES void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride,
-                          const double* weight, double* out) {
+void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight,
+          double* out) {
   for (std::size_t i = 0; i < q; ++i)
     for (std::size_t j = 0; j <= i; ++j) {
       const double* __restrict a = l + i * stride;
       const double* __restrict b = l + j * stride;
-      Pack8 sum = {};
-      for (std::size_t r = 0; r < m; r += 8) {
-        const Pack8 w = *reinterpret_cast<const Pack8*>(weight + r);
-        sum += w * w * *reinterpret_cast<const Pack8*>(a + r) * *reinterpret_cast<const Pack8*>(b + r);
+      Pack sum = {};
+      for (std::size_t r = 0; r < m; r += width) {
+        const Pack w = load(weight + r);
+        sum += w * w * load(a + r) * load(b + r);
       }
       out[i * q + j] = sum_of(sum);
     }
 }
 
-FOREFEEL_CLONES void transpose_panel(const double* rows, std::size_t row_stride, std::size_t p, std::size_t m,
-                                     double* x) {
-  for (std::size_t r = 0; r < p; ++r) {
-    const double* __restrict from = rows + r * row_stride;
-    double* __restrict to = x + r;
-    for (std::size_t c = 0; c < m; ++c) to[c * p] = from[c];
+void dots3(std::size_t q, std::size_t m, const double* a, const double* v, std::size_t stride, double* out) {
+  for (std::size_t j = 0; j < q; ++j) {
+    Pack sum[3] = {};
+    for (std::size_t r = 0; r < m; r += width) {
+      const Pack x = load(v + j * stride + r);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += x * load(a + c * stride + r);
+    }
+    for (std::size_t c = 0; c < 3; ++c) out[c * q + j] = sum_of(sum[c]);
   }
 }
 
-}  // namespace forefeel::dense
+}  // namespace
+
+extern const dense::Loops dense_loops;
+const dense::Loops dense_loops = {solve_rows,    row_products, update_columns, compact, solve_transposed3,
+                                  columns_of, orthogonalise, gram, dots3};
+
+}  // namespace forefeel::FOREFEEL_ISA

@@ -1,39 +1,52 @@
 #pragma once
-// Leaf loops of DenseFactor over raw arrays, compiled for several instruction sets (geometry/simd.hpp).
-// L is column-major: entry (i, c) at l[c * stride + i]. Loops may touch up to 8 entries past the last row.
+// Leaf loops of DenseFactor over raw arrays, compiled for several instruction sets (instruction_set.hpp).
+// L is column-major: entry (i, c) at l[c * stride + i], stride a multiple of 8; row c of Y at y[16 * c]. Arrays
+// of length m start on a cache line and have room for 8 entries more, which may be read and written.
 
 #include <cstddef>
 
 namespace forefeel::dense {
 
-// X (m columns of P = 4 or 8 values): X := X L^-T, column by column.
-void solve_panel4(const double* l, std::size_t stride, const double* inverse_diagonal, std::size_t m,
-                  double* x);
-void solve_panel8(const double* l, std::size_t stride, const double* inverse_diagonal, std::size_t m,
-                  double* x);
-// gram (P x P) = sum_c X_c X_c^T;  side (P x 16) = sum_c X_c Y_c^T over the first 8 * halves of Y's 16
-// entries, Y_c at y[c * stride].
-void panel_products4(const double* x, const double* y, std::size_t stride, std::size_t m, int halves,
-                     double* gram, double* side);
-void panel_products8(const double* x, const double* y, std::size_t stride, std::size_t m, int halves,
-                     double* gram, double* side);
-// Positive rank-one updates of the columns first <= c < last by `count` (1 to 4) vectors v_t (stride
-// vector_stride): L L^T := L L^T + sum v v^T below. The 16 border entries of column c lie at l[c * stride -
-// 16], those of v_t at v_t[-16].
-void rotate_columns(double* l, std::size_t stride, double* inverse_diagonal, std::size_t first,
-                    std::size_t last, std::size_t m, double* vectors, std::size_t vector_stride, int count);
-// L^T z = y in place, three right-hand sides.
-void solve_transposed3(const double* l, std::size_t stride, const double* inverse_diagonal, std::size_t m,
-                       double* y0, double* y1, double* y2);
-// Modified Gram-Schmidt on q + 3 columns of length m (each followed by 8 entries of room) at columns[j *
-// stride]: the first q become orthonormal with upper triangle upper[i * q + j], the last three their own
-// residuals (taken twice), and right[c * q + j] their components.
-void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper,
-                   double* right);
-// gram[i * q + j] = sum_r l_i[r] l_j[r], j <= i, l_i at l[i * stride]; rows of weight 0 do not count.
-void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight,
-          double* gram);
-// Rows of X (row-major, 8 or 4 rows) to columns.
-void transpose_panel(const double* rows, std::size_t row_stride, std::size_t p, std::size_t m, double* x);
+constexpr std::size_t border = 16;  // columns of Y
+constexpr std::size_t most_rows = 8;
+
+// Rows from on move to rows to on, up to where the next run starts.
+struct Run {
+  std::size_t to, from;
+};
+
+struct Loops {
+  // count <= 8 rows at rows[r * row_stride], each with 16 entries at side[16 * r]:
+  //   X := X L^-T,  S := S - X Y
+  void (*solve_rows)(const double* l, std::size_t stride, const double* inverse_diagonal, const double* y,
+                     std::size_t m, double* rows, std::size_t row_stride, double* side, std::size_t count);
+  // gram[8 * r + c] = x_r . x_c, c <= r; entries m to m + 7 of the rows become 0.
+  void (*row_products)(double* rows, std::size_t row_stride, std::size_t m, std::size_t count, double* gram);
+  // Positive update L L^T := L L^T + V V^T of the columns first <= c < last by count <= 8 vectors at v[t *
+  // vector_stride] with borders at side[16 * t]; one reflection a column.
+  void (*update_columns)(double* l, std::size_t stride, double* inverse_diagonal, double* y, std::size_t first,
+                         std::size_t last, std::size_t m, double* v, std::size_t vector_stride, double* side,
+                         std::size_t count);
+  // The lower triangle moves up and left by runs (ascending, the last one holds the new size).
+  void (*compact)(double* l, std::size_t stride, const Run* runs, std::size_t count);
+  // L^T z = y in place, three right-hand sides.
+  void (*solve_transposed3)(const double* l, std::size_t stride, const double* inverse_diagonal,
+                            std::size_t m, double* y0, double* y1, double* y2);
+  // out[j * stride + r] = y[16 * r + j] for the first `count` columns (up to the next vector's end are written).
+  void (*columns_of)(const double* y, std::size_t m, std::size_t count, double* out, std::size_t stride);
+  // Modified Gram-Schmidt on q + 3 columns of length m at columns[j * stride], with room for three more: the
+  // first q become orthonormal with upper triangle upper[i * q + j], the last three their own residuals (taken
+  // twice), and right[c * q + j] their components.
+  void (*orthogonalise)(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper,
+                        double* right);
+  // gram[i * q + j] = sum_r l_i[r] l_j[r], j <= i, l_i at l[i * stride]; rows of weight 0 do not count.
+  void (*gram)(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight,
+               double* gram);
+  // out[c * q + j] = a_c . v_j for three vectors a and q vectors v of the same stride.
+  void (*dots3)(std::size_t q, std::size_t m, const double* a, const double* v, std::size_t stride,
+                double* out);
+};
+
+const Loops& loops();  // those of approx_instruction_set()
 
 }  // namespace forefeel::dense

@@ -1,10 +1,7 @@
+// Compiled once per instruction set.
 #include "approx/kernel_rows.hpp"
 
-#include <cmath>
-
-#include "geometry/simd.hpp"
-
-namespace forefeel::rows {
+namespace forefeel::FOREFEEL_ISA {
 namespace {
 
 template <int K>
@@ -15,7 +12,7 @@ inline __attribute__((always_inline)) void values_of(std::size_t n, const double
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = ax - px[i], dy = ay - py[i], dz = az - pz[i];
     const double r2 = dx * dx + dy * dy + dz * dz;
-    const double r = std::sqrt(r2);
+    const double r = __builtin_sqrt(r2);
     out[i] = K == 1 ? r : K == 3 ? r * r2 : r * r2 * r2;
   }
 }
@@ -32,7 +29,7 @@ inline __attribute__((always_inline)) void hermite_of(std::size_t n, const doubl
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = a[0] - px[i], dy = a[1] - py[i], dz = a[2] - pz[i];
     const double r2 = dx * dx + dy * dy + dz * dz;
-    const double r = std::sqrt(r2);
+    const double r = __builtin_sqrt(r2);
     const double first = K == 3 ? 3 * r : 5 * r * r2;                       // k r^(k-2)
     const double second = K == 3 ? 3 / (r > 1e-150 ? r : 1e-150) : 15 * r;  // k (k-2) r^(k-4)
     o0[4 * i] = K == 3 ? r * r2 : r * r2 * r2;
@@ -67,22 +64,20 @@ inline __attribute__((always_inline)) void project_of(std::size_t m, const doubl
   }
 }
 
-}  // namespace
-
-FOREFEEL_CLONES void values(int power, std::size_t n, const double* px, const double* py, const double* pz,
+void values(int power, std::size_t n, const double* px, const double* py, const double* pz,
                             const double a[3], double* out) {
   if (power == 1) return values_of<1>(n, px, py, pz, a, out);
   if (power == 3) return values_of<3>(n, px, py, pz, a, out);
   values_of<5>(n, px, py, pz, a, out);
 }
 
-FOREFEEL_CLONES void hermite(int power, std::size_t n, const double* px, const double* py, const double* pz,
+void hermite(int power, std::size_t n, const double* px, const double* py, const double* pz,
                              const double a[3], double* out, std::size_t stride) {
   if (power == 3) return hermite_of<3>(n, px, py, pz, a, out, stride);
   hermite_of<5>(n, px, py, pz, a, out, stride);
 }
 
-FOREFEEL_CLONES void project(std::size_t q, std::size_t m, const double* l, const double* v,
+void project(std::size_t q, std::size_t m, const double* l, const double* v,
                              std::size_t stride, const double* la, const double* va, const double* weight,
                              double* out) {
   if (q == 1) return project_of<1>(m, l, v, stride, la, va, weight, out);
@@ -90,4 +85,9 @@ FOREFEEL_CLONES void project(std::size_t q, std::size_t m, const double* l, cons
   project_of<10>(m, l, v, stride, la, va, weight, out);
 }
 
-}  // namespace forefeel::rows
+}  // namespace
+
+extern const rows::Loops row_loops;
+const rows::Loops row_loops = {values, hermite, project};
+
+}  // namespace forefeel::FOREFEEL_ISA

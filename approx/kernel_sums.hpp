@@ -1,6 +1,7 @@
 #pragma once
 // The inner loops of model evaluation (paper Eq. 1), three force components together, in one translation unit
-// with -ffast-math and for several instruction sets. n is a multiple of 8; padding carries zero coefficients.
+// with -ffast-math, compiled for several instruction sets (instruction_set.hpp). n is a multiple of 8; padding
+// carries zero coefficients.
 // Plain: f_c += sum_i a_ic r^k. Hermite: f_c += sum_i a_ic r^k - k r^(k-2) (b_ic . d), d = y - p_i.
 // data: arrays of length stride one after the other: x y z, a_0 a_1 a_2, then (Hermite) b_00 b_01 b_02 b_10 …
 // b_22.
@@ -9,17 +10,34 @@
 
 namespace forefeel::sums {
 
-void plain(int power, std::size_t n, const double* data, std::size_t stride, const double y[3], double f[3]);
-void hermite(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-             double f[3]);
-// with j[3 * c + d] += df_c/dy_d
-void plain_jacobian(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                    double f[3], double j[9]);
-void hermite_jacobian(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                      double f[3], double j[9]);
+struct Loops {
+  void (*plain)(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
+                double f[3]);
+  void (*hermite)(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
+                  double f[3]);
+  // with j[3 * c + d] += df_c/dy_d
+  void (*plain_jacobian)(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
+                         double f[3], double j[9]);
+  void (*hermite_jacobian)(int power, std::size_t n, const double* data, std::size_t stride,
+                           const double y[3], double f[3], double j[9]);
+  // Least and largest of axis . p_i over n >= 1 points, for 13 axes.
+  void (*supports)(std::size_t n, const double* px, const double* py, const double* pz,
+                   const double axes[13][3], double low[13], double high[13]);
 
-// Least and largest of axis . p_i over n >= 1 points, for 13 axes.
-void supports(std::size_t n, const double* px, const double* py, const double* pz, const double axes[13][3],
-              double low[13], double high[13]);
+  // Over points of which some count (weight 1, else 0): sums of x, y, z, of |p|^2, and the largest |p|^2.
+  void (*extent)(std::size_t n, const double* px, const double* py, const double* pz, const double* weight,
+                 double out[5]);
+  // distance[i] = |p_i - y|; the least and the largest over the points that count.
+  void (*distances)(std::size_t n, const double* px, const double* py, const double* pz,
+                    const double* weight, const double y[3], double* distance, double out[2]);
+  // Mean tangent (model_data.hpp): sums over the points that count of w, w d, w f, w K, w K d with d = p_i -
+  // base, w = ((farthest / distance - 1) / farthest)^2 nearest^2; data: weight, then |f|, |K|, f (3), K (9) of
+  // each point in arrays of length stride. out: 1, 3, 3, 9, 3 values.
+  void (*tangent)(std::size_t n, const double* px, const double* py, const double* pz, const double* data,
+                  std::size_t stride, const double* distance, double nearest, double farthest,
+                  const double base[3], double out[19]);
+};
+
+const Loops& loops();  // those of approx_instruction_set()
 
 }  // namespace forefeel::sums

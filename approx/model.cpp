@@ -118,9 +118,9 @@ void Model::Impl::raw(const double y[3], double f[3]) const noexcept {
       f[c] += x0 * (p[4] * x0 + p[7] * x1 + p[8] * x2) + x1 * (p[5] * x1 + p[9] * x2) + p[6] * x2 * x2;
   }
   if (hermite)
-    sums::hermite(power, padded, data.data(), stride, y, f);
+    sums::loops().hermite(power, padded, data.data(), stride, y, f);
   else
-    sums::plain(power, padded, data.data(), stride, y, f);
+    sums::loops().plain(power, padded, data.data(), stride, y, f);
 }
 
 void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcept {
@@ -139,9 +139,9 @@ void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcep
     }
   }
   if (hermite)
-    sums::hermite_jacobian(power, padded, data.data(), stride, y, f, j);
+    sums::loops().hermite_jacobian(power, padded, data.data(), stride, y, f, j);
   else
-    sums::plain_jacobian(power, padded, data.data(), stride, y, f, j);
+    sums::loops().plain_jacobian(power, padded, data.data(), stride, y, f, j);
 }
 
 // E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of
@@ -169,7 +169,7 @@ double Model::Impl::outside(const double y[3], double gradient[3]) const noexcep
 }
 
 void Model::Impl::set_hull(const double* px, const double* py, const double* pz, std::size_t n) {
-  sums::supports(n, px, py, pz, axes.d, low.data(), high.data());
+  sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
   for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
   const double radius = nearest + trust / 1.4;  // 13^(1/8) < 1.4

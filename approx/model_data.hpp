@@ -46,6 +46,7 @@ struct Model::Impl {
   double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
   std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
   double bound = 0;                      // B [N]
+  double largest_stiffness = 0;          // K [N/m]
   std::uint64_t serial = 0;
 
   void reserve(std::size_t states_wanted, bool with_stiffness);

@@ -111,7 +111,7 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
 Label NeighbourSelector::select(const Vec3& hip, std::vector<StateId>& out) {
   out.clear();
   if (space_.empty()) return Label::blank;
-  const Label label = space_.coverage(hip).label;
+  const Label label = space_.label(hip);
   if (rule_ == Select::nearest) {
     space_.nearest(hip, n_, out);
     std::ranges::sort(out);

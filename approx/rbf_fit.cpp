@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "approx/dense_kernels.hpp"
 #include "approx/kernel_rows.hpp"
+#include "approx/kernel_sums.hpp"
 
 namespace forefeel {
 namespace {
@@ -40,14 +40,17 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   slot_.resize(slot_capacity_ + DenseFactor::panel);
   row_stride_ = (factor_.row_capacity() + 23) / 8 * 8;
   for (auto* v : {&px_, &py_, &pz_}) v->assign(slot_capacity_ + 2 * DenseFactor::panel, 0.0);
+  slot_stride_ = (slot_capacity_ + 2 * DenseFactor::panel + 7) / 8 * 8;
+  slot_data_.assign(slot_arrays * slot_stride_, 0.0);
   lagrange_.assign(max_terms * row_stride_, 0.0);
   dual_.assign(max_terms * row_stride_, 0.0);
   weight_.assign(row_stride_, 0.0);
-  orthogonal_.assign((max_terms + 3) * row_stride_, 0.0);
+  orthogonal_.assign((max_terms + 6) * row_stride_, 0.0);
   gathered_.reserve(slot_capacity_);
   added_.reserve(2 * slot_capacity_);
   by_id_.reserve(slot_capacity_ + DenseFactor::panel);
   index_.reserve(factor_.row_capacity());
+  moved_.reserve(slot_capacity_ + DenseFactor::panel);
 }
 
 // Centre and scale so that the set fills the unit ball.
@@ -122,7 +125,7 @@ bool RbfFit::level_still_fits() {
   if (level_.degree == wanted) {
     double gram[max_terms * max_terms];
     std::fill_n(weight_.data() + slots_ * rows_per_slot_, 8, 0.0);
-    dense::gram(terms_, slots_ * rows_per_slot_, lagrange_.data(), row_stride_, weight_.data(), gram);
+    dense::loops().gram(terms_, slots_ * rows_per_slot_, lagrange_.data(), row_stride_, weight_.data(), gram);
     return full_rank(terms_, gram);
   }
   gather();
@@ -132,14 +135,23 @@ bool RbfFit::level_still_fits() {
 
 void RbfFit::clear() {
   factor_.clear();
-  slots_ = alive_ = 0;
+  std::fill_n(slot_array(in_use), slot_stride_, 0.0);
+  slots_ = alive_ = dropped_slots_ = 0;
   by_id_.clear();
 }
 
 void RbfFit::place(std::size_t slot, const Sample& sample) {
   const bool known = sample.stiffness.allFinite();
-  slot_[slot] = {
-      sample, true, level_.hermite && known, sample.force.norm(), known ? sample.stiffness.norm() : 0, 0};
+  slot_[slot] = {sample, true, level_.hermite && known, 0};
+  slot_array(in_use)[slot] = 1;
+  slot_array(force_norm)[slot] = sample.force.norm();
+  slot_array(stiffness_norm)[slot] = known ? sample.stiffness.norm() : 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    slot_array(force + c)[slot] = sample.force[Eigen::Index(c)];
+    for (std::size_t d = 0; d < 3; ++d)
+      slot_array(stiffness + 3 * c + d)[slot] =
+          known ? sample.stiffness(Eigen::Index(c), Eigen::Index(d)) : 0;
+  }
   const Vec3 y = scaled(sample.at);
   px_[slot] = y[0];
   py_[slot] = y[1];
@@ -152,18 +164,23 @@ void RbfFit::functionals(std::size_t slot) {
   const double y[3] = {px_[slot], py_[slot], pz_[slot]};
   double l[max_terms], gradient[3 * max_terms];
   lagrange(level_.degree, y, l, gradient);
+  double phi[4][max_terms];  // of each row at each anchor
+  for (std::size_t j = 0; j < terms_; ++j) {
+    const double d[3] = {y[0] - anchors_[j][0], y[1] - anchors_[j][1], y[2] - anchors_[j][2]};
+    const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const double low = power(r2, level_.power - (level_.power > 1 ? 2 : 0));
+    phi[0][j] = level_.power > 1 ? low * r2 : low;
+    for (std::size_t t = 1; t < rows_per_slot_; ++t) phi[t][j] = level_.power * low * d[t - 1];
+  }
   for (std::size_t t = 0; t < rows_per_slot_; ++t) {
     const std::size_t row = slot * rows_per_slot_ + t;
     double lt[max_terms];
     for (std::size_t j = 0; j < terms_; ++j) lt[j] = t == 0 ? l[j] : gradient[3 * j + t - 1];
     for (std::size_t j = 0; j < terms_; ++j) {
-      const auto a = anchor(j);
-      const double d[3] = {y[0] - a[0], y[1] - a[1], y[2] - a[2]};
-      const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-      double v = t == 0 ? power(r2, level_.power) : level_.power * power(r2, level_.power - 2) * d[t - 1];
-      for (std::size_t k = 0; k < terms_; ++k) v -= 0.5 * anchor_products_[j * max_terms + k] * lt[k];
+      double v = 0;
+      for (std::size_t k = 0; k < terms_; ++k) v += anchor_products_[j * max_terms + k] * lt[k];
       lagrange_[j * row_stride_ + row] = lt[j];
-      dual_[j * row_stride_ + row] = v;
+      dual_[j * row_stride_ + row] = phi[t][j] - 0.5 * v;
     }
     weight_[row] = t == 0 || slot_[slot].has_stiffness ? sign_ : 0;
   }
@@ -171,7 +188,7 @@ void RbfFit::functionals(std::size_t slot) {
 
 // The rows of up to eight plain or two Hermite slots.
 void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
-  const std::size_t b = rows_per_slot_, used = count * b, panel = used > 4 ? 8 : 4;
+  const std::size_t b = rows_per_slot_, used = count * b;
   const std::size_t all = (first_slot + count) * b;
   assert(factor_.rows() == first_slot * b);
   double la[max_terms], va[max_terms];
@@ -182,9 +199,9 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
     const Sample& sample = slot_[slot].sample;
     double* out = factor_.panel_row(s * b);
     if (b == 1)
-      rows::values(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out);
+      rows::loops().values(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out);
     else
-      rows::hermite(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out,
+      rows::loops().hermite(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out,
                     factor_.panel_stride());
     for (std::size_t t = 0; t < b; ++t) {
       const std::size_t row = slot * b + t;
@@ -194,7 +211,7 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
         right[j] = la[j] = lagrange_[j * row_stride_ + row];
         va[j] = dual_[j * row_stride_ + row];
       }
-      rows::project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(), line);
+      rows::loops().project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(), line);
       line[row] += options_.ridge;
       for (int c = 0; c < 3; ++c)
         right[terms_ + c] = t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scale_;
@@ -205,18 +222,15 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
       }
     }
   }
-  for (std::size_t r = used; r < panel; ++r) {
-    skip |= 1u << r;
-    std::fill_n(factor_.panel_row(r), first_slot * b + panel, 0.0);
-  }
-  double tolerance[DenseFactor::panel];
-  for (std::size_t r = 0; r < panel; ++r) tolerance[r] = pivot_tolerance(level_.power, b == 4, r % b == 0);
-  const std::uint32_t taken = factor_.append(panel, used, skip, tolerance, terms_ + 3);
+  double tolerance[DenseFactor::panel] = {};
+  for (std::size_t r = 0; r < used; ++r) tolerance[r] = pivot_tolerance(level_.power, b == 4, r % b == 0);
+  const std::uint32_t taken = factor_.append(used, skip, tolerance);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t mask = (1u << b) - 1;
     slot_[first_slot + s].dropped = ~(taken >> (s * b)) & ~(skip >> (s * b)) & mask;
     for (std::size_t t = 0; t < b; ++t)
       if ((slot_[first_slot + s].dropped >> t & 1u) != 0) weight_[(first_slot + s) * b + t] = 0;
+    dropped_slots_ += slot_[first_slot + s].dropped != 0 ? 1 : 0;
   }
 }
 
@@ -243,9 +257,10 @@ void RbfFit::refit(std::span<const Sample> samples) {
   rows_per_slot_ = level_.hermite ? 4 : 1;
   terms_ = polynomial_terms(level_.degree);
   sign_ = level_.power == 3 ? 1 : -1;
+  for (std::size_t j = 0; j < terms_; ++j) anchors_[j] = anchor(j);
   for (std::size_t j = 0; j < terms_; ++j)
     for (std::size_t k = 0; k < terms_; ++k) {
-      const auto a = anchor(j), b = anchor(k);
+      const auto &a = anchors_[j], &b = anchors_[k];
       double r2 = 0;
       for (int d = 0; d < 3; ++d) r2 += (a[d] - b[d]) * (a[d] - b[d]);
       anchor_products_[j * max_terms + k] = power(r2, level_.power);
@@ -292,21 +307,24 @@ bool RbfFit::replace(std::span<const StateId> removed, std::span<const Sample> a
   return true;
 }
 
-// True where the anchors still suit the set: centre and size have not changed much.
+// True where the anchors no longer suit the set: its centre or size has changed much.
 bool RbfFit::frame_expired() {
-  Vec3 mean = Vec3::Zero();
-  double largest = 0;
-  std::size_t count = 0;
-  for (std::size_t s = 0; s < slots_; ++s) {
-    if (!slot_[s].alive) continue;
-    const Vec3 y(px_[s], py_[s], pz_[s]);
-    mean += y;
-    largest = std::max(largest, y.squaredNorm());
-    ++count;
+  if (alive_ == 0) return true;
+  double sums[5];
+  sums::loops().extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), sums);
+  const double mean = Vec3(sums[0], sums[1], sums[2]).squaredNorm() / double(alive_ * alive_);
+  return sums[4] > 1.6 * 1.6 || sums[4] < 0.4 * 0.4 || mean > 0.5 * 0.5;
+}
+
+void RbfFit::leave(std::size_t slot) {
+  dropped_slots_ -= slot_[slot].dropped != 0 ? 1 : 0;
+  slot_[slot].alive = false;
+  for (const std::size_t which : {in_use, force_norm, stiffness_norm}) slot_array(which)[slot] = 0;
+  --alive_;
+  for (std::size_t t = 0; t < rows_per_slot_; ++t) {
+    index_.push_back(slot * rows_per_slot_ + t);
+    weight_[index_.back()] = 0;
   }
-  if (count == 0) return true;
-  mean /= double(count);
-  return largest > 1.6 * 1.6 || largest < 0.4 * 0.4 || mean.squaredNorm() > 0.5 * 0.5;
 }
 
 RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<const Sample> added) {
@@ -317,53 +335,54 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
 
   added_.clear();
   index_.clear();
-  for (std::size_t s = 0; s < slots_; ++s) {
-    if (!slot_[s].alive) continue;
-    const bool leaves = std::ranges::binary_search(removed, slot_[s].sample.id);
-    // What was dropped beside a state that now leaves may count again.
-    const bool again = !leaves && slot_[s].dropped != 0 && !removed.empty();
-    if (!leaves && !again) continue;
-    if (again) added_.push_back(slot_[s].sample);
-    slot_[s].alive = false;
-    --alive_;
-    for (std::size_t t = 0; t < b; ++t) {
-      index_.push_back(s * b + t);
-      weight_[s * b + t] = 0;
+  for (const StateId id : removed) leave(std::ranges::lower_bound(by_id_, id, {}, &Entry::id)->slot);
+  if (dropped_slots_ > 0 && !removed.empty())
+    for (std::size_t s = 0; s < slots_; ++s) {  // what was dropped beside a state that left may count again
+      if (!slot_[s].alive || slot_[s].dropped == 0) continue;
+      added_.push_back(slot_[s].sample);
+      leave(s);
     }
-  }
+  std::ranges::sort(index_);
   factor_.remove(index_);
-  std::erase_if(by_id_, [&](const Entry& e) { return !slot_[e.slot].alive; });
+  std::erase_if(by_id_, [&](const Entry& e) { return slot_array(in_use)[e.slot] == 0; });
   added_.insert(added_.end(), added.begin(), added.end());
-  if (slots_ + added_.size() > slot_capacity_) compact();
+  // Holes cost as much as rows: where four go with a state, moving the factor together soon pays.
+  if ((b == 4 && 8 * (slots_ - alive_) > alive_) || slots_ + added_.size() > slot_capacity_) compact();
   append(added_);
   if (mode_ == Mode::automatic && frame_expired()) return Outcome::stale;
   return level_still_fits() ? Outcome::done : Outcome::stale;
 }
 
 void RbfFit::compact() {
+  const std::size_t b = rows_per_slot_;
+  std::size_t first = 0;  // slots before it stay
+  while (first < slots_ && slot_[first].alive) ++first;
   index_.clear();
-  std::size_t to = 0;
+  moved_.clear();
   for (std::size_t s = 0; s < slots_; ++s) {
+    moved_.push_back(static_cast<std::uint32_t>(index_.size() / b));
     if (!slot_[s].alive) continue;
-    slot_[to] = slot_[s];
-    std::ranges::lower_bound(by_id_, slot_[to].sample.id, {}, &Entry::id)->slot =
-        static_cast<std::uint32_t>(to);
-    px_[to] = px_[s];
-    py_[to] = py_[s];
-    pz_[to] = pz_[s];
-    for (std::size_t t = 0; t < rows_per_slot_; ++t) {
-      const std::size_t from = s * rows_per_slot_ + t, row = to * rows_per_slot_ + t;
-      index_.push_back(from);
-      weight_[row] = weight_[from];
-      for (std::size_t j = 0; j < terms_; ++j) {
-        lagrange_[j * row_stride_ + row] = lagrange_[j * row_stride_ + from];
-        dual_[j * row_stride_ + row] = dual_[j * row_stride_ + from];
-      }
-    }
-    ++to;
+    if (s > first) slot_[moved_[s]] = slot_[s];
+    for (std::size_t t = 0; t < b; ++t) index_.push_back(s * b + t);
+  }
+  const std::size_t kept = index_.size() / b;
+  for (Entry& e : by_id_) e.slot = moved_[e.slot];
+  const auto gather = [&](double* values, std::size_t step) {
+    if (step == b)
+      for (std::size_t i = first * b; i < kept * b; ++i) values[i] = values[index_[i]];
+    else
+      for (std::size_t i = first; i < kept; ++i) values[i] = values[index_[4 * i] / 4];
+  };
+  for (AlignedArray* p : {&px_, &py_, &pz_}) gather(p->data(), 1);
+  for (std::size_t which = 0; which < away; ++which) gather(slot_array(which), 1);
+  gather(weight_.data(), b);
+  for (std::size_t j = 0; j < terms_; ++j) {
+    gather(lagrange_.data() + j * row_stride_, b);
+    gather(dual_.data() + j * row_stride_, b);
   }
   factor_.compact(index_);
-  slots_ = to;
+  std::fill(slot_array(in_use) + kept, slot_array(in_use) + slots_, 0.0);
+  slots_ = kept;
 }
 
 }  // namespace forefeel

@@ -8,6 +8,7 @@
 // Kernel and degree step down together where the states do not determine the polynomial: r^5 + quadratic ->
 // r^3 + linear -> r + constant -> tangent. Rank decides: pivots of P^T P.
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -54,9 +55,8 @@ class RbfFit {
   struct Slot {
     Sample sample;
     bool alive = false;
-    bool has_stiffness = false;                 // and it is used
-    double force_norm = 0, stiffness_norm = 0;  // 0: not known
-    std::uint32_t dropped = 0;                  // functionals without a row of their own
+    bool has_stiffness = false;  // and it is used
+    std::uint32_t dropped = 0;   // functionals without a row of their own
   };
 
   Level level_for(std::span<const Sample> samples);
@@ -75,6 +75,9 @@ class RbfFit {
   void gather();
   void solve();
   void write_tangent(Model::Impl& out, const Vec3& hip);
+  void write_tangent_of_sum(Model::Impl& out, const Sample& base);
+  void set_bound(Model::Impl& out, std::size_t nearest);
+  void leave(std::size_t slot);
   void write_sum(Model::Impl& out);
   Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
 
@@ -87,15 +90,23 @@ class RbfFit {
   std::size_t slots_ = 0, alive_ = 0;  // slots in use, holes included
   std::size_t rows_per_slot_ = 1, terms_ = 1;
   double sign_ = 1;
+  std::array<std::array<double, 3>, max_terms> anchors_{};
   double anchor_products_[max_terms * max_terms] = {};  // G
 
   DenseFactor factor_;
   std::vector<Slot> slot_;
   AlignedArray px_, py_, pz_;  // scaled positions by slot
+  // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
+  // known), and room for distances.
+  enum SlotArray : std::size_t { in_use = 0, force_norm = 1, stiffness_norm = 2, force = 3, stiffness = 6, away = 15, slot_arrays = 16 };
+  double* slot_array(std::size_t which) { return slot_data_.data() + which * slot_stride_; }
+  std::size_t slot_stride_ = 0;
+  AlignedArray slot_data_;
+  std::size_t dropped_slots_ = 0;  // living slots with a functional that was dropped
   std::size_t row_stride_ = 0;
   AlignedArray lagrange_, dual_;  // l_j and v_j of each row: #terms x row_stride
   AlignedArray weight_;           // by row: the sign s, 0 for holes
-  AlignedArray orthogonal_;       // (terms + 3) x row_stride: Y, then Q and the residual
+  AlignedArray orthogonal_;       // (terms + 6) x row_stride: Y, then Q and the residual
   struct Entry {
     StateId id;
     std::uint32_t slot;
@@ -103,6 +114,7 @@ class RbfFit {
   std::vector<Entry> by_id_;  // living slots, ascending ids
   std::vector<Sample> gathered_, added_;
   std::vector<std::size_t> index_;
+  std::vector<std::uint32_t> moved_;  // of compact(): the new slot of each
   double coefficient_[3][max_terms] = {};
 };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "approx/dense_kernels.hpp"
+#include "approx/kernel_sums.hpp"
 #include "approx/rbf_fit.hpp"
 
 namespace forefeel {
@@ -12,12 +12,9 @@ namespace forefeel {
 // lambda = L^-T residual. P^T lambda = 0 is as exact as the residual is orthogonal.
 void RbfFit::solve() {
   const std::size_t m = factor_.rows(), q = terms_;
-  for (std::size_t r = 0; r < m; ++r) {
-    const double* from = factor_.border_row(r);
-    for (std::size_t j = 0; j < q + 3; ++j) orthogonal_[j * row_stride_ + r] = from[j];
-  }
+  dense::loops().columns_of(factor_.border_row(0), m, q + 3, orthogonal_.data(), row_stride_);
   double upper[max_terms * max_terms], right[3 * max_terms];
-  dense::orthogonalise(q, m, orthogonal_.data(), row_stride_, upper, right);
+  dense::loops().orthogonalise(q, m, orthogonal_.data(), row_stride_, upper, right);
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t j = q; j-- > 0;) {
       double value = right[c * q + j];
@@ -32,15 +29,13 @@ void RbfFit::solve() {
 void RbfFit::write_sum(Model::Impl& out) {
   solve();
   const std::size_t m = factor_.rows();
-  for (int c = 0; c < 3; ++c) {
-    const double* lambda = orthogonal_.data() + (terms_ + c) * row_stride_;
+  double* all = orthogonal_.data() + terms_ * row_stride_;
+  for (std::size_t c = 0; c < 3; ++c) std::fill_n(all + c * row_stride_ + m, 8, 0.0);
+  double sums[3 * max_terms];
+  dense::loops().dots3(terms_, m, all, dual_.data(), row_stride_, sums);
+  for (std::size_t c = 0; c < 3; ++c) {
     double values[max_terms];
-    for (std::size_t j = 0; j < terms_; ++j) {
-      const double* v = dual_.data() + j * row_stride_;
-      double sum = 0;
-      for (std::size_t r = 0; r < m; ++r) sum += lambda[r] * v[r];
-      values[j] = coefficient_[c][j] - sign_ * sum;
-    }
+    for (std::size_t j = 0; j < terms_; ++j) values[j] = coefficient_[c][j] - sign_ * sums[c * terms_ + j];
     to_monomials(level_.degree, values, out.polynomial[c].data());
   }
   std::size_t n = 0;
@@ -64,85 +59,97 @@ void RbfFit::write_sum(Model::Impl& out) {
     std::fill(out.data.data() + a * stride + n, out.data.data() + a * stride + out.padded, 0.0);
 }
 
-// Tangent, hold distance and bound (see model_data.hpp).
-void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
-  double nearest = 1e300, farthest = 0, largest_force = 0, largest_stiffness = 0, spread = 0;
-  std::size_t first = 0, count = 0;
-  for (std::size_t s = 0; s < slots_; ++s) {
-    if (!slot_[s].alive) continue;
-    const Sample& a = slot_[s].sample;
-    const double distance = (a.at - hip).norm();
-    if (distance < nearest) {
-      nearest = distance;
-      first = s;
+namespace {
+
+double largest_of(const double* values, std::size_t n) {
+  double largest = 0;
+  for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, values[i]);
+  return largest;
+}
+
+}  // namespace
+
+// The bound B; where no stiffness is known, twice the largest secant from the nearest state stands for K.
+void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
+  double largest = largest_of(slot_array(stiffness_norm), slots_);
+  if (largest == 0) {
+    const double least = 1e-3 * largest_of(slot_array(away), slots_) * scale_;
+    for (std::size_t s = 0; s < slots_; ++s) {
+      if (!slot_[s].alive) continue;
+      const double apart = (slot_[s].sample.at - slot_[nearest].sample.at).norm();
+      if (apart > least && apart > 0)
+        largest = std::max(largest, 2 * (slot_[s].sample.force - slot_[nearest].sample.force).norm() / apart);
     }
-    farthest = std::max(farthest, distance);
-    largest_force = std::max(largest_force, slot_[s].force_norm);
-    largest_stiffness = std::max(largest_stiffness, slot_[s].stiffness_norm);
-    spread += (a.at - centre_).squaredNorm();
-    ++count;
   }
+  out.largest_stiffness = largest;
+  out.bound = 1.25 * (largest_of(slot_array(force_norm), slots_) + largest * out.hold);
+}
+
+// Tangent, hold distance and bound (see model_data.hpp). Weights fall to zero at the farthest state, so that
+// the tangent moves gradually as the set does.
+void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
+  const sums::Loops& loops = sums::loops();
+  const Vec3 y = scaled(hip);
+  double extent[5], reach[2], sum[19];
+  loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), extent);
+  loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
+                  reach);
+  const double nearest = reach[0], farthest = reach[1];
+  std::size_t first = 0;
+  while (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest) ++first;
   const Sample& base = slot_[first].sample;
-  const double radius = std::sqrt(spread / double(count));
+
+  const double radius = std::sqrt(extent[3] / double(alive_)) * scale_;
   double length = std::max(radius, options_.length);
   if (length == 0 && base.stiffness.norm() > 0) length = base.force.norm() / base.stiffness.norm();
   if (!(length > 0)) length = base.at.norm() > 0 ? 0.25 * base.at.norm() : 0.005;
   out.trust = 1.5 * length * inverse_scale_;
   out.hold = 4 * length;
+  set_bound(out, first);
 
-  // Weights fall to zero at the farthest state, so that the tangent moves gradually as the set does.
-  double total = 0, slope = 0;
-  Vec3 at = Vec3::Zero(), force = Vec3::Zero();
-  Mat3 jacobian = Mat3::Zero();
-  bool stiffness_known = true;
-  const double floor = 1e-6 * farthest + 1e-300;
-  for (std::size_t s = 0; s < slots_; ++s) {
-    if (!slot_[s].alive) continue;
-    const Sample& a = slot_[s].sample;
-    const double distance = std::max((a.at - hip).norm(), floor);
-    const double ratio = count > 1 ? (farthest / distance - 1) * nearest / (farthest + floor) : 1;
-    const double w = ratio > 0 ? ratio * ratio : s == first ? 1e-12 : 0;
-    const Vec3 from = a.at - base.at;
-    if (largest_stiffness == 0) {
-      const double apart = from.norm();
-      if (apart > 1e-3 * farthest) slope = std::max(slope, (a.force - base.force).norm() / apart);
-    }
-    if (w == 0) continue;
-    total += w;
-    at += w * from;
-    force += w * a.force;
-    if (slot_[s].stiffness_norm > 0) {
-      force += w * (a.stiffness * from);
-      jacobian -= w * a.stiffness;
-    } else {
-      stiffness_known = false;
-    }
-  }
-  if (largest_stiffness == 0) largest_stiffness = 2 * slope;
-  out.bound = 1.25 * (largest_force + largest_stiffness * out.hold);
-  out.tangent_at = base.at + at / total;
-  if (stiffness_known) {  // mean of f_i - K_i (x - x_i) about the mean position
-    out.tangent_jacobian = jacobian / total;
-    out.tangent_force = force / total + out.tangent_jacobian * (at / total);
-  } else {
-    out.tangent_force = base.force;
+  const double origin[3] = {px_[first], py_[first], pz_[first]};
+  loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_data_.data(), slot_stride_, slot_array(away),
+                nearest, farthest, origin, sum);
+  bool known = true;
+  for (std::size_t s = 0; s < slots_ && known; ++s)
+    known = slot_array(stiffness_norm)[s] > 0 || slot_array(in_use)[s] == 0 ||
+            (slot_array(away)[s] >= farthest && s != first);
+  if (!known) return write_tangent_of_sum(out, base);
+  if (!(sum[0] > 0)) {  // one state, or all equally far
     out.tangent_at = base.at;
+    out.tangent_force = base.force;
+    out.tangent_jacobian = -base.stiffness;
+    return;
+  }
+  // Mean of f_i - K_i (x - x_i) about the mean position.
+  const double w = 1 / sum[0];
+  const Vec3 at = w * scale_ * Vec3(sum[1], sum[2], sum[3]);
+  for (int c = 0; c < 3; ++c) {
+    out.tangent_force[c] = w * (sum[4 + c] + scale_ * sum[16 + c]);
+    for (int d = 0; d < 3; ++d) out.tangent_jacobian(c, d) = -w * sum[7 + 3 * c + d];
+  }
+  out.tangent_at = base.at + at;
+  out.tangent_force += out.tangent_jacobian * at;
+}
+
+// Where not every stiffness is known: the force of the nearest state and the slope of the sum there, never
+// steeper than what is known.
+void RbfFit::write_tangent_of_sum(Model::Impl& out, const Sample& base) {
+  out.tangent_at = base.at;
+  out.tangent_force = base.force;
+  out.tangent_jacobian.setZero();
+  if (out.power == 0) return;
+  const Vec3 y = scaled(base.at);
+  double f[3], j[9];
+  out.raw(y.data(), f, j);
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) out.tangent_jacobian(c, d) = j[3 * c + d] * inverse_scale_;
+  const double norm = out.tangent_jacobian.norm();
+  if (norm <= out.largest_stiffness) return;
+  if (std::isfinite(norm))
+    out.tangent_jacobian *= out.largest_stiffness / norm;
+  else
     out.tangent_jacobian.setZero();
-  }
-  if (!stiffness_known && out.power != 0) {
-    const Vec3 y = scaled(out.tangent_at);
-    double f[3], j[9];
-    out.raw(y.data(), f, j);
-    for (int c = 0; c < 3; ++c)
-      for (int d = 0; d < 3; ++d) out.tangent_jacobian(c, d) = j[3 * c + d] * inverse_scale_;
-    const double norm = out.tangent_jacobian.norm();
-    if (!(norm <= largest_stiffness)) {
-      if (std::isfinite(norm) && norm > 0)
-        out.tangent_jacobian *= largest_stiffness / norm;
-      else
-        out.tangent_jacobian.setZero();
-    }
-  }
 }
 
 void RbfFit::write(Model::Impl& out, const Vec3& hip) {

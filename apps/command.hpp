@@ -44,7 +44,7 @@ void add_study(CLI::App& app, Commands& commands);       // command_study.cpp
 void add_bench(CLI::App& app, Commands& commands);       // command_bench.cpp, which calls the three below
 int bench_coverage(const Globals& globals);              // bench_coverage.cpp
 int bench_solver(const Globals& globals, const std::string& scene);   // bench_solver.cpp
-int bench_approx(const Globals& globals, const std::string& scene);   // bench_approx.cpp
+int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder);   // bench_approx.cpp
 
 // Parsing and printing shared by the commands.
 nlohmann::ordered_json number(double value);             // null where not finite

@@ -19,8 +19,9 @@ struct BenchOptions {
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
-  if (!options.output.empty() && !(options.what == "solver" && options.scene == "hard-cases"))
-    throw InputError("--output", "only bench solver hard-cases writes a report, expected none here");
+  if (!options.output.empty() && options.what != "approx" &&
+      !(options.what == "solver" && options.scene == "hard-cases"))
+    throw InputError("--output", "only bench approx and bench solver hard-cases write files, expected none here");
   if (options.what == "coverage") {
     if (!options.scene.empty()) {
       load_scene(options.scene, globals.set);
@@ -31,7 +32,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
   if (options.what == "solver" && options.scene == "hard-cases") return bench_hard_cases(globals, options.output);
   if (options.what == "solver" && options.scene == "elements") return bench_elements(globals);
   if (options.what == "solver") return bench_solver(globals, options.scene);
-  if (options.what == "approx") return bench_approx(globals, options.scene);
+  if (options.what == "approx") return bench_approx(globals, options.scene, options.output);
   throw InputError("bench " + options.what, "not in this build");
 }
 
@@ -48,7 +49,8 @@ void add_bench(CLI::App& app, Commands& commands) {
   sub.add_option("SCENE", options->scene,
                  "Scene to take states from; default: the built-in one of each bench.\n"
                  "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
-  sub.add_option("-o,--output", options->output, "hard-cases: folder for hard_cases.csv and .html")->type_name("DIR");
+  sub.add_option("-o,--output", options->output, "Folder: approx.csv and .svg of approx, hard_cases.csv and .html of hard-cases")
+      ->type_name("DIR");
 }
 
 }  // namespace forefeel

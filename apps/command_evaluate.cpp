@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 
+#include "approx/leave_one_out.hpp"
 #include "approx/methods.hpp"
 #include "approx/updater.hpp"
 #include "apps/command.hpp"
@@ -22,10 +25,17 @@ struct EvaluateArguments {
   std::string states, points, output, method = "rbf", kernel, data, select = "label";
   std::optional<std::size_t> neighbours;
   std::optional<double> spacing;
-  double ridge = 0;
+  std::string ridge = "0";
+};
+
+// What bounds a model: no force above `bound` [N]; outside the hull of its states it is the tangent beyond
+// `tangent` [m] and a held force `held` [m] from where the tangent is taken.
+struct Reach {
+  double bound, tangent, held;
 };
 
 struct Evaluation {
+  std::vector<Reach> reach;  // by point; empty for the older methods
   std::vector<Vec3> forces;
   std::vector<Label> labels;
   std::vector<double> fit_us, evaluate_ns;
@@ -76,8 +86,16 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
   options.neighbours = arguments.neighbours.value_or(options.data == Data::force ? 100 : 25);
   options.neighbours = std::min(options.neighbours, std::max<std::size_t>(states.size(), 1));
   options.select = arguments.select == "nearest" ? Select::nearest : Select::label;
-  options.ridge = arguments.ridge;
   return options;
+}
+
+double ridge_of(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
+  if (failed != std::errc() || stopped != end || !(value >= 0) || !std::isfinite(value))
+    throw InputError("--ridge", fmt::format("is '{}', expected a number >= 0 or auto", text));
+  return value;
 }
 
 using Clock = std::chrono::steady_clock;
@@ -111,6 +129,7 @@ Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, co
     updater.update(points[i], model, &report);
     result.fit_us.push_back(1e6 * since(start));
     result.labels.push_back(report.label);
+    result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
     measure(model, points[i], result);
     progress.show(double(i + 1) / double(points.size()),
                   fmt::format("{} of {} points", i + 1, points.size()));
@@ -158,7 +177,8 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   const LoadedStates loaded = load_states(arguments.states);
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  const ModelOptions options = model_options(arguments, loaded.states);
+  ModelOptions options = model_options(arguments, loaded.states);
+  if (arguments.ridge != "auto") options.ridge = ridge_of(arguments.ridge);
   if (!arguments.output.empty()) check_writable(arguments.output);
 
   StateSpaceOptions space_options;
@@ -168,6 +188,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   StateSpace space(space_options);
   for (const State& state : loaded.states)
     if (state.usable()) space.insert(state);
+  if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
   const Method method = method_of(arguments.method);
   MethodOptions older{.model = options, .spacing = space_options.spacing};
   older.centres = arguments.neighbours.value_or(0);
@@ -191,6 +212,13 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     document["neighbours"] = options.neighbours;
     document["select"] = name(options.select);
     document["spacing"] = number(space_options.spacing);
+    document["ridge"] = options.ridge;
+    for (const char* key : {"force_bounds", "tangent_from", "held_from"}) document[key] = nlohmann::ordered_json::array();
+    for (const Reach& reach : result.reach) {
+      document["force_bounds"].push_back(number(reach.bound));
+      document["tangent_from"].push_back(number(reach.tangent));
+      document["held_from"].push_back(number(reach.held));
+    }
     print_json(document);
     return 0;
   }
@@ -233,8 +261,10 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   sub.add_option("--spacing", arguments->spacing,
                  "h [m]; default: as in the file, else the median distance of states")
       ->check(above_zero);
-  sub.add_option("--ridge", arguments->ridge, "For noisy states, on the kernel's diagonal")
-      ->check(zero_or_more);
+  sub.add_option("--ridge", arguments->ridge,
+                 "For noisy states, on the kernel's diagonal; auto: chosen by leave-one-out")
+      ->type_name("NUMBER|auto")
+      ->capture_default_str();
   sub.add_option("-o,--output", arguments->output, "Forces as CSV")->type_name("OUT.csv");
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "approx/instruction_set.hpp"
+
 namespace forefeel {
 
 #define FOREFEEL_DECLARE_BASELINE(isa)                                                \
@@ -20,7 +22,6 @@ FOREFEEL_DECLARE_BASELINE(avx512)
 namespace {
 
 struct Functions {
-  std::string_view name;
   void* (*make)(long, bool);
   void (*free)(void*);
   double (*refit)(void*, long, const double*, const double*);
@@ -29,13 +30,12 @@ struct Functions {
 
 Functions choose() {
 #ifdef FOREFEEL_MULTIVERSION
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw"))
-    return {"avx512", avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    return {"avx2", avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
+  if (approx_instruction_set() == InstructionSet::avx512)
+    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum};
+  if (approx_instruction_set() == InstructionSet::avx2)
+    return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
 #endif
-  return {"portable", portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum};
+  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum};
 }
 
 const Functions& functions() {
@@ -44,10 +44,6 @@ const Functions& functions() {
 }
 
 }  // namespace
-
-std::string_view baseline_instruction_set() {
-  return functions().name;
-}
 
 LuRefit::LuRefit(std::size_t states, bool hermite_quintic)
     : work_(functions().make(static_cast<long>(states), hermite_quintic)),

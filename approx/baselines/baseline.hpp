@@ -6,13 +6,10 @@
 
 #include <cstddef>
 #include <span>
-#include <string_view>
 
 #include "approx/rbf_fit.hpp"
 
 namespace forefeel {
-
-std::string_view baseline_instruction_set();  // "portable", "avx2", "avx512"
 
 // r^3 with linear p on force, or r^5 with quadratic p on force and stiffness. Work space is kept between
 // calls.

@@ -78,9 +78,14 @@ using RealMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 class Judge {
  public:
   Judge(const std::vector<State>& states, int power, int degree, bool hermite)
+      : Judge(states, power, degree, hermite, 0, states) {}
+
+  // With a ridge on the diagonal, centre and scale being those of `frame`.
+  Judge(const std::vector<State>& states, int power, int degree, bool hermite, double ridge,
+        const std::vector<State>& frame)
       : states_(states), power_(power), rows_(hermite ? 4 : 1) {
-    for (const auto& s : states) centre_ += s.at / double(states.size());
-    for (const auto& s : states) scale_ = std::max(scale_, (s.at - centre_).norm());
+    for (const auto& s : frame) centre_ += s.at / double(frame.size());
+    for (const auto& s : frame) scale_ = std::max(scale_, (s.at - centre_).norm());
     if (scale_ == 0) scale_ = 1;
     const Eigen::Index m = Eigen::Index(states.size()) * rows_, q = degree == 0 ? 1 : degree == 1 ? 4 : 10;
     RealMatrix a = RealMatrix::Zero(m + q, m + q), b = RealMatrix::Zero(m + q, 3);
@@ -90,6 +95,7 @@ class Judge {
       const auto yi = scaled(s.at);
       for (Eigen::Index j = 0; j < m; ++j)
         a(i, j) = pair(yi, di, scaled(states[std::size_t(j / rows_)].at), int(j % rows_));
+      a(i, i) += power == 3 ? ridge : -ridge;
       for (int t = 0; t < q; ++t) a(i, m + t) = a(m + t, i) = term(t, yi, di);
       for (int c = 0; c < 3; ++c)
         b(i, c) = di == 0 ? Real(s.force[c]) : -Real(s.stiffness(c, di - 1)) * Real(scale_);

@@ -108,6 +108,7 @@ TEST_CASE("10,000 replacements without refactorisation stay within five times a 
       REQUIRE(updated.impl().degree == fresh.impl().degree);
       const Judge judge(states, updated.impl().power, updated.impl().degree, updated.impl().hermite);
       const Errors a = errors_of(updated, judge, states, 11), b = errors_of(fresh, judge, states, 11);
+      CAPTURE(1e14 * a.residual, 1e14 * b.residual, 1e14 * a.prediction, 1e14 * b.prediction);
       CHECK(a.residual <= 5 * std::max(b.residual, 5e-14));
       CHECK(a.prediction <= 5 * std::max(b.prediction, 5e-14));
     }

@@ -9,6 +9,8 @@
 #include <iomanip>
 
 #include "approx/updater.hpp"
+#include "geometry/phantom.hpp"
+#include "solver/solver.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;
@@ -65,6 +67,51 @@ TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
   std::uniform_real_distribution<double> inside(-0.024, 0.024), outside(-0.033, 0.033);
   for (int i = 0; i < 40; ++i) points.emplace_back(inside(random), inside(random), inside(random));
   for (int i = 0; i < 20; ++i) points.emplace_back(outside(random), outside(random), outside(random));
+  for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
+    for (const std::size_t n : {std::size_t{0}, std::size_t{100}}) {
+      CAPTURE(name(kernel), n);
+      const auto expected = scipy_forces(states, points, kernel, n);
+      ModelUpdater updater(
+          space, {.kernel = kernel, .neighbours = n == 0 ? states.size() : n, .select = Select::nearest});
+      double worst = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const Model model = updater.model_at(points[i]);
+        worst = std::max(worst,
+                         (model.force(points[i]) - expected[i]).norm() / std::max(expected[i].norm(), 0.05));
+      }
+      CHECK(worst < 1e-9);
+    }
+}
+
+TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy]") {
+  if (!have_scipy()) {
+    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
+    return;
+  }
+  auto body = std::make_shared<Body>();
+  body->mesh = phantom("liver");
+  body->clamp = body->mesh.groups.at("clamp");
+  body->contact = body->mesh.groups.at("contact");
+  GenerateOptions generate;
+  generate.spacing = 0.008;
+  generate.box = {Vec3::Constant(-0.024), Vec3::Constant(0.024)};
+  generate.threads = 1;
+  std::vector<State> states;
+  generate_lattice(body, generate, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+  REQUIRE(states.size() > 300);
+  StateSpaceOptions options;
+  options.spacing = generate.spacing;
+  StateSpace space(options);
+  for (const auto& s : states) space.insert(s);
+  std::vector<Vec3> points;
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> anywhere(-0.03, 0.03);
+  std::vector<StateId> nearest;
+  while (points.size() < 40) {
+    const Vec3 x(anywhere(random), anywhere(random), anywhere(random));
+    space.nearest(x, 101, nearest);  // which 100 are nearest must not be a matter of rounding
+    if ((space[nearest[100]].at - x).norm() - (space[nearest[99]].at - x).norm() > 1e-9) points.push_back(x);
+  }
   for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
     for (const std::size_t n : {std::size_t{0}, std::size_t{100}}) {
       CAPTURE(name(kernel), n);

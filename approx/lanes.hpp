@@ -1,0 +1,137 @@
+#pragma once
+// A vector as wide as the instruction set that this translation unit is compiled for. Only for leaf loops that
+// are compiled once per set: nothing here may be shared between them, so all is local to the translation unit.
+
+#include <cstddef>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#define FOREFEEL_INLINE static inline __attribute__((always_inline))
+
+namespace forefeel::FOREFEEL_ISA {
+namespace {
+
+#if defined(__AVX512F__)
+constexpr std::size_t width = 8;
+typedef double Pack __attribute__((vector_size(64)));
+typedef double Loose __attribute__((vector_size(64), aligned(8), may_alias));
+typedef long long Lanes __attribute__((vector_size(64)));
+constexpr Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+#elif defined(__AVX2__)
+constexpr std::size_t width = 4;
+typedef double Pack __attribute__((vector_size(32)));
+typedef double Loose __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long Lanes __attribute__((vector_size(32)));
+constexpr Lanes lane = {0, 1, 2, 3};
+#else
+constexpr std::size_t width = 2;
+typedef double Pack __attribute__((vector_size(16)));
+typedef double Loose __attribute__((vector_size(16), aligned(8), may_alias));
+typedef long long Lanes __attribute__((vector_size(16)));
+constexpr Lanes lane = {0, 1};
+#endif
+
+FOREFEEL_INLINE Pack load(const double* at) {
+  return *reinterpret_cast<const Loose*>(at);
+}
+FOREFEEL_INLINE void store(double* at, Pack value) {
+  *reinterpret_cast<Loose*>(at) = value;
+}
+FOREFEEL_INLINE Pack same(double value) {
+  return Pack{} + value;
+}
+FOREFEEL_INLINE double sum_of(Pack p) {
+#if defined(__AVX512F__)
+  return ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
+#elif defined(__AVX2__)
+  return (p[0] + p[1]) + (p[2] + p[3]);
+#else
+  return p[0] + p[1];
+#endif
+}
+
+
+// The first four of a vector of eight, zeros after them.
+FOREFEEL_INLINE Pack load_four(const double* at) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<Pack>(_mm512_zextpd256_pd512(_mm256_loadu_pd(at)));
+#else
+  return load(at);
+#endif
+}
+
+// The square matrix of which x holds the rows.
+FOREFEEL_INLINE void transpose(Pack x[width]) {
+#if defined(__AVX512F__)
+  __m512d pair[8], quad[8];
+  for (int t = 0; t < 8; t += 2) {
+    const auto a = reinterpret_cast<__m512d>(x[t]), b = reinterpret_cast<__m512d>(x[t + 1]);
+    pair[t] = _mm512_unpacklo_pd(a, b);      // even columns of rows t, t + 1
+    pair[t + 1] = _mm512_unpackhi_pd(a, b);  // odd
+  }
+  for (int odd = 0; odd < 2; ++odd)
+    for (int t = 0; t < 2; ++t) {  // rows 4 t to 4 t + 3: columns 0, 4 and 2, 6 (odd: one more)
+      quad[4 * odd + t] = _mm512_shuffle_f64x2(pair[4 * t + odd], pair[4 * t + 2 + odd], 0x88);
+      quad[4 * odd + 2 + t] = _mm512_shuffle_f64x2(pair[4 * t + odd], pair[4 * t + 2 + odd], 0xdd);
+    }
+  for (int odd = 0; odd < 2; ++odd)
+    for (int t = 0; t < 2; ++t) {
+      const __m512d a = quad[4 * odd + 2 * t], b = quad[4 * odd + 2 * t + 1];
+      x[odd + 2 * t] = reinterpret_cast<Pack>(_mm512_shuffle_f64x2(a, b, 0x88));
+      x[odd + 2 * t + 4] = reinterpret_cast<Pack>(_mm512_shuffle_f64x2(a, b, 0xdd));
+    }
+#elif defined(__AVX2__)
+  __m256d pair[4];
+  for (int t = 0; t < 4; t += 2) {
+    const auto a = reinterpret_cast<__m256d>(x[t]), b = reinterpret_cast<__m256d>(x[t + 1]);
+    pair[t] = _mm256_unpacklo_pd(a, b);
+    pair[t + 1] = _mm256_unpackhi_pd(a, b);
+  }
+  for (int odd = 0; odd < 2; ++odd) {
+    x[odd] = reinterpret_cast<Pack>(_mm256_permute2f128_pd(pair[odd], pair[2 + odd], 0x20));
+    x[odd + 2] = reinterpret_cast<Pack>(_mm256_permute2f128_pd(pair[odd], pair[2 + odd], 0x31));
+  }
+#else
+  const Pack a = x[0];
+  x[0] = Pack{a[0], x[1][0]};
+  x[1] = Pack{a[1], x[1][1]};
+#endif
+}
+
+// The sums of four vectors.
+FOREFEEL_INLINE void sums_of(const Pack p[4], double out[4]) {
+#if defined(__AVX512F__)
+  __m256d half[2];
+  for (int t = 0; t < 2; ++t) {
+    const auto a = reinterpret_cast<__m512d>(p[2 * t]), b = reinterpret_cast<__m512d>(p[2 * t + 1]);
+    const __m512d pairs = _mm512_add_pd(_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+    half[t] = _mm256_add_pd(_mm512_castpd512_pd256(pairs), _mm512_extractf64x4_pd(pairs, 1));
+  }
+  _mm256_storeu_pd(out, _mm256_add_pd(_mm256_permute2f128_pd(half[0], half[1], 0x20),
+                                      _mm256_permute2f128_pd(half[0], half[1], 0x31)));
+#elif defined(__AVX2__)
+  const __m256d a = _mm256_hadd_pd(reinterpret_cast<__m256d>(p[0]), reinterpret_cast<__m256d>(p[1]));
+  const __m256d b = _mm256_hadd_pd(reinterpret_cast<__m256d>(p[2]), reinterpret_cast<__m256d>(p[3]));
+  _mm256_storeu_pd(out,
+                   _mm256_add_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31)));
+#else
+  for (int t = 0; t < 4; ++t) out[t] = sum_of(p[t]);
+#endif
+}
+
+// Four values by one store, which a load of those four need not wait for.
+FOREFEEL_INLINE void store_four(double* at, double a, double b, double c, double d) {
+#if defined(__AVX2__)
+  _mm256_storeu_pd(at, _mm256_set_pd(d, c, b, a));
+#else
+  at[0] = a;
+  at[1] = b;
+  at[2] = c;
+  at[3] = d;
+#endif
+}
+
+}  // namespace
+}  // namespace forefeel::FOREFEEL_ISA

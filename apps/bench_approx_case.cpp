@@ -1,0 +1,104 @@
+// States and references of `forefeel bench approx`.
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "apps/bench_approx.hpp"
+#include "apps/scene.hpp"
+#include "geometry/phantom.hpp"
+
+namespace forefeel::bench {
+namespace {
+
+constexpr std::size_t inside_count = 100, outside_count = 36;
+constexpr double tolerance = 1e-9;
+
+void take_body(Case& bench, const Globals& globals, const std::string& file) {
+  if (file.empty()) {
+    auto body = std::make_shared<Body>();
+    body->mesh = phantom("liver");
+    body->clamp = body->mesh.groups.at("clamp");
+    body->contact = body->mesh.groups.at("contact");
+    bench.body = body;
+    bench.options.spacing = 0.006;
+    bench.options.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)};
+    bench.name = "liver phantom";
+    return;
+  }
+  const Scene scene = load_scene(file, globals.set);
+  for (const std::string& warning : scene.warnings) warn(globals, warning);
+  bench.body = scene.body;
+  bench.options = scene.space;
+  bench.name = scene.file.string();
+}
+
+// Positions to solve at: in the box, and on planes beyond the front where the box holds them.
+void take_positions(Case& bench, std::uint64_t seed) {
+  const Box& box = bench.options.box;
+  const double h = bench.options.spacing;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const auto any = [&] {
+    Vec3 x;
+    for (int d = 0; d < 3; ++d) x[d] = box.low[d] + unit(random) * box.size()[d];
+    return x;
+  };
+  bench.inside.resize(inside_count);
+  for (State& s : bench.inside) s.at = any();
+  bench.front = h * std::ceil((box.low[0] + box.size()[0] / 3) / h - 1e-9);
+  for (const double distance : {0.006, 0.012, 0.018, 0.024}) {
+    Case::Outside plane{distance, {}};
+    if (bench.front + distance <= box.high[0] + 1e-9) plane.references.resize(outside_count);
+    for (State& s : plane.references) {
+      s.at = any();
+      s.at[0] = bench.front + distance;
+    }
+    bench.outside.push_back(std::move(plane));
+  }
+}
+
+}  // namespace
+
+Case take_case(const Globals& globals, const std::string& file, Progress& progress) {
+  Case bench;
+  take_body(bench, globals, file);
+  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
+  GenerateOptions options;
+  options.spacing = bench.options.spacing;
+  options.box = bench.options.box;
+  options.threads = threads;
+  options.tolerance = tolerance;
+  const std::size_t expected = lattice(bench.options.box, bench.options.spacing).size();
+  generate_lattice(bench.body, options, {},
+                   [&](State s) {
+                     if (s.usable()) bench.states.push_back(std::move(s));
+                     progress.show(0.2 * double(bench.states.size()) / double(expected),
+                                   "states of the lattice");
+                   },
+                   {});
+  take_positions(bench, globals.seed);
+  std::vector<State*> wanted;
+  for (State& s : bench.inside) wanted.push_back(&s);
+  for (auto& plane : bench.outside)
+    for (State& s : plane.references) wanted.push_back(&s);
+  std::size_t done = 0;
+#pragma omp parallel num_threads(threads)
+  {
+    Solver solver(bench.body);
+#pragma omp for schedule(dynamic)
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      *wanted[i] = solver.reference(wanted[i]->at, bench.options.spacing).state;
+#pragma omp critical
+      progress.show(0.2 + 0.3 * double(++done) / double(wanted.size()), "reference solves");
+    }
+  }
+  const auto failed = [](const State& s) { return s.status != SolveStatus::converged; };
+  std::erase_if(bench.inside, failed);
+  for (auto& plane : bench.outside) std::erase_if(plane.references, failed);
+  return bench;
+}
+
+}  // namespace forefeel::bench
