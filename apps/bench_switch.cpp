@@ -1,14 +1,17 @@
 // forefeel bench switch [SCENE]: what a frame of each switch rule costs, beside no switch at all, and what the hand
-// feels of a model that changes every 10 to 100 ms. The same stream of models for every rule: the HIP moves through
-// the scene's box at hand speed while the lattice becomes known in random order, r^3 on the 100 nearest known states,
-// the paper's model. Errors are those of the rendered force against the finest model of all states.
+// feels of a model that changes every 10 to 100 ms. The same stream of models for every rule, and a hard one: the HIP
+// moves through the scene's box at hand speed, and each model is made from 24 other states of the lattice, so that
+// each disagrees with the last everywhere (r^3 on force, the paper's). The first one is alone for a second, in which it
+// fades in; what is measured begins then. Errors are those of the rendered force against the finest model of all
+// states.
 //   frames_over_jnd   frames whose change by the switch exceeds the rule's bound (none: that of smooth)
 //   max_jump          most that the switch changed the force in one frame [N]
 //   drift             most that switches changed the force within 50, 100, 300 ms, |sum of dF| [N]
 //   delay             from a model's coming until the force is that of it or a newer one, and the bound that design
-//                     gives: paper    10 ms (steps of the switch under way + steps of the next + 2), steps = d / 10 mN,
+//                     gives: paper    10 ms (steps of the switch under way + steps of the next + 2), steps = d / s,
 //                                     d the largest difference of the two models at the HIP meanwhile
-//                            smooth   1 ms (e / 1 mN + 1), e the offset and all that later models add to it
+//                            smooth   1 ms (e / s + 1), e the offset and all that later models add to it
+//                     with s the least step that the rule allows meanwhile: max(10 mN, 0.07 / 1.07 |F|), a tenth for smooth
 
 #include <fmt/format.h>
 
@@ -26,8 +29,10 @@
 namespace forefeel {
 namespace {
 
-constexpr double frame = 1e-3, seconds = 4, speed = 0.06;   // [s], [s], [m/s]
-constexpr std::size_t frames = 4000, settling = 60000;      // of the stream, and at most after it
+constexpr double frame = 1e-3, speed = 0.06;                // [s], [m/s]
+constexpr std::size_t frames = 5000, settling = 60000;      // of the stream, and at most after it
+constexpr std::size_t lead = 1000;                          // frames of the first model alone
+constexpr std::size_t states_per_model = 24;
 constexpr int rounds = 7;
 constexpr std::size_t error_every = 10;                     // frames
 
@@ -54,17 +59,14 @@ std::vector<Vec3> motion(const StateSpaceOptions& options) {
 Stream make_stream(const StateSpaceOptions& options, const std::vector<State>& states, std::size_t every, std::uint64_t seed) {
   Stream stream;
   stream.at = motion(options);
-  std::vector<std::pair<std::uint64_t, const State*>> order;
-  for (std::size_t i = 0; i < states.size(); ++i) order.emplace_back(mix(seed, i), &states[i]);
-  std::ranges::sort(order);
-  const ModelOptions paper{.kernel = Kernel::cubic, .data = Data::force, .neighbours = 100, .select = Select::nearest};
-  StateSpace space(options);
-  ModelUpdater updater(space, paper);
-  for (std::size_t k = 0; k < frames; k += every) {
-    const std::size_t known = std::min(order.size(), 8 + order.size() * k / frames);
-    while (space.size() < known) space.insert(*order[space.size()].second);
-    stream.models.emplace_back();
-    updater.update(stream.at[k], stream.models.back());
+  const ModelOptions paper{.kernel = Kernel::cubic, .data = Data::force, .neighbours = states_per_model, .select = Select::nearest};
+  for (std::size_t k = 0; k < frames; k = k == 0 ? lead : k + every) {
+    const std::uint64_t draw = mix(seed + 7, stream.models.size());
+    std::vector<State> known;
+    for (std::size_t i = 0; i < states_per_model && !states.empty(); ++i) known.push_back(states[mix(draw, i) % states.size()]);
+    std::ranges::sort(known, [](const State& a, const State& b) { return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3); });
+    known.erase(std::unique(known.begin(), known.end(), [](const State& a, const State& b) { return a.at == b.at; }), known.end());
+    stream.models.push_back(fit(known, paper, stream.at[k]));
     stream.comes.push_back(k);
   }
   StateSpace all(options);
@@ -110,11 +112,14 @@ class Player {
 
   void step(std::size_t k, const Model* comes, std::size_t index, double floor) {
     const ForceSwitch::Frame now = switch_.step(comes, at(k));
-    changes_.push_back(now.change);
-    out_.over_bound += now.change.norm() > now.bound ? 1 : 0;
-    out_.max_jump = std::max(out_.max_jump, now.change.norm());
-    out_.max_undamped = std::max(out_.max_undamped, now.undamped_jump);
-    if (k < frames && k % error_every == 0) {
+    before_.push_back((now.force - now.change).norm());
+    out_.over_bound += k >= lead && now.change.norm() > now.bound ? 1 : 0;
+    if (k >= lead) {
+      changes_.push_back(now.change);
+      out_.max_jump = std::max(out_.max_jump, now.change.norm());
+      out_.max_undamped = std::max(out_.max_undamped, now.undamped_jump);
+    }
+    if (k >= lead && k < frames && k % error_every == 0) {
       const Vec3& truth = stream_.truth[k / error_every];
       out_.errors.push_back((now.force - truth).norm() / std::max(truth.norm(), floor));
     }
@@ -144,27 +149,33 @@ class Player {
     return most;
   }
 
+  // The least step that a rule with this floor and share took in these frames [N].
+  double least_step(double floor, double share, std::size_t from, std::size_t to) const {
+    const double force = *std::min_element(before_.begin() + static_cast<std::ptrdiff_t>(from), before_.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+    return std::max(floor, share / (1 + share) * force) * (1 - 1e-6);
+  }
+
+  double paper_steps(const Model* a, std::size_t b, std::size_t from, std::size_t to) const {
+    return std::ceil(largest_difference(a, stream_.models[b], from, to) / least_step(10e-3, 0.07, from, to)) + 1;
+  }
+
   double bound_of(const Waiting& w, std::size_t done, std::size_t arrived) const {
     if (rule_ == SwitchRule::none) return 0;
-    if (rule_ == SwitchRule::smooth) return frame * (std::ceil(w.offset / (1e-3 * (1 - 1e-6))) + 1);
+    if (rule_ == SwitchRule::smooth) return frame * (std::ceil(w.offset / least_step(1e-3, 0.007, w.frame, done)) + 1);
     // A -> B was under way when it came, B -> C (it, or newer) followed; where nothing was, A -> C alone.
-    double bound = 0;
+    double steps = 0;
     const Model* before = nullptr;
     std::size_t since = 0;
     for (const auto& [k, model] : rendered_) {
-      if (k >= w.frame) {
-        bound += std::ceil(largest_difference(before, stream_.models[model], since, k) / (10e-3 * (1 - 1e-6))) + 1;
-        since = k;
-      } else {
-        since = k;
-      }
+      if (k >= w.frame) steps += paper_steps(before, model, since, k);
+      since = k;
       before = &stream_.models[model];
     }
-    bound += std::ceil(largest_difference(before, stream_.models[arrived], since, done) / (10e-3 * (1 - 1e-6))) + 1;
-    return 10e-3 * bound;
+    return 10e-3 * (steps + paper_steps(before, arrived, since, done));
   }
 
   void note_delay(const Waiting& w, std::size_t k, std::size_t arrived) {
+    if (w.frame < lead) return;
     const double delay = frame * static_cast<double>(k - w.frame), bound = bound_of(w, k, arrived);
     out_.delays.push_back(delay);
     out_.worst_bound = std::max(out_.worst_bound, bound);
@@ -189,6 +200,7 @@ class Player {
   ForceSwitch switch_;
   Outcome out_;
   std::vector<Vec3> changes_;
+  std::vector<double> before_;                // |F| before each frame's change [N]
   std::deque<Waiting> waiting_;
   std::vector<std::pair<std::size_t, std::size_t>> rendered_;   // frame, model: switches that are over
 };
@@ -217,7 +229,7 @@ nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, s
   row["ours_us"] = number(ours);
   row["baseline_us"] = number(none);
   row["error"] = quantiles_json(found.errors);
-  row["n"] = 100;
+  row["n"] = states_per_model;
   row["k"] = nullptr;
   row["scene"] = laboratory.name();
   row["law"] = name(laboratory.scene().body->material.law);
@@ -226,7 +238,7 @@ nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, s
   row["tolerance"] = 1e-9;
   row["rule"] = name(rule);
   row["update_ms"] = every;
-  row["frames"] = frames;
+  row["frames"] = frames - lead;
   row["frames_over_jnd"] = found.over_bound;
   row["max_jump"] = number(found.max_jump);
   row["max_jump_undamped"] = number(found.max_undamped);
@@ -273,7 +285,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
                                   1e3 * quantile_of(found.delays, 0.95), 1e3 * quantile_of(found.delays, 1), 1e3 * found.worst_bound, quantile_of(found.errors, 0.95)));
     }
   }
-  document["model"] = "r3, force, 100 nearest";
+  document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
   document["instruction_set"] = baseline_instruction_set();
   document["provenance"] = provenance(laboratory.scene().hash);
   if (globals.json) print_json(document);

@@ -22,8 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t truth_positions = 160;
 
-std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Progress& progress) {
+// spacing: that of the file where it says so.
+std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Progress& progress, double& spacing) {
   const Scene& scene = laboratory.scene();
+  spacing = scene.space.spacing;
   if (file.empty())
     return laboratory.lattice_states(scene.space.box, scene.space.spacing,
                                      [&](double share, const std::string& text) { progress.show(0.3 * share, text); });
@@ -33,6 +35,7 @@ std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Prog
       throw InputError(file, fmt::format("holds states of another body: its {} differs from that of {}", key, laboratory.name()));
   std::erase_if(loaded.states, [](const State& s) { return !s.usable(); });
   if (loaded.states.size() < 4) throw InputError(file, fmt::format("holds {} usable states, expected at least 4", loaded.states.size()));
+  if (loaded.header.spacing > 0) spacing = loaded.header.spacing;
   return std::move(loaded.states);
 }
 
@@ -122,7 +125,7 @@ Picture picture(const Calibration& found, double tolerance) {
   std::ranges::replace(tics, '\'', '"');
   script += plot_style;
   script += fmt::format("set logscale y\nset yrange [1e-4:*]\nset format y '10^{{%T}}'\nset ylabel 'relative error [%]'\nset xrange [-0.5:3.5]\nset xtics ({}) scale 0\n"
-                        "set grid noxtics\nset key outside top center horizontal samplen 1.5 font ',12'\nplot {} with lines lw 1 dt 2 lc rgb '#6a6a6a' notitle{}\n", tics, 100 * tolerance, plot);
+                        "set grid noxtics\nset bmargin 3.6\nset key outside top center horizontal samplen 1.5 font ',12'\nplot {} with lines lw 1 dt 2 lc rgb '#6a6a6a' notitle{}\n", tics, 100 * tolerance, plot);
   return {"calibration", fmt::format("Error by label: dot the median, bar up to the 95 % quantile, cross the largest; dashed {:g} %.", 100 * tolerance), 960, 440, script};
 }
 
@@ -164,12 +167,14 @@ void tell(const Globals& globals, const Calibration& found, const CalibrationOpt
 int calibrate_labels(const Globals& globals, const std::string& scene, const std::string& states, const std::string& output) {
   Laboratory laboratory(globals, scene);
   std::optional<Progress> progress(std::in_place, globals, "calibrate");
-  const std::vector<State> pool = pool_of(laboratory, states, *progress);
+  double spacing = unknown;
+  const std::vector<State> pool = pool_of(laboratory, states, *progress, spacing);
   if (!output.empty()) prepare_run_folder(output);
   const std::vector<State> truth = truth_of(laboratory, globals.seed, *progress);
   const Scene& s = laboratory.scene();
-  const CalibrationOptions options{.space = s.space, .inward = s.inward, .tolerance = s.tolerance, .floor = s.session.error_floor, .select = s.model.select,
+  CalibrationOptions options{.space = s.space, .inward = s.inward, .tolerance = s.tolerance, .floor = s.session.error_floor, .select = s.model.select,
                                    .seed = globals.seed, .threads = globals.threads};
+  options.space.spacing = spacing;
   progress->show(0.9, "models");
   const Calibration found = calibrate(pool, truth, options);
   progress.reset();

@@ -10,6 +10,7 @@
 #include "apps/sha256.hpp"
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
+#include "solver/revision.hpp"
 
 namespace forefeel {
 namespace {
@@ -23,7 +24,7 @@ fs::path lattice_file(const Scene& scene, double h) {
   if (folder.empty()) return {};
   Sha256 hash;
   for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
-  hash.add(h).add(lattice_tolerance);
+  hash.add(h).add(lattice_tolerance).add(solver_revision());
   return folder / (hash.hex().substr(0, 32) + "-lattice.states");
 }
 

@@ -3,7 +3,7 @@
 // into the body, and what of it each situation knows (geometry/setups.hpp). The path runs along the lattice axis
 // nearest to the inward direction of the contact,
 //   x(s) = s a,  0 <= s <= depth,   a a signed unit axis
-// with the slab at s <= 0 and, in the situation `gap`, another one from 8 h on.
+// with the slab at s <= 0 and, in the situation `gap`, another one from 8 h on. Nothing lies beyond the end of the path.
 
 #include <string>
 #include <string_view>
@@ -35,7 +35,8 @@ class PaperGround {
   double h_;
   Box box_;
   Mat3 frame_;
-  double depth_, gap_ = 8;
+  double depth_;
+  int gap_ = 8;                                            // layers that the situation gap leaves out at most
   int layers_ = 5, half_width_ = 5;
   int beyond_;                                             // layers past the slab
   std::vector<State> complete_;

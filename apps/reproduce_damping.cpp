@@ -43,7 +43,7 @@ struct Script {
 // Groups of equal size by distance from the HIP.
 Script write_script(const PaperGround& ground, const ReproduceOptions& options) {
   Script script;
-  script.held_at = 0.8 * ground.depth();
+  script.held_at = 0.775 * ground.depth();   // not a lattice point
   script.interval = options.interval;
   script.first = std::max(options.interval, script.held_at / approach_speed + 0.5);
   script.seconds = script.first + static_cast<double>(groups) * options.interval;
@@ -251,12 +251,12 @@ Picture picture(const std::vector<Run>& runs, const std::vector<Reading>& readin
   out += plot_style;
   out += fmt::format("set multiplot\nset lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nset xrange [0:{}]\nset xlabel 'time [s]' offset 0,0.5\n",
                      script.seconds);
-  out += "set size 0.905,0.33\nset origin 0.08,0.625\nset ylabel 'force [N]' offset 1,0\nset yrange [0:*]\nset key outside top center horizontal samplen 2\n";
+  out += "set size 0.905,0.31\nset origin 0.08,0.625\nset ylabel 'force [N]' offset 1,0\nset yrange [0:*]\nset key at screen 0.53,0.99 center top horizontal samplen 2 maxrows 1\n";
   const std::string line = tight.usable() ? fmt::format("{:.7g} with lines lw 1 dt 2 lc rgb '#6a6a6a' title 'tight solve', ", tight.force.norm()) : "";
   out += "plot " + line + curves('f', "lines lw 1.6") + "\n";
   out += "unset key\nset size 0.52,0.38\nset origin 0.08,0.09\nset logscale y\nset yrange [1e-4:1000]\nset format y '10^{%T}'\nset ylabel 'change from frame to frame [%]' offset 1,0\n";
   out += "plot 7 with lines lw 1 dt 2 lc rgb '#6a6a6a' notitle, " + curves('c', "lines lw 1.4") + "\n";
-  out += fmt::format("unset logscale y\nset format y '%g'\nset yrange [*:*]\nset size 0.3,0.38\nset origin 0.685,0.09\nset xrange [{:.5g}:{:.5g}]\n"
+  out += fmt::format("unset logscale y\nset format y '%g'\nset yrange [*:*]\nset size 0.285,0.38\nset origin 0.685,0.09\nset xrange [{:.5g}:{:.5g}]\n"
                      "set xlabel 'time after the group at {:.4g} s [ms]'\nset ylabel 'force [N]' offset 1,0\n",
                      -100 * span, 1e3 * span, zoom);
   out += "plot " + curves('z', "lines lw 2") + "\nunset multiplot\n";

@@ -15,6 +15,7 @@
 #include "approx/methods.hpp"
 #include "apps/plot.hpp"
 #include "apps/reproduce.hpp"
+#include "geometry/error.hpp"
 #include "scheduling/placement_energy.hpp"
 #include "scheduling/random.hpp"
 
@@ -128,11 +129,14 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
   rows.push_back(std::move(row));
   for (const Method method : all_methods()) {
     if (method == Method::rbf || method == Method::offline_rbf) continue;   // above; too many states for one model
-    const Approximation field(method, states, {.model = {}, .spacing = space.options().spacing, .centres = 0});
-    Row older{std::string(name(method)), "fixed", {}};
-    for (const auto& loop : loops(space.options(), large))
-      older.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return field.force(x); }).ratio());
-    rows.push_back(std::move(older));
+    try {
+      const Approximation field(method, states, {.model = {}, .spacing = space.options().spacing, .centres = 0});
+      Row older{std::string(name(method)), "fixed", {}};
+      for (const auto& loop : loops(space.options(), large))
+        older.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return field.force(x); }).ratio());
+      rows.push_back(std::move(older));
+    } catch (const InputError&) {   // too few states for it
+    }
   }
 }
 

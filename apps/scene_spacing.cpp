@@ -8,6 +8,7 @@
 #include "apps/sha256.hpp"
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
+#include "solver/revision.hpp"
 
 namespace forefeel {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::int64_t rule = 1;   // of choosing; a new number makes what was k
 fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options, const fs::path& folder) {
   if (folder.empty()) return {};
   Sha256 hash;
-  hash.add(rule);
+  hash.add(rule).add(solver_revision());
   for (const auto& [key, value] : identity) hash.add(key + "=" + value + "\n");
   for (const Vec3& corner : {options.box.low, options.box.high})
     for (const double x : corner) hash.add(x);

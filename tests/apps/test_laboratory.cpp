@@ -152,7 +152,7 @@ TEST_CASE("labels are calibrated on a field that is known", "[laboratory]") {
   options.inward = Vec3(0.2, 0.1, 0.9);
   std::vector<State> pool, truth;
   for (const Vec3& x : lattice(options.space.box, 0.006)) pool.push_back(field_state(x));
-  for (int i = 0; i < 40; ++i)
+  for (int i = 0; i < 24; ++i)
     truth.push_back(field_state(0.028 * Vec3(std::sin(2.1 * i), std::sin(3.7 * i + 1), std::sin(5.3 * i + 2))));
   options.threads = 1;
   const Calibration found = calibrate(pool, truth, options);
