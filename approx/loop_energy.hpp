@@ -2,9 +2,9 @@
 // Energy that a force field gives away around a closed loop x_0, x_1, …, x_m = x_0:
 //   net   = |sum_k 1/2 (f_k + f_{k+1}) . (x_{k+1} - x_k)|      [J]
 //   gross = sum_k |1/2 (f_k + f_{k+1}) . (x_{k+1} - x_k)|      [J]
-// A conservative field has net 0 up to the quadrature, which is exact for f = -K x with symmetric K and of order
-// m^-2 or better otherwise (better than any power on a smooth loop in a smooth field). net / gross is what a hand
-// gains or loses with each turn of all the work it does.
+// A conservative field has net 0 up to the quadrature, which is exact for f = -K x with symmetric K and of
+// order m^-2 or better otherwise (better than any power on a smooth loop in a smooth field). net / gross is
+// what a hand gains or loses with each turn of all the work it does.
 
 #include <cstddef>
 #include <functional>
@@ -15,7 +15,7 @@
 namespace forefeel {
 
 struct LoopEnergy {
-  double net = 0, gross = 0;                       // [J]
+  double net = 0, gross = 0;  // [J]
   double ratio() const { return gross > 0 ? net / gross : 0; }
 };
 

@@ -13,7 +13,7 @@ double pair(int k, const Vec3& a, int da, const Vec3& b, int db) {
   const Vec3 d = a - b;
   const double r = d.norm();
   if (da == 0 && db == 0) return std::pow(r, k);
-  if (r == 0) return 0;                       // k >= 3: derivatives vanish there
+  if (r == 0) return 0;  // k >= 3: derivatives vanish there
   const double first = k * std::pow(r, k - 2);
   if (da == 0) return -first * d[db - 1];
   if (db == 0) return first * d[da - 1];
@@ -49,7 +49,9 @@ double power_function(std::span<const State> states, const ModelOptions& options
   for (const State& s : states) scale = std::max(scale, (s.at - centre).norm());
   if (scale == 0) return std::numeric_limits<double>::infinity();
   const auto scaled = [&](const Vec3& at) { return Vec3((at - centre) / scale); };
-  const auto at = [&](Eigen::Index row) { return scaled(states[static_cast<std::size_t>(row / per_state)].at); };
+  const auto at = [&](Eigen::Index row) {
+    return scaled(states[static_cast<std::size_t>(row / per_state)].at);
+  };
 
   Eigen::MatrixXd system = Eigen::MatrixXd::Zero(rows + terms, rows + terms);
   Eigen::VectorXd right(rows + terms);
@@ -57,12 +59,14 @@ double power_function(std::span<const State> states, const ModelOptions& options
   for (Eigen::Index i = 0; i < rows; ++i) {
     const Vec3 a = at(i);
     const int da = static_cast<int>(i % per_state);
-    for (Eigen::Index j = 0; j < rows; ++j) system(i, j) = pair(k, a, da, at(j), static_cast<int>(j % per_state));
+    for (Eigen::Index j = 0; j < rows; ++j)
+      system(i, j) = pair(k, a, da, at(j), static_cast<int>(j % per_state));
     for (int t = 0; t < terms; ++t) system(i, rows + t) = system(rows + t, i) = term(t, a, da);
     right[i] = pair(k, a, da, y, 0);
   }
   for (int t = 0; t < terms; ++t) right[rows + t] = term(t, y, 0);
-  if (system.topRightCorner(rows, terms).colPivHouseholderQr().rank() < terms) return std::numeric_limits<double>::infinity();
+  if (system.topRightCorner(rows, terms).colPivHouseholderQr().rank() < terms)
+    return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd solution = system.partialPivLu().solve(right);
   const auto u = solution.head(rows);
   // By the first block row A u = k - Q v, so that u^T A u = u . k - q . v.

@@ -1,17 +1,17 @@
-// forefeel bench switch [SCENE]: what a frame of each switch rule costs, beside no switch at all, and what the hand
-// feels of a model that changes every 10 to 100 ms. The same stream of models for every rule, and a hard one: the HIP
-// moves through the scene's box at hand speed, and each model is made from 24 other states of the lattice, so that
-// each disagrees with the last everywhere (r^3 on force, the paper's). The first one is alone for a second, in which it
-// fades in; what is measured begins then. Errors are those of the rendered force against the finest model of all
-// states.
+// forefeel bench switch [SCENE]: what a frame of each switch rule costs, beside no switch at all, and what
+// the hand feels of a model that changes every 10 to 100 ms. The same stream of models for every rule, and a
+// hard one: the HIP moves through the scene's box at hand speed, and each model is made from 24 other states
+// of the lattice, so that each disagrees with the last everywhere (r^3 on force, the paper's). The first one
+// is alone for a second, in which it fades in; what is measured begins then. Errors are those of the rendered
+// force against the finest model of all states.
 //   frames_over_jnd   frames whose change by the switch exceeds the rule's bound (none: that of smooth)
 //   max_jump          most that the switch changed the force in one frame [N]
 //   drift             most that switches changed the force within 50, 100, 300 ms, |sum of dF| [N]
-//   delay             from a model's coming until the force is that of it or a newer one, and the bound that design
-//                     gives: paper    10 ms (steps of the switch under way + steps of the next + 2), steps = d / s,
-//                                     d the largest difference of the two models at the HIP meanwhile
-//                            smooth   1 ms (e / s + 1), e the offset and all that later models add to it
-//                     with s the least step that the rule allows meanwhile: max(10 mN, 0.07 / 1.07 |F|), a tenth for smooth
+//   delay             from a model's coming until the force is that of it or a newer one, beside its bound:
+//       paper    10 ms (steps of the switch under way + steps of the next + 2), steps = d / s, d the largest
+//                difference of the two models at the HIP meanwhile
+//       smooth   1 ms (e / s + 1), e the offset and all that later models add to it
+//       s the least step that the rule allows meanwhile: max(10 mN, 0.07 / 1.07 |F|), a tenth for smooth
 
 #include <fmt/format.h>
 
@@ -29,24 +29,26 @@
 namespace forefeel {
 namespace {
 
-constexpr double frame = 1e-3, speed = 0.06;                // [s], [m/s]
-constexpr std::size_t frames = 5000, settling = 60000;      // of the stream, and at most after it
-constexpr std::size_t lead = 1000;                          // frames of the first model alone
+constexpr double frame = 1e-3, speed = 0.06;            // [s], [m/s]
+constexpr std::size_t frames = 5000, settling = 60000;  // of the stream, and at most after it
+constexpr std::size_t lead = 1000;                      // frames of the first model alone
 constexpr std::size_t states_per_model = 24;
 constexpr int rounds = 7;
-constexpr std::size_t error_every = 10;                     // frames
+constexpr std::size_t error_every = 10;  // frames
 
 // What comes: the HIP, and in some frames a new model.
 struct Stream {
-  std::vector<Vec3> at;                       // by frame
-  std::vector<Model> models;                  // by growing serial
-  std::vector<std::size_t> comes;             // frame of each model
-  std::vector<Vec3> truth;                    // every error_every frames [N]
+  std::vector<Vec3> at;            // by frame
+  std::vector<Model> models;       // by growing serial
+  std::vector<std::size_t> comes;  // frame of each model
+  std::vector<Vec3> truth;         // every error_every frames [N]
 };
 
 std::vector<Vec3> motion(const StateSpaceOptions& options) {
   const Vec3 half = 0.4 * options.box.size(), middle = options.box.centre();
-  const auto at = [&](double u) { return Vec3(middle + half.cwiseProduct(Vec3(std::sin(2 * u), std::sin(3 * u + 0.5), std::sin(u + 1)))); };
+  const auto at = [&](double u) {
+    return Vec3(middle + half.cwiseProduct(Vec3(std::sin(2 * u), std::sin(3 * u + 0.5), std::sin(u + 1))));
+  };
   std::vector<Vec3> path;
   double u = 0;
   while (path.size() < frames) {
@@ -56,23 +58,35 @@ std::vector<Vec3> motion(const StateSpaceOptions& options) {
   return path;
 }
 
-Stream make_stream(const StateSpaceOptions& options, const std::vector<State>& states, std::size_t every, std::uint64_t seed) {
+Stream make_stream(const StateSpaceOptions& options, const std::vector<State>& states, std::size_t every,
+                   std::uint64_t seed) {
   Stream stream;
   stream.at = motion(options);
-  const ModelOptions paper{.kernel = Kernel::cubic, .data = Data::force, .neighbours = states_per_model, .select = Select::nearest};
+  const ModelOptions paper{.kernel = Kernel::cubic,
+                           .data = Data::force,
+                           .neighbours = states_per_model,
+                           .select = Select::nearest};
   for (std::size_t k = 0; k < frames; k = k == 0 ? lead : k + every) {
     const std::uint64_t draw = mix(seed + 7, stream.models.size());
     std::vector<State> known;
-    for (std::size_t i = 0; i < states_per_model && !states.empty(); ++i) known.push_back(states[mix(draw, i) % states.size()]);
-    std::ranges::sort(known, [](const State& a, const State& b) { return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3); });
-    known.erase(std::unique(known.begin(), known.end(), [](const State& a, const State& b) { return a.at == b.at; }), known.end());
+    for (std::size_t i = 0; i < states_per_model && !states.empty(); ++i)
+      known.push_back(states[mix(draw, i) % states.size()]);
+    std::ranges::sort(known, [](const State& a, const State& b) {
+      return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+    });
+    known.erase(
+        std::unique(known.begin(), known.end(), [](const State& a, const State& b) { return a.at == b.at; }),
+        known.end());
     stream.models.push_back(fit(known, paper, stream.at[k]));
     stream.comes.push_back(k);
   }
   StateSpace all(options);
   for (const State& state : states) all.insert(state);
-  ModelUpdater best(all, {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = std::min<std::size_t>(50, states.size())});
-  for (std::size_t k = 0; k < frames; k += error_every) stream.truth.push_back(best.model_at(stream.at[k]).force(stream.at[k]));
+  ModelUpdater best(all, {.kernel = Kernel::quintic,
+                          .data = Data::force_and_stiffness,
+                          .neighbours = std::min<std::size_t>(50, states.size())});
+  for (std::size_t k = 0; k < frames; k += error_every)
+    stream.truth.push_back(best.model_at(stream.at[k]).force(stream.at[k]));
   return stream;
 }
 
@@ -87,8 +101,8 @@ struct Outcome {
 
 // One model's way to the hand.
 struct Waiting {
-  std::size_t model = 0, frame = 0;           // that brought it
-  double offset = 0;                          // smooth: |e| then, and what later models add [N]
+  std::size_t model = 0, frame = 0;  // that brought it
+  double offset = 0;                 // smooth: |e| then, and what later models add [N]
 };
 
 class Player {
@@ -133,7 +147,8 @@ class Player {
   // The newest waiting model whose force is rendered has arrived, and so have all before it.
   void finish(std::size_t k, const Vec3& force) {
     for (std::size_t w = waiting_.size(); w-- > 0;) {
-      if ((force - stream_.models[waiting_[w].model].force(at(k))).norm() > 1e-13 * (1 + force.norm())) continue;
+      if ((force - stream_.models[waiting_[w].model].force(at(k))).norm() > 1e-13 * (1 + force.norm()))
+        continue;
       for (std::size_t i = 0; i <= w; ++i) note_delay(waiting_[i], k, waiting_[w].model);
       out_.skipped += w;
       rendered_.push_back({k, waiting_[w].model});
@@ -151,17 +166,20 @@ class Player {
 
   // The least step that a rule with this floor and share took in these frames [N].
   double least_step(double floor, double share, std::size_t from, std::size_t to) const {
-    const double force = *std::min_element(before_.begin() + static_cast<std::ptrdiff_t>(from), before_.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+    const double force = *std::min_element(before_.begin() + static_cast<std::ptrdiff_t>(from),
+                                           before_.begin() + static_cast<std::ptrdiff_t>(to) + 1);
     return std::max(floor, share / (1 + share) * force) * (1 - 1e-6);
   }
 
   double paper_steps(const Model* a, std::size_t b, std::size_t from, std::size_t to) const {
-    return std::ceil(largest_difference(a, stream_.models[b], from, to) / least_step(10e-3, 0.07, from, to)) + 1;
+    return std::ceil(largest_difference(a, stream_.models[b], from, to) / least_step(10e-3, 0.07, from, to)) +
+           1;
   }
 
   double bound_of(const Waiting& w, std::size_t done, std::size_t arrived) const {
     if (rule_ == SwitchRule::none) return 0;
-    if (rule_ == SwitchRule::smooth) return frame * (std::ceil(w.offset / least_step(1e-3, 0.007, w.frame, done)) + 1);
+    if (rule_ == SwitchRule::smooth)
+      return frame * (std::ceil(w.offset / least_step(1e-3, 0.007, w.frame, done)) + 1);
     // A -> B was under way when it came, B -> C (it, or newer) followed; where nothing was, A -> C alone.
     double steps = 0;
     const Model* before = nullptr;
@@ -179,8 +197,10 @@ class Player {
     const double delay = frame * static_cast<double>(k - w.frame), bound = bound_of(w, k, arrived);
     out_.delays.push_back(delay);
     out_.worst_bound = std::max(out_.worst_bound, bound);
-    if (bound > 0) out_.most_of_bound = std::max(out_.most_of_bound, delay / bound);
-    else if (delay > 0) out_.most_of_bound = std::numeric_limits<double>::infinity();
+    if (bound > 0)
+      out_.most_of_bound = std::max(out_.most_of_bound, delay / bound);
+    else if (delay > 0)
+      out_.most_of_bound = std::numeric_limits<double>::infinity();
   }
 
   void measure_drift() {
@@ -200,9 +220,9 @@ class Player {
   ForceSwitch switch_;
   Outcome out_;
   std::vector<Vec3> changes_;
-  std::vector<double> before_;                // |F| before each frame's change [N]
+  std::vector<double> before_;  // |F| before each frame's change [N]
   std::deque<Waiting> waiting_;
-  std::vector<std::pair<std::size_t, std::size_t>> rendered_;   // frame, model: switches that are over
+  std::vector<std::pair<std::size_t, std::size_t>> rendered_;  // frame, model: switches that are over
 };
 
 // One pass over the stream with nothing but the switch in it [us per frame].
@@ -220,8 +240,8 @@ double cost_of_a_frame(const Stream& stream, SwitchRule rule) {
   return sum.allFinite() ? took.count() / static_cast<double>(frames) : unknown;
 }
 
-nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, std::size_t every, double ours, double none,
-                                const Outcome& found) {
+nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, std::size_t every, double ours,
+                                double none, const Outcome& found) {
   nlohmann::ordered_json row;
   row["name"] = fmt::format("switch {}, update every {} ms", name(rule), every);
   row["baseline"] = "rule none";
@@ -242,7 +262,8 @@ nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, s
   row["frames_over_jnd"] = found.over_bound;
   row["max_jump"] = number(found.max_jump);
   row["max_jump_undamped"] = number(found.max_undamped);
-  row["drift"] = {{"ms50", number(found.drift[0])}, {"ms100", number(found.drift[1])}, {"ms300", number(found.drift[2])}};
+  row["drift"] = {
+      {"ms50", number(found.drift[0])}, {"ms100", number(found.drift[1])}, {"ms300", number(found.drift[2])}};
   row["delay"] = {{"p50_ms", number(1e3 * quantile_of(found.delays, 0.5))},
                   {"p95_ms", number(1e3 * quantile_of(found.delays, 0.95))},
                   {"max_ms", number(1e3 * quantile_of(found.delays, 1))},
@@ -260,8 +281,9 @@ int bench_switch(const Globals& globals, const std::string& scene) {
   Laboratory laboratory(globals, scene);
   Progress progress(globals, "bench switch");
   const StateSpaceOptions& space = laboratory.scene().space;
-  const std::vector<State> states =
-      laboratory.lattice_states(space.box, space.spacing, [&](double share, const std::string& text) { progress.show(0.5 * share, text); });
+  const std::vector<State> states = laboratory.lattice_states(
+      space.box, space.spacing,
+      [&](double share, const std::string& text) { progress.show(0.5 * share, text); });
   constexpr std::array rules{SwitchRule::smooth, SwitchRule::paper, SwitchRule::none};
   nlohmann::ordered_json document;
   document["rows"] = nlohmann::ordered_json::array();
@@ -271,18 +293,22 @@ int bench_switch(const Globals& globals, const std::string& scene) {
     progress.show(0.5 + 0.005 * static_cast<double>(every - 10), fmt::format("a model every {} ms", every));
     const Stream stream = make_stream(space, states, every, globals.seed);
     std::array<std::vector<double>, 3> costs;
-    for (int round = 0; round < rounds; ++round)        // in turns, so that all see the same machine
+    for (int round = 0; round < rounds; ++round)  // in turns, so that all see the same machine
       for (std::size_t r = 0; r < rules.size(); ++r) costs[r].push_back(cost_of_a_frame(stream, rules[r]));
     const double none = quantile_of(costs[2], 0.5);
     for (std::size_t r = 0; r < rules.size(); ++r) {
       const Outcome found = Player(stream, rules[r]).play(laboratory.scene().session.error_floor);
       const double ours = quantile_of(costs[r], 0.5);
       document["rows"].push_back(make_row(laboratory, rules[r], every, ours, none, found));
-      if (rules[r] != SwitchRule::none) good = good && found.over_bound == 0 && found.most_of_bound <= 1 && found.latest_wins;
-      lines.push_back(fmt::format("{:7} every {:3} ms: {:.3f} us a frame (none {:.3f}, ratio {:.2f}); {:4} frames over the bound, largest change {:.3g} N (models {:.3g} N), "
-                                  "drift in 100 ms {:.3g} N; delay p95 {:.0f}, most {:.0f} ms (bound {:.0f}); error p95 {:.2g}",
-                                  name(rules[r]), every, ours, none, none / ours, found.over_bound, found.max_jump, found.max_undamped, found.drift[1],
-                                  1e3 * quantile_of(found.delays, 0.95), 1e3 * quantile_of(found.delays, 1), 1e3 * found.worst_bound, quantile_of(found.errors, 0.95)));
+      if (rules[r] != SwitchRule::none)
+        good = good && found.over_bound == 0 && found.most_of_bound <= 1 && found.latest_wins;
+      lines.push_back(fmt::format(
+          "{:7} every {:3} ms: {:.3f} us a frame (none {:.3f}, ratio {:.2f}); {:4} frames over the bound, "
+          "largest change {:.3g} N (models {:.3g} N), "
+          "drift in 100 ms {:.3g} N; delay p95 {:.0f}, most {:.0f} ms (bound {:.0f}); error p95 {:.2g}",
+          name(rules[r]), every, ours, none, none / ours, found.over_bound, found.max_jump,
+          found.max_undamped, found.drift[1], 1e3 * quantile_of(found.delays, 0.95),
+          1e3 * quantile_of(found.delays, 1), 1e3 * found.worst_bound, quantile_of(found.errors, 0.95)));
     }
   }
   document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
@@ -291,7 +317,8 @@ int bench_switch(const Globals& globals, const std::string& scene) {
   if (globals.json) print_json(document);
   for (const std::string& line : lines) say(globals, line);
   if (good) return 0;
-  warn(globals, "a rule broke its bound on the change of force, on its delay, or did not end on the latest model");
+  warn(globals,
+       "a rule broke its bound on the change of force, on its delay, or did not end on the latest model");
   return 1;
 }
 

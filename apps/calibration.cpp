@@ -31,8 +31,10 @@ std::vector<double> ranks_of(const std::vector<double>& values) {
 }
 
 // All kinds at all positions on one known set.
-std::vector<CalibrationSample> judge_set(const std::vector<State>& known, std::size_t set, const std::vector<State>& truth,
-                                         const std::vector<CalibrationKind>& kinds, const CalibrationOptions& options) {
+std::vector<CalibrationSample> judge_set(const std::vector<State>& known, std::size_t set,
+                                         const std::vector<State>& truth,
+                                         const std::vector<CalibrationKind>& kinds,
+                                         const CalibrationOptions& options) {
   StateSpace space(options.space);
   for (const State& state : known) space.insert(state);
   std::vector<CalibrationSample> samples;
@@ -50,7 +52,8 @@ std::vector<CalibrationSample> judge_set(const std::vector<State>& known, std::s
       CalibrationSample sample{.kind = kind, .set = set, .position = p, .label = found[p].label};
       sample.delta = found[p].delta;
       sample.spread = found[p].spread;
-      sample.error = (model.force(truth[p].at) - truth[p].force).norm() / std::max(truth[p].force.norm(), options.floor);
+      sample.error =
+          (model.force(truth[p].at) - truth[p].force).norm() / std::max(truth[p].force.norm(), options.floor);
       std::vector<State> used;
       for (const StateId id : model.states()) used.push_back(space[id]);
       sample.power = power_function(used, model_options, truth[p].at);
@@ -60,14 +63,16 @@ std::vector<CalibrationSample> judge_set(const std::vector<State>& known, std::s
   return samples;
 }
 
-CalibrationCell make_cell(const std::vector<CalibrationSample>& samples, std::size_t kind, Label label, double tolerance) {
+CalibrationCell make_cell(const std::vector<CalibrationSample>& samples, std::size_t kind, Label label,
+                          double tolerance) {
   CalibrationCell cell{.kind = kind, .label = label};
   std::vector<double> errors;
   for (const CalibrationSample& s : samples)
     if (s.kind == kind && s.label == label) errors.push_back(s.error);
   std::ranges::sort(errors);
   cell.count = errors.size();
-  cell.over = static_cast<std::size_t>(std::ranges::count_if(errors, [&](double e) { return !(e <= tolerance); }));
+  cell.over =
+      static_cast<std::size_t>(std::ranges::count_if(errors, [&](double e) { return !(e <= tolerance); }));
   cell.p50 = quantile(errors, 0.5);
   cell.p90 = quantile(errors, 0.9);
   cell.p95 = quantile(errors, 0.95);
@@ -91,8 +96,11 @@ CalibrationRanks make_ranks(const std::vector<CalibrationSample>& samples, std::
     spread.push_back(s.spread);
     power.push_back(s.power);
   }
-  return {.kind = kind, .label = rank_correlation(label, error), .delta = rank_correlation(delta, error),
-          .spread = rank_correlation(spread, error), .power = rank_correlation(power, error)};
+  return {.kind = kind,
+          .label = rank_correlation(label, error),
+          .delta = rank_correlation(delta, error),
+          .spread = rank_correlation(spread, error),
+          .power = rank_correlation(power, error)};
 }
 
 }  // namespace
@@ -127,7 +135,8 @@ std::vector<CalibrationKind> calibration_kinds(Select select) {
     return ModelOptions{.kernel = kernel, .data = Data::force, .neighbours = 100, .select = select};
   };
   const auto hermite = [&](Kernel kernel) {
-    return ModelOptions{.kernel = kernel, .data = Data::force_and_stiffness, .neighbours = 25, .select = select};
+    return ModelOptions{
+        .kernel = kernel, .data = Data::force_and_stiffness, .neighbours = 25, .select = select};
   };
   return {{"r, force, n 100", plain(Kernel::linear)},
           {"r3, force, n 100", plain(Kernel::cubic)},
@@ -142,8 +151,12 @@ std::vector<KnownSet> calibration_sets(const std::vector<State>& pool, const Cal
   Eigen::Index axis = 0;
   options.inward.cwiseAbs().maxCoeff(&axis);
   const double side = options.inward[axis] < 0 ? -1 : 1, extent = box.size()[axis];
-  const auto depth = [&](const Vec3& x) { return side * (x - box.centre())[axis]; };   // inward from the middle [m]
-  const auto draw = [&](const Vec3& x, std::uint64_t salt) { return uniform(mix(mix(options.seed, salt), position_key(x))); };
+  const auto depth = [&](const Vec3& x) {
+    return side * (x - box.centre())[axis];
+  };  // inward from the middle [m]
+  const auto draw = [&](const Vec3& x, std::uint64_t salt) {
+    return uniform(mix(mix(options.seed, salt), position_key(x)));
+  };
   const double slit = std::min(4.5 * h, 0.35 * extent), hole = std::min(2.6 * h, 0.3 * box.size().minCoeff());
   const auto cut = [&](const char* name, const auto& keep) {
     KnownSet set{name, {}};
@@ -165,14 +178,17 @@ std::vector<KnownSet> calibration_sets(const std::vector<State>& pool, const Cal
   return sets;
 }
 
-Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth, const CalibrationOptions& options) {
+Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth,
+                      const CalibrationOptions& options) {
   Calibration result;
   result.kinds = calibration_kinds(options.select);
-  if (std::ranges::none_of(pool, &State::has_stiffness))   // measured forces alone
-    std::erase_if(result.kinds, [](const CalibrationKind& k) { return k.model.data == Data::force_and_stiffness; });
+  if (std::ranges::none_of(pool, &State::has_stiffness))  // measured forces alone
+    std::erase_if(result.kinds,
+                  [](const CalibrationKind& k) { return k.model.data == Data::force_and_stiffness; });
   std::vector<KnownSet> sets = calibration_sets(pool, options);
   std::vector<std::vector<CalibrationSample>> parts(sets.size());
-#pragma omp parallel for schedule(dynamic) num_threads(options.threads > 0 ? options.threads : omp_get_max_threads())
+#pragma omp parallel for schedule(dynamic) \
+    num_threads(options.threads > 0 ? options.threads : omp_get_max_threads())
   for (std::size_t set = 0; set < sets.size(); ++set)
     parts[set] = judge_set(sets[set].states, set, truth, result.kinds, options);
   for (std::vector<CalibrationSample>& part : parts) {

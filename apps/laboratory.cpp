@@ -44,7 +44,8 @@ std::optional<StateFile> open_cache(const Scene& scene, double h, const Box& box
 }  // namespace
 
 Laboratory::Laboratory(const Globals& globals, const std::string& scene)
-    : globals_(globals), scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)) {
+    : globals_(globals),
+      scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)) {
   for (const std::string& warning : scene_.warnings) warn(globals, warning);
 }
 
@@ -68,7 +69,8 @@ std::vector<State> Laboratory::lattice_states(const Box& box, double h, const Sh
       },
       [&](std::size_t done, std::size_t total) {
         if (show)
-          show(static_cast<double>(done) / static_cast<double>(total), fmt::format("{} of {} states", done, total));
+          show(static_cast<double>(done) / static_cast<double>(total),
+               fmt::format("{} of {} states", done, total));
       });
   if (writer) writer->flush();
   const Vec3 slack = Vec3::Constant(1e-6 * h);
@@ -76,7 +78,9 @@ std::vector<State> Laboratory::lattice_states(const Box& box, double h, const Sh
   std::erase_if(states, [&](const State& s) { return !s.usable() || !wide.contains(s.at); });
   std::ranges::sort(states, [](const State& a, const State& b) {
     const double da = a.at.squaredNorm(), db = b.at.squaredNorm();
-    return da != db ? da < db : std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+    return da != db
+               ? da < db
+               : std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
   });
   return states;
 }
@@ -152,12 +156,14 @@ set grid lc rgb '#e4e1da' lw 0.7
 )";
 
 const char* line_colour(std::size_t index) {
-  constexpr const char* colours[] = {"#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
+  constexpr const char* colours[] = {"#d55e00", "#0072b2", "#009e73", "#cc79a7",
+                                     "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
   return colours[index % 8];
 }
 
 std::string draw_into(const fs::path& folder, const Picture& picture) {
-  const std::optional<std::string> svg = draw_svg(picture.name, picture.width, picture.height, picture.script);
+  const std::optional<std::string> svg =
+      draw_svg(picture.name, picture.width, picture.height, picture.script);
   if (!svg) return "<p class=\"note\">A picture is missing: gnuplot was not found or failed.</p>\n";
   write_text(folder / (picture.name + ".svg"), *svg + "\n");
   return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, html_escaped(picture.caption));
@@ -169,7 +175,8 @@ std::string html_table(const std::vector<std::vector<std::string>>& rows) {
     html += "<tr>";
     for (std::size_t j = 0; j < rows[i].size(); ++j) {
       const bool head = i == 0;
-      const bool figure = j > 0 && !rows[i][j].empty() && std::string_view("0123456789+-").find(rows[i][j][0]) != std::string_view::npos;
+      const bool figure = j > 0 && !rows[i][j].empty() &&
+                          std::string_view("0123456789+-").find(rows[i][j][0]) != std::string_view::npos;
       html += head ? "<th>" : figure ? "<td class=\"n\">" : "<td>";
       html += html_escaped(rows[i][j]) + (head ? "</th>" : "</td>");
     }

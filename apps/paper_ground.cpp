@@ -10,8 +10,11 @@
 namespace forefeel {
 
 PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show)
-    : h_(laboratory.spacing()), frame_(lattice_frame(laboratory.scene().inward)), depth_(static_cast<double>(depth)) {
-  beyond_ = static_cast<int>(depth);   // no farther: at 72 mm a liver is crushed to 3 % of its volume in places
+    : h_(laboratory.spacing()),
+      frame_(lattice_frame(laboratory.scene().inward)),
+      depth_(static_cast<double>(depth)) {
+  beyond_ =
+      static_cast<int>(depth);  // no farther: at 72 mm a liver is crushed to 3 % of its volume in places
   gap_ = std::min(8, beyond_ - 2);
   const Vec3 low = frame_ * (h_ * Vec3(-layers_, -half_width_, -half_width_));
   const Vec3 high = frame_ * (h_ * Vec3(beyond_, half_width_, half_width_));
@@ -37,8 +40,10 @@ std::vector<State> PaperGround::known(std::string_view setup) const {
   std::map<Index, const State*> solved;
   for (const State& state : complete_) solved.emplace(index(state.at), &state);
   std::vector<State> states;
-  for (const Vec3& x : make_setup(setup, options).states)   // where the second slab is deeper than our ground: none
-    if (const auto found = solved.find(index(frame_ * x)); found != solved.end()) states.push_back(*found->second);
+  for (const Vec3& x :
+       make_setup(setup, options).states)  // where the second slab is deeper than our ground: none
+    if (const auto found = solved.find(index(frame_ * x)); found != solved.end())
+      states.push_back(*found->second);
   return states;
 }
 
@@ -52,14 +57,19 @@ StateSpace PaperGround::space(const std::vector<State>& known) const {
 }
 
 std::vector<PathMethod> paper_methods() {
-  // The paper believes the sum however far away it is: with such a length between states so do we (model_data.hpp).
+  // The paper believes the sum however far away it is: with such a length between states so do we
+  // (model_data.hpp).
   const auto nearest = [](Kernel kernel) {
-    return ModelOptions{.kernel = kernel, .data = Data::force, .neighbours = 100, .select = Select::nearest, .length = 1e3};
+    return ModelOptions{
+        .kernel = kernel, .data = Data::force, .neighbours = 100, .select = Select::nearest, .length = 1e3};
   };
   return {{"r, 100 nearest", nearest(Kernel::linear)},
           {"r3, 100 nearest", nearest(Kernel::cubic)},
           {"Hermite r5, 25 by label",
-           {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25, .select = Select::label},
+           {.kernel = Kernel::quintic,
+            .data = Data::force_and_stiffness,
+            .neighbours = 25,
+            .select = Select::label},
            true}};
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// `spacing = "auto"` of a scene: scheduling/auto_spacing.hpp, worked out once per body, box, model and tolerance and
-// kept in the cache folder.
+// `spacing = "auto"` of a scene: scheduling/auto_spacing.hpp, worked out once per body, box, model and
+// tolerance and kept in the cache folder.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,7 +16,7 @@ struct SpacingChoice {
   double p95 = unknown, max = unknown;           // errors at the safe positions that were looked at [1]
   std::size_t safe = 0, states = 0, solves = 0;  // those positions; of the lattice; in all
   bool holds = false;
-  bool kept = false;                             // taken from the cache folder: nothing was solved
+  bool kept = false;  // taken from the cache folder: nothing was solved
 };
 
 // Values depend on the arguments alone. folder empty: nothing is kept.

@@ -11,7 +11,7 @@ namespace forefeel {
 namespace {
 
 constexpr int divisions[] = {2, 3, 4, 6, 8, 12, 16, 24};
-constexpr double reference_steps = 24;   // of the continuation, over the longest side
+constexpr double reference_steps = 24;  // of the continuation, over the longest side
 
 // Element i of the van der Corput sequence to a base.
 double van_der_corput(std::size_t i, std::size_t base) {
@@ -57,8 +57,8 @@ class References {
   std::size_t solved_ = 0;
 };
 
-AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options, double h,
-                             References& references, std::size_t& solves) {
+AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
+                             double h, References& references, std::size_t& solves) {
   StateSpaceOptions space_options;
   space_options.spacing = h;
   space_options.box = options.box;
@@ -69,7 +69,8 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   lattice.box = options.box;
   lattice.threads = options.threads;
   std::vector<State> states;
-  const GenerateReport report = generate_lattice(body, lattice, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+  const GenerateReport report =
+      generate_lattice(body, lattice, {}, [&](State s) { states.push_back(std::move(s)); }, {});
   solves += report.solved + report.failed;
   std::ranges::sort(states, [](const State& a, const State& b) {
     return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
@@ -110,15 +111,16 @@ AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpa
   const double longest = options.box.size().maxCoeff();
   std::vector<Vec3> positions;
   for (std::size_t i = 1; i <= options.positions; ++i)
-    positions.push_back(options.box.low + options.box.size().cwiseProduct(
-                                              Vec3(van_der_corput(i, 2), van_der_corput(i, 3), van_der_corput(i, 5))));
+    positions.push_back(options.box.low +
+                        options.box.size().cwiseProduct(
+                            Vec3(van_der_corput(i, 2), van_der_corput(i, 3), van_der_corput(i, 5))));
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   References references(body, std::move(positions), longest / reference_steps, threads);
   AutoSpacingReport report;
   for (const int division : divisions) {
     report.spacing = longest / division;
     report.trials.push_back(try_spacing(body, options, report.spacing, references, report.solves));
-    report.holds = report.trials.back().max <= options.tolerance;   // false where nothing could be judged
+    report.holds = report.trials.back().max <= options.tolerance;  // false where nothing could be judged
     if (report.holds) break;
   }
   report.solves += references.solved();

@@ -52,7 +52,8 @@ TEST_CASE("A field that turns does the work of its circulation") {
   const double radius = 0.02, rate = 3;
   const std::size_t points = 5000;
   const auto loop = ellipse(Vec3(0.1, 0.2, 0.3), radius * Vec3::UnitX(), radius * Vec3::UnitY(), points);
-  const LoopEnergy energy = loop_energy(loop, [&](const Vec3& x) { return Vec3(rate * Vec3::UnitZ().cross(x)); });
+  const LoopEnergy energy =
+      loop_energy(loop, [&](const Vec3& x) { return Vec3(rate * Vec3::UnitZ().cross(x)); });
   // A polygon of m corners in a circle has area m/2 r^2 sin(2 pi / m); the circulation is 2 rate times it.
   CHECK(energy.net == Approx(rate * points * radius * radius * std::sin(2 * M_PI / points)).epsilon(1e-12));
   CHECK(energy.gross >= energy.net);
@@ -65,7 +66,8 @@ TEST_CASE("The quadrature of a smooth conservative field vanishes with the point
   double before = 1;
   for (const std::size_t points : {6, 12, 24}) {
     const double ratio =
-        loop_energy(ellipse(Vec3(0.01, 0.004, -0.006), Vec3(0.02, 0, 0), Vec3(0, 0.012, 0.01), points), field).ratio();
+        loop_energy(ellipse(Vec3(0.01, 0.004, -0.006), Vec3(0.02, 0, 0), Vec3(0, 0.012, 0.01), points), field)
+            .ratio();
     CHECK(ratio < before);
     before = ratio;
   }
@@ -79,7 +81,9 @@ TEST_CASE("The power function is the worst error over fields of unit norm") {
   for (int i = 0; i < 18; ++i) points.emplace_back(unit(random), unit(random), unit(random));
   const auto states = states_at(points);
   const Vec3 x(0.003, -0.002, 0.004);
-  for (const auto& [kernel, power, sign] : {std::tuple{Kernel::linear, 1, -1.0}, std::tuple{Kernel::cubic, 3, 1.0}, std::tuple{Kernel::quintic, 5, -1.0}}) {
+  for (const auto& [kernel, power, sign] :
+       {std::tuple{Kernel::linear, 1, -1.0}, std::tuple{Kernel::cubic, 3, 1.0},
+        std::tuple{Kernel::quintic, 5, -1.0}}) {
     CAPTURE(name(kernel));
     const ModelOptions options{.kernel = kernel, .data = Data::force};
     const double p = power_function(states, options, x);
@@ -92,10 +96,13 @@ TEST_CASE("The power function is the worst error over fields of unit norm") {
       const Real all[] = {1, a, b, c, a * a, b * b, c * c, a * b, a * c, b * c};
       return all[t];
     };
-    const auto phi = [power = power](const Vec3& a, const Vec3& b) { return std::pow(Real((a - b).norm()), Real(power)); };
+    const auto phi = [power = power](const Vec3& a, const Vec3& b) {
+      return std::pow(Real((a - b).norm()), Real(power));
+    };
     for (Eigen::Index i = 0; i < n; ++i) {
       for (Eigen::Index j = 0; j < n; ++j) system(i, j) = phi(points[std::size_t(i)], points[std::size_t(j)]);
-      for (int t = 0; t < terms; ++t) system(i, n + t) = system(n + t, i) = monomial(t, points[std::size_t(i)]);
+      for (int t = 0; t < terms; ++t)
+        system(i, n + t) = system(n + t, i) = monomial(t, points[std::size_t(i)]);
       right(i, 0) = phi(points[std::size_t(i)], x);
     }
     for (int t = 0; t < terms; ++t) right(n + t, 0) = monomial(t, x);
@@ -106,7 +113,8 @@ TEST_CASE("The power function is the worst error over fields of unit norm") {
     Real squared = 0;
     for (Eigen::Index i = 0; i < n; ++i) {
       squared -= 2 * u(i, 0) * phi(points[std::size_t(i)], x);
-      for (Eigen::Index j = 0; j < n; ++j) squared += u(i, 0) * u(j, 0) * phi(points[std::size_t(i)], points[std::size_t(j)]);
+      for (Eigen::Index j = 0; j < n; ++j)
+        squared += u(i, 0) * u(j, 0) * phi(points[std::size_t(i)], points[std::size_t(j)]);
     }
     REQUIRE(Real(sign) * squared > 0);
     CHECK(p == Approx(double(std::sqrt(Real(sign) * squared))).epsilon(1e-6));
@@ -119,14 +127,17 @@ TEST_CASE("The power function is zero at states, grows away from them and shrink
     for (const Data data : {Data::force, Data::force_and_stiffness}) {
       CAPTURE(name(kernel), name(data));
       const ModelOptions options{.kernel = kernel, .data = data};
-      const double middle = power_function(states, options, Vec3::Constant(0.003)), outside = power_function(states, options, Vec3(0.012, 0.003, 0.003)),
+      const double middle = power_function(states, options, Vec3::Constant(0.003)),
+                   outside = power_function(states, options, Vec3(0.012, 0.003, 0.003)),
                    far = power_function(states, options, Vec3(0.024, 0.003, 0.003));
       CHECK(power_function(states, options, states[5].at) < 1e-3 * middle);
       CHECK(middle < outside);
       CHECK(outside < far);
       if (data == Data::force_and_stiffness)
-        CHECK(middle < power_function(states, {.kernel = kernel, .data = Data::force}, Vec3::Constant(0.003)));
+        CHECK(middle <
+              power_function(states, {.kernel = kernel, .data = Data::force}, Vec3::Constant(0.003)));
     }
-  const auto flat = states_at({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0, 0.006, 0), Vec3(0.006, 0.006, 0), Vec3(0.012, 0, 0)});
+  const auto flat = states_at(
+      {Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0, 0.006, 0), Vec3(0.006, 0.006, 0), Vec3(0.012, 0, 0)});
   CHECK(std::isinf(power_function(flat, {.kernel = Kernel::cubic, .data = Data::force}, Vec3(0, 0, 0.003))));
 }

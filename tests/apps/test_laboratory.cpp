@@ -23,7 +23,8 @@ std::string read(const std::filesystem::path& file) {
   return text.str();
 }
 
-void check_refused(const Workshop& shop, const std::string& arguments, const std::vector<std::string>& mentions) {
+void check_refused(const Workshop& shop, const std::string& arguments,
+                   const std::vector<std::string>& mentions) {
   const std::string before = shop.files();
   const Workshop::Outcome outcome = shop.forefeel(arguments);
   INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
@@ -55,7 +56,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   REQUIRE(outcome.code == 0);
   const nlohmann::json found = outcome.json();
   const std::string files = shop.files();
-  for (const char* file : {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "report.html", "summary.json"})
+  for (const char* file :
+       {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "report.html", "summary.json"})
     CHECK_THAT(files, Catch::Contains(std::string("out/") + file));
   const std::string page = read(shop.path() / "out/report.html");
   CHECK_THAT(page, Catch::Contains("The paper found") && Catch::Contains("We found"));
@@ -68,7 +70,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
     CHECK(curve["error_tight"]["max"].is_number());
     if (curve["setup"] != "gap") continue;
     const bool ours = curve["method"].get<std::string>().find("Hermite") != std::string::npos;
-    if (ours) our_gap = curve["largest_jump"]["jnd"];
+    if (ours)
+      our_gap = curve["largest_jump"]["jnd"];
     else {
       CHECK(curve["far_side_enters"]["s"].get<double>() < curve["near_side_leaves"]["s"].get<double>());
       paper_gap = std::max(paper_gap, curve["largest_jump"]["jnd"].get<double>());
@@ -80,18 +83,21 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   REQUIRE(runs.size() == 4);
   for (const auto& run : runs) {
     CHECK(run["groups"].size() == 8);
-    CHECK(run["error_after"].get<double>() < run["error_before"].get<double>() + 1e-9);   // the space is full in the end
+    CHECK(run["error_after"].get<double>() <
+          run["error_before"].get<double>() + 1e-9);  // the space is full in the end
     if (run["switch"] != "none") CHECK(run["frames_over_bound"] == 0);
   }
   // What a switch may change in a frame of 1 ms is less than what comes undamped.
-  CHECK(runs[1]["max_frame_change"]["newton"].get<double>() <= runs[0]["max_frame_change"]["newton"].get<double>());
+  CHECK(runs[1]["max_frame_change"]["newton"].get<double>() <=
+        runs[0]["max_frame_change"]["newton"].get<double>());
 
   for (const auto& row : found["experiments"]["energy"]["rows"])
     if (row["method"] == "energy interpolant, n 25") CHECK(row["max"].get<double>() < 1e-6);
   for (const auto& row : found["experiments"]["timing"]["rows"]) CHECK(row["evaluate_us"].get<double>() > 0);
 
   // The second time nothing is solved, and the same is found.
-  const Workshop::Outcome again = shop.forefeel("reproduce extrapolation beam.toml --depth 9 --json --quiet -o again");
+  const Workshop::Outcome again =
+      shop.forefeel("reproduce extrapolation beam.toml --depth 9 --json --quiet -o again");
   REQUIRE(again.code == 0);
   CHECK(again.json()["experiments"]["extrapolation"] == found["experiments"]["extrapolation"]);
 }
@@ -121,13 +127,16 @@ TEST_CASE("bench switch: bounds hold and the latest model wins", "[laboratory]")
   const nlohmann::json found = outcome.json();
   REQUIRE(found["rows"].size() == 12);
   for (const auto& row : found["rows"]) {
-    for (const char* key : {"name", "baseline", "ratio", "ours_us", "baseline_us", "error", "n", "k", "scene", "law", "elements", "threads", "tolerance"})
+    for (const char* key : {"name", "baseline", "ratio", "ours_us", "baseline_us", "error", "n", "k", "scene",
+                            "law", "elements", "threads", "tolerance"})
       CHECK(row.contains(key));
     CHECK(row["latest_wins"] == true);
     CHECK(row["delay"]["within_bound"] == true);
     CHECK(row["drift"]["ms50"].get<double>() <= row["drift"]["ms300"].get<double>() + 1e-12);
-    if (row["rule"] == "none") CHECK(row["delay"]["max_ms"] == 0.0);
-    else CHECK(row["frames_over_jnd"] == 0);
+    if (row["rule"] == "none")
+      CHECK(row["delay"]["max_ms"] == 0.0);
+    else
+      CHECK(row["frames_over_jnd"] == 0);
   }
 }
 
@@ -153,12 +162,13 @@ TEST_CASE("labels are calibrated on a field that is known", "[laboratory]") {
   std::vector<State> pool, truth;
   for (const Vec3& x : lattice(options.space.box, 0.006)) pool.push_back(field_state(x));
   for (int i = 0; i < 24; ++i)
-    truth.push_back(field_state(0.028 * Vec3(std::sin(2.1 * i), std::sin(3.7 * i + 1), std::sin(5.3 * i + 2))));
+    truth.push_back(
+        field_state(0.028 * Vec3(std::sin(2.1 * i), std::sin(3.7 * i + 1), std::sin(5.3 * i + 2))));
   options.threads = 1;
   const Calibration found = calibrate(pool, truth, options);
   REQUIRE(found.kinds.size() == 5);
   REQUIRE(found.table.size() == 20);
-  for (const std::size_t positions : found.positions) CHECK(positions > 0);   // every label is met
+  for (const std::size_t positions : found.positions) CHECK(positions > 0);  // every label is met
   for (std::size_t kind = 0; kind < 5; ++kind) {
     CAPTURE(found.kinds[kind].name);
     const auto* cells = &found.table[4 * kind];
@@ -170,7 +180,7 @@ TEST_CASE("labels are calibrated on a field that is known", "[laboratory]") {
       CHECK(cells[label].p50 <= cells[label].p95);
     }
     CHECK(count == truth.size() * found.sets.size());
-    CHECK(cells[0].p95 < cells[3].p95);   // safe is safer than blank
+    CHECK(cells[0].p95 < cells[3].p95);  // safe is safer than blank
     CHECK(cells[0].over == 0);
     CHECK(found.ranks[kind].label > 0.3);
     CHECK(found.ranks[kind].power > 0.3);
@@ -186,8 +196,9 @@ TEST_CASE("labels are calibrated on a field that is known", "[laboratory]") {
 TEST_CASE("calibration as a command", "[laboratory]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome =
-      shop.forefeel("classify --calibrate beam.toml --set 'state_space.box=[[-0.012,-0.012,-0.012],[0.012,0.012,0.012]]' --json -o out");
+  const Workshop::Outcome outcome = shop.forefeel(
+      "classify --calibrate beam.toml --set 'state_space.box=[[-0.012,-0.012,-0.012],[0.012,0.012,0.012]]' "
+      "--json -o out");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const nlohmann::json found = outcome.json();
@@ -223,15 +234,18 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK(a["spacing_auto"]["safe"].get<int>() >= 8);
   // Kept, whatever the threads, and the same without what was kept.
   CHECK(shop.forefeel("generate beam.toml --threads 1 --json -o b.states").json()["spacing"] == a["spacing"]);
-  CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" FOREFEEL_BINARY_DIR "/apps/forefeel' generate beam.toml --threads 1 --json -o c.states")
+  CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" FOREFEEL_BINARY_DIR
+                   "/apps/forefeel' generate beam.toml --threads 1 --json -o c.states")
             .json()["spacing_auto"] == a["spacing_auto"]);
   // A finer tolerance never takes a coarser lattice.
-  const nlohmann::json fine = shop.forefeel("generate beam.toml --json --set state_space.tolerance=0.0005 -o d.states").json();
+  const nlohmann::json fine =
+      shop.forefeel("generate beam.toml --json --set state_space.tolerance=0.0005 -o d.states").json();
   CHECK(fine["spacing"].get<double>() < a["spacing"].get<double>());
   const Workshop::Outcome info = shop.forefeel("info a.states");
   CHECK_THAT(info.out, Catch::Contains("spacing \"auto\""));
   CHECK(shop.forefeel("solve beam.toml --at=0,0,0.001").code == 0);
-  const Workshop::Outcome session = shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --json -o run");
+  const Workshop::Outcome session =
+      shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --json -o run");
   INFO(session.err);
   REQUIRE(session.code == 0);
   CHECK(session.json()["spacing"] == a["spacing"]);
