@@ -96,6 +96,7 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
     options.arrivals = folder / "damping-arrivals.csv";
     options.replay.reset();
     options.model = way.method.model;
+    options.method = "rbf";
     options.switching.rule = way.rule;
     options.cost = "constant:0.01";
     options.threads = laboratory.globals().threads;
