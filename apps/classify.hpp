@@ -16,7 +16,7 @@
 namespace forefeel {
 
 struct ClassifyArguments {
-  std::string states, index = "delaunay", box, points, line, output, scene, through, known;
+  std::string states, index = "delaunay", box, points, line, output, scene, through, known, calibrate;
   std::vector<std::string> diff;
   std::optional<double> spacing, grid;
   std::size_t snapshots = 40;

@@ -41,10 +41,12 @@ void add_classify(CLI::App& app, Commands& commands);    // command_classify.cpp
 void add_evaluate(CLI::App& app, Commands& commands);    // command_evaluate.cpp
 void add_session(CLI::App& app, Commands& commands);     // command_session.cpp
 void add_study(CLI::App& app, Commands& commands);       // command_study.cpp
-void add_bench(CLI::App& app, Commands& commands);       // command_bench.cpp, which calls the three below
+void add_reproduce(CLI::App& app, Commands& commands);   // command_reproduce.cpp
+void add_bench(CLI::App& app, Commands& commands);       // command_bench.cpp, which calls those below
 int bench_coverage(const Globals& globals);              // bench_coverage.cpp
 int bench_solver(const Globals& globals, const std::string& scene);   // bench_solver.cpp
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder);   // bench_approx.cpp
+int bench_switch(const Globals& globals, const std::string& scene);   // bench_switch.cpp
 
 // Parsing and printing shared by the commands.
 nlohmann::ordered_json number(double value);             // null where not finite

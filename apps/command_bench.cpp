@@ -7,7 +7,6 @@
 #include "apps/bench_hard_cases.hpp"
 #include "apps/command.hpp"
 #include "apps/scene.hpp"
-#include "geometry/error.hpp"
 
 namespace forefeel {
 namespace {
@@ -33,7 +32,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
   if (options.what == "solver" && options.scene == "elements") return bench_elements(globals);
   if (options.what == "solver") return bench_solver(globals, options.scene);
   if (options.what == "approx") return bench_approx(globals, options.scene, options.output);
-  throw InputError("bench " + options.what, "not in this build");
+  return bench_switch(globals, options.scene);
 }
 
 }  // namespace

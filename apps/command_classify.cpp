@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "apps/calibration.hpp"
 #include "apps/classify.hpp"
 #include "apps/coverage_picture.hpp"
 #include "geometry/error.hpp"
@@ -235,6 +236,11 @@ void check_arguments(const ClassifyArguments& arguments) {
 }
 
 int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
+  if (!arguments.calibrate.empty()) {
+    if (!arguments.diff.empty() || !arguments.points.empty() || !arguments.line.empty() || arguments.grid)
+      throw InputError("--calibrate", "goes with STATES, --set, --seed and -o DIR/ alone");
+    return calibrate_labels(globals, arguments.calibrate, arguments.states, arguments.output);
+  }
   check_arguments(arguments);
   if (!arguments.diff.empty()) return classify_diff(globals, arguments);
   if (fs::is_directory(arguments.states)) return classify_run(globals, arguments);
@@ -281,6 +287,9 @@ void add_classify(CLI::App& app, Commands& commands) {
   sub.add_option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
       ->type_name("X,Y,Z");
   sub.add_option("--known", arguments->known, "States known before a run began")->type_name("STATES");
+  sub.add_option("--calibrate", arguments->calibrate,
+                 "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES default to the lattice")
+      ->type_name("SCENE");
   sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run")->check(CLI::Range(1, 10000));
   CoverageOptions& limits = arguments->coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {

@@ -50,6 +50,7 @@ StateFileHeader header_of(const Scene& scene) {
   header.spacing = scene.space.spacing;
   header.box = scene.space.box;
   header.notes["scene"] = scene.file.string();
+  if (scene.chosen_spacing) header.notes["spacing"] = in_words(*scene.chosen_spacing);
   header.notes["provenance"] = provenance(scene.hash).dump();
   return header;
 }
@@ -60,6 +61,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   check_writable(arguments.output);
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
+  if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   if (arguments.error) return generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error);
   const std::vector<State> known = file.read_all();
@@ -102,7 +104,12 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   }
 
   const std::size_t failed = report.failed + known_failed;
-  if (globals.json) print_json(to_json(report, usable + report.solved, failed));
+  if (globals.json) {
+    nlohmann::ordered_json document = to_json(report, usable + report.solved, failed);
+    document["spacing"] = scene.space.spacing;
+    if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
+    print_json(document);
+  }
   say(globals, fmt::format("{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
                            arguments.output, usable + report.solved, report.solved, report.seconds,
                            report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0,

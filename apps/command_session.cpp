@@ -172,6 +172,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   prepare_run_folder(run);
   set_aside_states_of_last_run(globals, input, run);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
+  if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
   options.interrupted = &interrupted;
@@ -183,6 +184,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   write_run_files(run, result, options);
   write_states_csv(run / "states.csv", result.states);
   nlohmann::ordered_json summary = summary_json(result, input, options);
+  summary["spacing"] = scene.space.spacing;
+  if (scene.chosen_spacing) summary["spacing_auto"] = to_json(*scene.chosen_spacing);
   summary["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
   file.write(summary.dump(2) + "\n");

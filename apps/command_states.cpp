@@ -142,6 +142,7 @@ int info_states(const Globals& globals, const std::string& file) {
                            loaded.states.size() - usable, stiff,
                            std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing) : "unknown", size_text(extent.size()), strongest));
   for (const auto& [key, value] : loaded.header.identity) answer(globals, fmt::format("  {}: {}", key, value));
+  if (const auto note = loaded.header.notes.find("spacing"); note != loaded.header.notes.end()) answer(globals, "  " + note->second);
   return 0;
 }
 

@@ -14,12 +14,9 @@
 namespace forefeel {
 namespace {
 
-// A command of the contract that this build does not have.
-const std::vector<std::string> not_in_this_build{"reproduce"};
-
 void add_commands(CLI::App& app, Commands& commands) {
   for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_classify,
-                         add_evaluate, add_session, add_study, add_bench})
+                         add_evaluate, add_session, add_study, add_reproduce, add_bench})
     add(app, commands);
 }
 
@@ -36,8 +33,6 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
   const std::string word = argv[1];
   if (word.starts_with("-") || std::ranges::find(names, word) != names.end()) return;
-  if (std::ranges::find(not_in_this_build, word) != not_in_this_build.end())
-    throw InputError("command '" + word + "'", "not in this build, which has " + listed(names));
   throw InputError("command '" + word + "'", fmt::format("unknown, did you mean '{}'? Expected one of {}",
                                                          nearest_word(word, names), listed(names)));
 }

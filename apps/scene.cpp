@@ -95,16 +95,36 @@ void override_key(toml::table& scene, const std::string& text, std::set<std::str
 constexpr double most_positions =
     2e7;  // of a lattice: beyond it a slip of the spacing is likelier than an intent
 
+void choose_spacing_of(const SceneTable& table, Scene& scene) {
+  if ((scene.space.box.size().array() <= 0).any())
+    throw InputError(table.where("spacing"), "is \"auto\" with a flat box, expected a box with a volume, or a number [m]");
+  scene.chosen_spacing = automatic_spacing(scene.body, scene.identity,
+                                           {.box = scene.space.box,
+                                            .tolerance = scene.tolerance,
+                                            .model = scene.model,
+                                            .coverage = scene.space.coverage,
+                                            .floor = scene.session.error_floor},
+                                           cache_folder());
+  scene.space.spacing = scene.chosen_spacing->spacing;
+  if (!scene.chosen_spacing->holds)
+    scene.warnings.push_back(fmt::format("{}: no spacing that was tried makes safe mean an error below {:g} %; the finest is taken",
+                                         table.where("spacing"), 100 * scene.tolerance));
+}
+
 void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, Scene& scene) {
-  if (table.is_text("spacing", "auto"))
-    throw InputError(table.where("spacing"), "\"auto\" is not in this build, expected a number above 0 [m]");
+  const bool automatic = table.is_text("spacing", "auto");
   if (!defaults)
     for (const std::string key : {"spacing", "box"})
       if (!table.has(key))
         throw table.wrong(key, key == "box" ? "[[x0, y0, z0], [x1, y1, z1]]" : "a number above 0 [m]");
-  scene.space.spacing =
-      table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
+  scene.tolerance = table.number("tolerance", positive()).value_or(scene.tolerance);
+  if (automatic)
+    scene.space.spacing = longest_side(mesh) / 36;   // for a box that is not given
+  else
+    scene.space.spacing =
+        table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
   scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
+  if (automatic) choose_spacing_of(table, scene);
   const double positions = ((scene.space.box.size() / scene.space.spacing).array().floor() + 1).prod();
   if (positions > most_positions)
     throw InputError(
@@ -230,16 +250,29 @@ bool writable_folder(const fs::path& folder) {
   return fs::is_directory(folder, error) && access(folder.c_str(), W_OK) == 0;
 }
 
-}  // namespace
+constexpr const char* built_in = R"([body]
+phantom = "liver"
+[material]
+law = "neo-hookean"
+young = 5000.0
+poisson = 0.45
+[clamp]
+group = "clamp"
+[contact]
+group = "contact"
+[state_space]
+spacing = 0.006
+box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
+)";
 
-Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like) {
-  toml::table table = parse_scene(file);
+Scene make_scene(toml::table table, const fs::path& file, std::span<const std::string> overrides,
+                 const Scene* like) {
   std::set<std::string> overridden;
   for (const std::string& text : overrides) override_key(table, text, overridden);
 
   const SceneTable root(&table, "", file.string(), overridden,
                         {"body", "material", "clamp", "contact", "state_space", "model", "session"});
-  const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements"});
+  const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements", "tolerance"});
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
   const SceneTable session =
       root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select", "method",
@@ -267,6 +300,16 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
   scene.session.model = scene.model;
   scene.hash = hash_of(table, scene.identity);
   return scene;
+}
+
+}  // namespace
+
+Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like) {
+  return make_scene(parse_scene(file), file, overrides, like);
+}
+
+Scene built_in_scene(std::span<const std::string> overrides) {
+  return make_scene(toml::parse(built_in), "liver phantom", overrides, nullptr);
 }
 
 fs::path cache_folder() {

@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "apps/scene_spacing.hpp"
 #include "scheduling/session.hpp"
 
 namespace forefeel {
@@ -18,6 +20,8 @@ struct Scene {
   BodyIdentity identity;                   // mesh, material, clamp, contact -> hash
   StateSpaceOptions space;
   bool displacements = false;
+  double tolerance = 0.07;                 // of the error where a place is safe [1]; what spacing = "auto" goes by
+  std::optional<SpacingChoice> chosen_spacing;   // where the scene says spacing = "auto"
   ModelOptions model;
   SessionOptions session;                  // .model is the same as above
   Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
@@ -31,6 +35,10 @@ struct Scene {
 // instead of meshed anew.
 Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
                  const Scene* like = nullptr);
+
+// The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch of 2 cm,
+// neo-Hookean, spacing 6 mm.
+Scene built_in_scene(std::span<const std::string> overrides = {});
 
 // $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
 std::filesystem::path cache_folder();

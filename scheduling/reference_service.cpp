@@ -114,6 +114,11 @@ std::size_t ReferenceService::solved() const {
   return solved_;
 }
 
+void ReferenceService::learn(std::span<const State> states) {
+  const std::lock_guard lock(mutex_);
+  for (const State& state : states) entries_.try_emplace(key(state.at), Entry{.ready = true, .state = state});
+}
+
 void ReferenceService::work(std::stop_token stop) {
   try {
     StateSolver solver(body_, linear_, solver_options_);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <unordered_map>
@@ -32,6 +33,8 @@ class ReferenceService {
   void request(const Vec3& x);   // starts on it unless known; returns at once
   State get(const Vec3& x);      // waits for it
   std::size_t solved() const;    // not found in the cache
+  // Takes states that were solved elsewhere, tight and on the reference branch; they do not enter the file.
+  void learn(std::span<const State> states);
   const std::optional<std::string>& note() const { return note_; }   // why there is no cache, if one was asked for
 
   // Times of a fixed sample of solves from a neighbour, measured once per body and kept beside the cache [s].

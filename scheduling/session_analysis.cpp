@@ -59,14 +59,17 @@ void analyse(const SessionInput& input, const SessionOptions& options, Reference
 
   StateSpace space(input.space);
   SessionModel updater(space, options);
-  std::size_t inserted = 0, sample = 0;
+  std::size_t inserted = 0, sample = 0, grown_at = 0;
   std::vector<Vec3> fresh(samples.size(), Vec3::Zero());
   const auto total = static_cast<double>(result.frames.size());
   for (std::size_t k = 0; k < result.frames.size(); ++k) {
     FrameRecord& frame = result.frames[k];
-    for (; inserted < std::min<std::size_t>(frame.known, result.states.size()); ++inserted)
+    for (; inserted < std::min<std::size_t>(frame.known, result.states.size()); ++inserted) {
       space.insert(result.states[inserted]);
-    frame.label = space.label(frame.at);
+      grown_at = k;
+    }
+    const bool as_before = k > 0 && grown_at < k && frame.at == result.frames[k - 1].at;   // a hand at rest
+    frame.label = as_before ? result.frames[k - 1].label : space.label(frame.at);
     if (sample < samples.size() && samples[sample] == k) {
       updater.forget();   // no set of an earlier moment has a say
       if (!space.empty()) fresh[sample] = updater.model_at(frame.at).force(frame.at);

@@ -1,0 +1,126 @@
+// forefeel reproduce timing|extrapolation|damping|energy|all [SCENE] -o DIR/: the paper's table and figures,
+// ours beside them: CSV, pictures, a page that says what the paper found and what was found here.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "apps/page.hpp"
+#include "apps/provenance.hpp"
+#include "apps/reproduce.hpp"
+#include "apps/suggest.hpp"
+#include "geometry/error.hpp"
+#include "scheduling/run_files.hpp"
+
+namespace forefeel {
+
+const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> all{
+      {"timing", "Time to update and to evaluate (section 4)", reproduce_timing},
+      {"extrapolation", "Out of the known space (Fig. 2)", reproduce_extrapolation},
+      {"damping", "States that arrive while the hand rests (Fig. 3)", reproduce_damping},
+      {"energy", "Energy around closed loops", reproduce_energy}};
+  return all;
+}
+
+std::string paragraph(const std::string& lead, const std::string& text) {
+  return "<p><b>" + html_escaped(lead) + ".</b> " + html_escaped(text) + "</p>\n";
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the contract, not in this build.
+const std::vector<std::string> absent{"speed"};
+
+struct ReproduceArguments {
+  std::string what, scene, output;
+  ReproduceOptions options;
+};
+
+std::vector<Experiment> chosen(const std::string& what) {
+  if (what == "all") return experiments();
+  std::vector<std::string> names;
+  for (const Experiment& experiment : experiments()) {
+    if (experiment.name == what) return {experiment};
+    names.push_back(experiment.name);
+  }
+  names.push_back("all");
+  if (std::ranges::find(absent, what) != absent.end())
+    throw InputError("reproduce " + what, "not in this build, which has " + listed(names));
+  throw InputError("reproduce", fmt::format("'{}' is unknown, did you mean '{}'? Expected one of {}", what,
+                                            nearest_word(what, names), listed(names)));
+}
+
+std::string page(const Laboratory& laboratory, const std::string& sections) {
+  const Scene& scene = laboratory.scene();
+  const auto made_by = provenance(scene.hash);
+  std::string html = fmt::format(
+      "<h1>The paper's experiments</h1>\n<p class=\"sub\">Peterlík and Filipovič, Haptic Rendering Based on "
+      "RBF Approximation from "
+      "Dynamically Updated Data. Here on {}: {} tetrahedra, {}, spacing {:.4g} mm.</p>\n",
+      html_escaped(laboratory.name()), scene.body->mesh.tets.size(), name(scene.body->material.law),
+      1e3 * laboratory.spacing());
+  html += sections + "<h2>Provenance</h2>\n<table class=\"wide\">\n";
+  for (const char* key : {"command", "version", "commit", "machine"})
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", key,
+                        html_escaped(made_by[key].get<std::string>()));
+  return html_page("Forefeel: the paper's experiments", html + "</table>\n");
+}
+
+int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
+  const std::vector<Experiment> wanted = chosen(arguments.what);
+  Laboratory laboratory(globals, arguments.scene);
+  const fs::path folder = arguments.output;
+  prepare_run_folder(folder);
+  nlohmann::ordered_json document;
+  document["scene"] = laboratory.name();
+  document["experiments"] = nlohmann::ordered_json::object();
+  std::string sections;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const Experiment& experiment = wanted[i];
+    Progress progress(globals, experiment.name);
+    const Findings found =
+        experiment.run(laboratory, arguments.options, folder,
+                       [&](double share, const std::string& text) { progress.show(share, text); });
+    document["experiments"][experiment.name] = found.summary;
+    sections += fmt::format("<h2>{}</h2>\n{}", html_escaped(experiment.title), found.html);
+    // What is done is on disk before the next begins.
+    write_text(folder / "report.html", page(laboratory, sections));
+    for (const std::string& line : found.lines) say(globals, experiment.name + ": " + line);
+  }
+  document["provenance"] = provenance(laboratory.scene().hash);
+  write_text(folder / "summary.json", document.dump(2) + "\n");
+  if (globals.json) print_json(document);
+  say(globals, fmt::format("report: {}", (folder / "report.html").string()));
+  return 0;
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<ReproduceArguments>();
+  CLI::App& sub = add_command(app, commands, "reproduce", "The paper's table and figures, ours beside them",
+                              [&commands, arguments] { return run_reproduce(commands.globals, *arguments); });
+  std::string names;
+  for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
+  sub.add_option("WHAT", arguments->what, names + "or all")->required();
+  sub.add_option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
+  sub.add_option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
+      ->required()
+      ->type_name("DIR/");
+  sub.add_option("--depth", arguments->options.depth, "Length of the path in spacings")
+      ->check(CLI::Range(4, 100))
+      ->capture_default_str();
+  sub.add_option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
+      ->check(CLI::Range(0.05, 3600.0))
+      ->capture_default_str();
+  sub.add_option("--rounds", arguments->options.rounds, "Timed repetitions in `timing`")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+}
+
+}  // namespace forefeel

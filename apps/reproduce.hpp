@@ -1,0 +1,45 @@
+#pragma once
+// The experiments of `forefeel reproduce`: each runs in a laboratory, writes its table and pictures into a
+// folder and returns what goes into the report and the summary. A new one is a function and a line in
+// experiments().
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/laboratory.hpp"
+
+namespace forefeel {
+
+struct ReproduceOptions {
+  std::size_t depth = 10;   // length of the path in spacings (paper: 6 cm at 6 mm)
+  double interval = 10;     // between groups of states [s] (paper: 10 s)
+  std::size_t rounds = 60;  // timed repetitions
+};
+
+struct Findings {
+  nlohmann::ordered_json summary;
+  std::string html;                // paragraphs, tables, figures; without a heading
+  std::vector<std::string> lines;  // for the terminal
+};
+
+struct Experiment {
+  std::string name, title;
+  Findings (*run)(Laboratory&, const ReproduceOptions&, const std::filesystem::path&, const ShowShare&);
+};
+
+Findings reproduce_timing(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
+                          const ShowShare&);
+Findings reproduce_extrapolation(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
+                                 const ShowShare&);
+Findings reproduce_damping(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
+                           const ShowShare&);
+Findings reproduce_energy(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
+                          const ShowShare&);
+
+const std::vector<Experiment>& experiments();  // in the order of the report
+
+// A paragraph of text; what is given is escaped.
+std::string paragraph(const std::string& lead, const std::string& text);
+
+}  // namespace forefeel

@@ -1,0 +1,29 @@
+#pragma once
+// `spacing = "auto"` of a scene: scheduling/auto_spacing.hpp, worked out once per body, box, model and
+// tolerance and kept in the cache folder.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "geometry/state_file.hpp"
+#include "scheduling/auto_spacing.hpp"
+
+namespace forefeel {
+
+struct SpacingChoice {
+  double spacing = unknown;                      // h [m]
+  double tolerance = 0.07;                       // of the error [1]
+  double p95 = unknown, max = unknown;           // errors at the safe positions that were looked at [1]
+  std::size_t safe = 0, states = 0, solves = 0;  // those positions; of the lattice; in all
+  bool holds = false;
+  bool kept = false;  // taken from the cache folder: nothing was solved
+};
+
+// Values depend on the arguments alone. folder empty: nothing is kept.
+SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
+                                const AutoSpacingOptions& options, const std::filesystem::path& folder);
+
+std::string in_words(const SpacingChoice& choice);
+nlohmann::ordered_json to_json(const SpacingChoice& choice);
+
+}  // namespace forefeel
