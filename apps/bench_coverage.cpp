@@ -12,11 +12,11 @@
 #include <nanoflann.hpp>
 #include <random>
 
+#include "apps/bench_regions.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "geometry/delaunay_index.hpp"
 #include "geometry/octree_index.hpp"
-#include "geometry/regions.hpp"
 #include "geometry/state_space.hpp"
 
 namespace forefeel {
@@ -115,6 +115,7 @@ class CoverageBench {
     return rows;
   }
   double sum() const { return sums_.value; }
+  double insert_us() const { return insert_us_; }
 
  private:
   static constexpr int batches = 9;
@@ -127,19 +128,21 @@ class CoverageBench {
     return microseconds(start) / static_cast<double>(count);
   }
 
-  // Labels along a path against CGAL's locate from the last cell; the octree against the k-d tree's nearest.
+  // Labels along a path against CGAL's locate from the last cell; the octree against the k-d tree's nearest. Both of
+  // ours carry a walk as CGAL carries its hint.
   void query_path(std::vector<Row>& rows) {
     constexpr std::size_t steps = 4000;
     std::vector<double> ours, cgal, octree, nano;
     Triangulation::Cell_handle hint;
+    PathWalk walk, counted;
     for (int b = 0; b < batches; ++b) {
       const std::vector<Vec3> path = make_path(field_, steps, 0.3 * b);
-      ours.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i])); }));
+      ours.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i], walk)); }));
       cgal.push_back(batch(steps, [&](std::size_t i) {
         hint = plain_.locate(point(path[i]), hint);
         return static_cast<double>(hint->vertex(1)->info());
       }));
-      octree.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i])); }));
+      octree.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); }));
       nano.push_back(batch(steps, [&](std::size_t i) { return nearest(path[i]); }));
     }
     rows.push_back({"delaunay query path", "CGAL locate", median(ours), median(cgal), field_.states.size()});
@@ -149,7 +152,7 @@ class CoverageBench {
   void query_random(std::vector<Row>& rows) {
     constexpr std::size_t count = 1000;
     std::uniform_real_distribution<double> uniform(-field_.half, field_.half);
-    std::vector<double> ours, cgal, nano;
+    std::vector<double> ours, cgal, nano, octree;
     for (int b = 0; b < batches; ++b) {
       std::vector<Vec3> q;
       for (std::size_t i = 0; i < count; ++i) q.emplace_back(uniform(random_), uniform(random_), uniform(random_));
@@ -159,17 +162,18 @@ class CoverageBench {
         hint = plain_.locate(point(q[i]), hint);
         return static_cast<double>(hint->vertex(1)->info());
       }));
+      octree.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(octree_.label(q[i])); }));
       nano.push_back(batch(count, [&](std::size_t i) { return nearest(q[i]); }));
     }
     rows.push_back({"delaunay query random", "CGAL locate", median(ours), median(cgal), field_.states.size()});
     rows.push_back({"delaunay query random", "nanoflann", median(ours), median(nano), field_.states.size()});
+    rows.push_back({"octree query random", "nanoflann", median(octree), median(nano), field_.states.size()});
   }
 
-  // New states every quarter spacing along a path, into all three; then what the regions have to do for them.
+  // New states every quarter spacing along a path, into all three.
   void insert_path(std::vector<Row>& rows) {
     const std::size_t count = std::clamp<std::size_t>(field_.states.size() / 20, 50, 400);
-    std::vector<double> ours, cgal, octree, update;
-    space_.regions().label_at(Vec3::Zero());
+    std::vector<double> ours, cgal, octree;
     Triangulation::Cell_handle hint;
     for (int b = 0; b < batches; ++b) {
       const std::vector<Vec3> dense = make_path(field_, count * 25, 0.11 + 0.3 * b);
@@ -192,14 +196,10 @@ class CoverageBench {
         octree_.insert(ids[i], fresh[i]);
         return 1.0;
       }));
-      update.push_back(batch(count, [&](std::size_t i) {
-        const_cast<Regions&>(space_.regions()).inserted(fresh[i], {});
-        return static_cast<double>(space_.regions().label_at(fresh[i]));
-      }));
     }
     rows.push_back({"delaunay insert path", "CGAL insert", median(ours), median(cgal), field_.states.size()});
     rows.push_back({"octree insert", "delaunay insert", median(octree), median(ours), field_.states.size()});
-    rows.push_back({"region update", "delaunay insert", median(update), median(ours), field_.states.size()});
+    insert_us_ = median(ours);
   }
 
   double nearest(const Vec3& q) const {
@@ -217,6 +217,7 @@ class CoverageBench {
   std::unique_ptr<KdTree> tree_;
   std::mt19937_64 random_;
   Sums sums_;
+  double insert_us_ = 0;
 };
 
 }  // namespace
@@ -230,6 +231,11 @@ int bench_coverage(const Globals& globals) {
     progress.show(static_cast<double>(i) / static_cast<double>(sizes.size()), fmt::format("{} states", sizes[i]));
     CoverageBench bench(sizes[i], globals.seed);
     for (Row& row : bench.run()) rows.push_back(std::move(row));
+    if (sizes[i] <= 100'000)
+      for (const RegionCost& cost : bench_regions(sizes[i], globals.seed)) {
+        rows.push_back({"region mark " + cost.name, "delaunay insert", cost.mark_us, bench.insert_us(), cost.states});
+        rows.push_back({"region update " + cost.name, "delaunay insert", cost.whole_us, bench.insert_us(), cost.states});
+      }
     sum += bench.sum();
   }
   nlohmann::ordered_json out;
@@ -244,6 +250,7 @@ int bench_coverage(const Globals& globals) {
     say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9.3g}", row.name, row.baseline, row.n, row.ours_us,
                              row.baseline_us, ratio));
   }
+  report_agreement(globals, out);
   if (globals.json) {
     out["provenance"] = provenance("");
     print_json(out);

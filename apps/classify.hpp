@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/command.hpp"
+#include "geometry/agreement.hpp"
 #include "geometry/octree_index.hpp"
 #include "geometry/regions.hpp"
 #include "geometry/state_space.hpp"
@@ -19,6 +20,7 @@ struct ClassifyArguments {
   std::vector<std::string> diff;
   std::optional<double> spacing, grid;
   std::size_t snapshots = 40;
+  bool agreement = false;
   CoverageOptions coverage;
 };
 
@@ -33,8 +35,9 @@ struct Classified {
   std::unique_ptr<OctreeIndex> octree;    // index octree
   std::vector<std::array<Vec3, 3>> body;  // outline, where a scene is given
   RegionSummary regions;
-  double fill_distance = unknown;
+  double fill_distance = unknown, fill_bound = unknown;   // reached somewhere, and exceeded nowhere [m]
   std::optional<LargestHole> hole;
+  std::shared_ptr<const AdaptiveLattice> lattice;         // where the states have spacings of their own
 
   Coverage coverage(const Vec3& q) const { return space ? space->coverage(q) : octree->coverage(q); }
   Label label(const Vec3& q) const { return space ? space->label(q) : octree->label(q); }
@@ -49,6 +52,11 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
 
 int classify_run(const Globals& globals, const ClassifyArguments& arguments);     // RUN/ to a .pvd series
 int classify_diff(const Globals& globals, const ClassifyArguments& arguments);    // --diff A B
+
+// Both indexes over the same states and box, compared by volume at the centres of cubes of h/2.
+Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments);
+nlohmann::ordered_json agreement_json(const Agreement& agreement);
+void print_agreement(const Globals& globals, const Agreement& agreement);
 
 nlohmann::ordered_json by_label(const std::array<double, 4>& values);
 std::int64_t peak_bytes();

@@ -85,7 +85,7 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   std::vector<State> all = known;
   for (const Arrival& a : arrivals) all.push_back(a.state);
   Classified set = prepare_states(arguments, folder.string(), std::move(all), spacing, globals);
-  StateSpace space({.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage});
+  StateSpace space({.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
   std::vector<State> so_far;
   const auto add = [&](const State& state) {
     if (state.usable() && space.insert(state).is_new) so_far.push_back(state);
@@ -113,7 +113,7 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
       writer(parts / name);
       entries.push_back({t, part, (parts.filename() / name).string()});
     };
-    write("regions", 0, [&](const fs::path& file) { write_regions_vtu(file, regions.leaves); });
+    write("regions", 0, [&](const fs::path& file) { write_regions_vtu(file, regions.leaves, regions.components); });
     write("states", 1, [&](const fs::path& file) { write_states_vtu(file, so_far); });
     write("hip", 2, [&](const fs::path& file) { write_states_vtu(file, std::span(&probe, 1)); });
     history.push_back({{"t", t}, {"states", space.size()}, {"hip", vector3(hip.at[frame])},
@@ -148,8 +148,7 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
     set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states), frame.spacing, globals);
     label_regions(set[i], common, globals, false);
   }
-  // The pair of labels at every voxel, packed as 4 a + b, carried by leaves of equal pairs.
-  std::vector<RegionLeaf> changed;
+  std::vector<RegionChange> changed;
   std::array<std::array<double, 4>, 4> volume{};
   const auto label_of = [&](std::size_t i, const Vec3& q) {
     return set[i].space ? set[i].space->regions().label_at(q) : set[i].octree->label(q);
@@ -168,7 +167,7 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
           const Vec3 low = leaf.box.low + step.cwiseProduct(Vec3(i, j, k));
           const Label before = label_of(0, low + 0.5 * step);
           volume[static_cast<std::size_t>(before)][static_cast<std::size_t>(leaf.label)] += step.prod();
-          if (before != leaf.label) changed.push_back({{low, low + step}, leaf.label, static_cast<std::uint32_t>(before)});
+          if (before != leaf.label) changed.push_back({{low, low + step}, before, leaf.label});
         }
   }
   double moved = 0, better = 0;
@@ -179,14 +178,14 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
       if (b < a) better += volume[a][b];
       table[std::string(name(static_cast<Label>(a)))][std::string(name(static_cast<Label>(b)))] = volume[a][b];
     }
-  if (arguments.output.ends_with(".vtu")) write_regions_vtu(arguments.output, changed);   // component: the label in A
+  if (arguments.output.ends_with(".vtu")) write_changes_vtu(arguments.output, changed);
   if (arguments.output.ends_with(".csv")) {
     OutputFile out(arguments.output);
     out.write("x,y,z,dx,dy,dz,before,after\n");
-    for (const RegionLeaf& leaf : changed) {
+    for (const RegionChange& leaf : changed) {
       const Vec3 c = leaf.box.centre(), d = leaf.box.size();
       out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
-                            name(static_cast<Label>(leaf.component)), name(leaf.label)));
+                            name(leaf.before), name(leaf.after)));
     }
     out.commit();
   }

@@ -9,9 +9,12 @@
 
 #include "apps/classify.hpp"
 #include "apps/scene.hpp"
+#include "geometry/bridge.hpp"
 #include "geometry/error.hpp"
+#include "geometry/fill_distance.hpp"
 #include "geometry/point_octree.hpp"
 #include "geometry/region_sampling.hpp"
+#include "geometry/setups.hpp"
 #include "geometry/state_file.hpp"
 #include "solver/body.hpp"
 
@@ -81,11 +84,7 @@ std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const 
 // The largest ball without a state whose centre is accepted: best of the samples, then a compass search.
 std::optional<LargestHole> search_hole(const OctreeIndex& octree, const RegionSummary& regions, const Box& box,
                                        double spacing, bool blank_too) {
-  std::vector<StateId> nearest;
-  const auto radius = [&](const Vec3& q) {
-    octree.nearest(q, 1, nearest);
-    return std::sqrt((octree.position(nearest[0]) - q).squaredNorm());
-  };
+  const auto radius = [&](const Vec3& q) { return octree.delta(q); };
   LargestHole best{-1, Vec3::Zero()};
   for (const RegionLeaf& leaf : regions.leaves) {
     if (leaf.label == Label::blank && !blank_too) continue;
@@ -105,18 +104,102 @@ std::optional<LargestHole> search_hole(const OctreeIndex& octree, const RegionSu
   return best;
 }
 
+// Regions are made of cubes of h/4: a box that holds absurdly many is refused before any memory is taken.
+void check_extent(const Classified& set, const std::string& where) {
+  double voxels = 1, points = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxels *= std::max(1.0, 4 * set.box.size()[axis] / set.spacing);
+    points = std::max({points, std::abs(set.box.low[axis]), std::abs(set.box.high[axis])});
+  }
+  if (!(voxels <= 1e9))
+    throw InputError(where, fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
+                                        "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
+                                        set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
+  // States closer than 1e-9 h are one; doubles must be able to tell.
+  if (!(points <= 1e6 * set.spacing))
+    throw InputError(where, fmt::format("it lies up to {:.3g} m from rest, too far to tell states at a spacing of {:.3g} m "
+                                        "apart exactly, expected at most a million spacings", points, set.spacing));
+}
+
+std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyArguments& arguments) {
+  auto octree = set.lattice ? std::make_unique<OctreeIndex>(AdaptiveLattice(*set.lattice), arguments.coverage)
+                            : std::make_unique<OctreeIndex>(set.spacing, arguments.coverage);
+  for (std::uint32_t i = 0; i < set.states.size(); ++i) octree->insert({i}, set.states[i].at);
+  return octree;
+}
+
+// As Regions do it for the triangulation: what each gap bridges, seen from its inner place.
+void find_sides(const OctreeIndex& octree, const Classified& set, const CoverageOptions& coverage,
+                std::vector<RegionComponent>& components) {
+  std::size_t done = 0;
+  std::vector<StateId> near;
+  std::vector<Vec3> offsets;
+  for (RegionComponent& c : components) {
+    if (c.label != Label::gap || done++ >= 1000) continue;
+    const double h = set.lattice ? set.lattice->spacing_at(c.inner) : set.spacing;
+    octree.within(c.inner, coverage.gap_cone_radius * h, near);
+    offsets.clear();
+    for (const StateId id : near) offsets.push_back(octree.position(id) - c.inner);
+    c.sides = bridge_sides(offsets, bridge_link_deg(coverage.sparse_distance));
+  }
+}
+
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
-  result.octree = std::make_unique<OctreeIndex>(result.spacing, arguments.coverage);
-  for (std::uint32_t i = 0; i < result.states.size(); ++i) result.octree->insert({i}, result.states[i].at);
+  result.octree = make_octree(result, arguments);
   result.regions =
       sample_regions(result.box, result.spacing, [&](const Vec3& q) { return result.octree->label(q); });
+  find_sides(*result.octree, result, arguments.coverage, result.regions.components);
   if (!with_holes || result.states.empty()) return;
   result.hole = search_hole(*result.octree, result.regions, result.box, result.spacing, false);
+  // Branch and bound, as far as some seconds reach; what is left between the two numbers is reported.
   const auto any = search_hole(*result.octree, result.regions, result.box, result.spacing, true);
-  result.fill_distance = any ? any->radius : unknown;
+  const FillDistance fill = largest_distance([&](const Vec3& q) { return result.octree->delta(q); }, result.box,
+                                             any ? any->radius : 0, 1e-3 * result.spacing, 3'000'000);
+  result.fill_distance = fill.reached;
+  result.fill_bound = fill.bound;
 }
 
 }  // namespace
+
+Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments) {
+  std::unique_ptr<OctreeIndex> octree;
+  std::unique_ptr<StateSpace> space;
+  if (!set.octree) octree = make_octree(set, arguments);
+  if (!set.space) {
+    space = std::make_unique<StateSpace>(StateSpaceOptions{
+        .spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
+    for (const std::uint32_t i : morton_order(set.states, set.box, set.spacing)) {
+      State light;
+      light.at = set.states[i].at;
+      space->insert(std::move(light));
+    }
+  }
+  return compare_indexes(set.space ? *set.space : *space, set.octree ? *set.octree : *octree, set.box, set.spacing / 2);
+}
+
+nlohmann::ordered_json agreement_json(const Agreement& agreement) {
+  nlohmann::ordered_json out, table;
+  for (std::size_t d = 0; d < 4; ++d) table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
+  out["share"] = agreement.share;
+  out["volume_delaunay_octree"] = table;
+  out["worst"] = {{"at", vector3(agreement.worst)}, {"delaunay", std::string(name(agreement.worst_delaunay))},
+                  {"octree", std::string(name(agreement.worst_octree))}};
+  return out;
+}
+
+void print_agreement(const Globals& globals, const Agreement& agreement) {
+  say(globals, fmt::format("the indexes agree on {:.2f} % of the volume, common blank left out", 100 * agreement.share));
+  say(globals, "volume [cm3]  safe       sparse     gap        blank      (octree)");
+  for (std::size_t d = 0; d < 4; ++d) {
+    const auto& v = agreement.volume[d];
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)), 1e6 * v[0],
+                             1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
+  }
+  if (agreement.share < 1)
+    say(globals, fmt::format("farthest from a place of agreement along x: {:.4g}, {:.4g}, {:.4g} mm, {} against {}",
+                             1e3 * agreement.worst.x(), 1e3 * agreement.worst.y(), 1e3 * agreement.worst.z(),
+                             name(agreement.worst_delaunay), name(agreement.worst_octree)));
+}
 
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
                           double header_spacing, const Globals& globals) {
@@ -132,6 +215,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
     have_box = true;
   }
   if (!std::isfinite(result.spacing)) result.spacing = header_spacing;
+  const bool own_spacings = !std::isfinite(result.spacing) || !arguments.spacing;
   if (!std::isfinite(result.spacing))
     for (const State& s : result.states)
       if (std::isfinite(s.spacing) && !(s.spacing <= result.spacing)) result.spacing = s.spacing;
@@ -148,13 +232,20 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
     for (const State& s : result.states)
       result.box = {result.box.low.cwiseMin(s.at), result.box.high.cwiseMax(s.at)};
   }
+  if (own_spacings)
+    if (std::optional<AdaptiveLattice> lattice = lattice_of(result.states, result.box)) {
+      result.lattice = std::make_shared<const AdaptiveLattice>(std::move(*lattice));
+      for (const State& s : result.states)
+        if (s.spacing < result.spacing) result.spacing = s.spacing;
+    }
+  check_extent(result, where);
   return result;
 }
 
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes) {
   if (arguments.index == "octree") return label_octree(result, arguments, with_holes);
   result.space = std::make_unique<StateSpace>(
-      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.coverage});
+      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.coverage, .lattice = result.lattice});
   Progress progress(globals, "classify");
   std::size_t done = 0;
   for (const std::uint32_t i : morton_order(result.states, result.box, result.spacing)) {
@@ -169,11 +260,25 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
   result.regions = result.space->regions().summary();
   if (!with_holes) return;
   result.fill_distance = result.space->regions().fill_distance();
+  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
   result.hole = result.space->regions().largest_hole();
 }
 
+// setup:NAME: the situations of setups.hpp, to try things on.
+static LoadedStates built_in(const std::string& setup_name) {
+  LoadedStates loaded;
+  const SetupOptions options;
+  for (const Vec3& at : make_setup(setup_name, options).states) {
+    State state;
+    state.at = at;
+    loaded.states.push_back(std::move(state));
+  }
+  loaded.header.spacing = options.spacing;
+  return loaded;
+}
+
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file) {
-  LoadedStates loaded = load_states(file);
+  LoadedStates loaded = file.starts_with("setup:") ? built_in(file.substr(6)) : load_states(file);
   Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.header.spacing, globals);
   label_regions(result, arguments, globals, true);
   return result;

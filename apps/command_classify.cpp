@@ -100,7 +100,7 @@ void write_vtu(const Classified& set, const std::string& file, const Globals& gl
   const auto beside = [&](const char* what) {
     return path.parent_path() / (path.stem().string() + what + path.extension().string());
   };
-  write_regions_vtu(path, set.regions.leaves);
+  write_regions_vtu(path, set.regions.leaves, set.regions.components);
   write_states_vtu(beside("_states"), set.states);
   if (set.space) write_cells_vtu(beside("_cells"), *set.space);
   say(globals, fmt::format("{} (regions), {} (states){}", file, beside("_states").string(),
@@ -122,17 +122,27 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
   }
 }
 
-// Gaps and what they connect.
+nlohmann::ordered_json sides_json(const std::vector<BridgeSide>& sides) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const BridgeSide& side : sides)
+    out.push_back({{"direction", vector3(side.direction)}, {"half_angle_deg", side.half_angle_deg},
+                   {"distance", side.distance}, {"states", side.states}});
+  return out;
+}
+
+// Gaps and what they connect; the hundred largest.
 nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
   nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
   for (const RegionComponent& c : regions.components)
     if (c.label == Label::gap && gaps.size() < 100)
-      gaps.push_back({{"volume", c.volume}, {"inner", vector3(c.inner)}, {"safe_components", c.safe_neighbours}});
+      gaps.push_back({{"volume", c.volume}, {"inner", vector3(c.inner)}, {"safe_components", c.safe_neighbours},
+                      {"sides", sides_json(c.sides)}});
   return gaps;
 }
 
 nlohmann::ordered_json document_of(const Classified& set, const ClassifyArguments& arguments,
-                                   const std::vector<Coverage>& found, double seconds) {
+                                   const std::vector<Coverage>& found, const std::optional<Agreement>& agreement,
+                                   double seconds) {
   nlohmann::ordered_json out;
   for (const char* key : {"labels", "spread", "alpha", "delta", "gamma_deg"}) out[key] = nlohmann::ordered_json::array();
   for (const Coverage& c : found) {
@@ -147,6 +157,7 @@ nlohmann::ordered_json document_of(const Classified& set, const ClassifyArgument
     out["components"][std::string(name(static_cast<Label>(i)))] = set.regions.component_count[static_cast<std::size_t>(i)];
   out["gaps"] = gaps_json(set.regions);
   out["fill_distance"] = number(set.fill_distance);
+  out["fill_distance_bound"] = number(set.fill_bound);
   if (set.hole) {
     out["largest_hole"] = {{"radius", set.hole->radius}, {"centre", vector3(set.hole->centre)}};
   } else {
@@ -158,6 +169,8 @@ nlohmann::ordered_json document_of(const Classified& set, const ClassifyArgument
   out["spacing_estimated"] = set.spacing_estimated;
   out["box"] = {vector3(set.box.low), vector3(set.box.high)};
   out["index"] = arguments.index;
+  out["adaptive"] = set.lattice != nullptr;
+  if (agreement) out["agreement"] = agreement_json(*agreement);
   out["leaves"] = set.regions.leaves.size();
   out["seconds"] = seconds;
   out["peak_bytes"] = peak_bytes();
@@ -171,10 +184,11 @@ void print_summary(const Classified& set, const std::vector<Vec3>& points, const
                              1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
                              1e3 * found[i].spread, 1e3 * found[i].alpha, 1e3 * found[i].delta, found[i].gamma_deg));
   if (points.size() > 200) say(globals, fmt::format("… {} points in all", points.size()));
+  int gaps = 0;
   double all = 0;
   for (const double v : set.regions.volume) all += v;
   say(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
-                           set.spacing_estimated ? " (estimated)" : "",
+                           set.spacing_estimated ? " (estimated)" : set.lattice ? " at the finest" : "",
                            set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
   for (int i = 0; i < 4; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -182,7 +196,15 @@ void print_summary(const Classified& set, const std::vector<Vec3>& points, const
                              1e6 * set.regions.volume[k], all > 0 ? 100 * set.regions.volume[k] / all : 0.0,
                              set.regions.component_count[k], set.regions.component_count[k] == 1 ? "" : "s"));
   }
-  say(globals, fmt::format("fill distance {:.4g} mm", 1e3 * set.fill_distance));
+  for (const RegionComponent& c : set.regions.components)
+    if (c.label == Label::gap && ++gaps <= 5)
+      say(globals, fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe part{}",
+                               1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
+                               c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(), c.safe_neighbours.size() == 1 ? "" : "s"));
+  say(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
+                           set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
+                               ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)
+                               : ""));
   if (set.hole)
     say(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
                              1e3 * set.hole->centre.x(), 1e3 * set.hole->centre.y(), 1e3 * set.hole->centre.z()));
@@ -198,6 +220,8 @@ void check_arguments(const ClassifyArguments& arguments) {
     throw InputError("--grid", "is not a length, expected metres > 0");
   if (int(!arguments.points.empty()) + int(!arguments.line.empty()) + int(arguments.grid.has_value()) > 1)
     throw InputError("classify", "expected one of --points, --line and --grid");
+  if (arguments.agreement && (!arguments.diff.empty() || fs::is_directory(arguments.states)))
+    throw InputError("--agreement", "is for one set of states, expected it without --diff or a run");
   if (arguments.output.empty()) return;
   const std::string extension = fs::path(arguments.output).extension();
   const bool series = !arguments.states.empty() && fs::is_directory(arguments.states);
@@ -223,8 +247,14 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   const std::vector<Coverage> found = cover(set, points);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!arguments.output.empty()) write_output(set, arguments, points, found, globals);
-  if (globals.json) print_json(document_of(set, arguments, found, seconds));
-  else print_summary(set, points, found, seconds, globals);
+  std::optional<Agreement> agreement;
+  if (arguments.agreement) agreement = agreement_of(set, arguments);
+  if (globals.json) {
+    print_json(document_of(set, arguments, found, agreement, seconds));
+    return 0;
+  }
+  print_summary(set, points, found, seconds, globals);
+  if (agreement) print_agreement(globals, *agreement);
   return 0;
 }
 
@@ -234,7 +264,7 @@ void add_classify(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<ClassifyArguments>();
   CLI::App& sub = add_command(app, commands, "classify", "Where states make the force known: safe, sparse, gap, blank",
                               [&commands, arguments] { return run_classify(commands.globals, *arguments); });
-  sub.add_option("states", arguments->states, ".states file, CSV, or the folder of a run")->type_name("STATES|RUN/");
+  sub.add_option("states", arguments->states, ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")->type_name("STATES|RUN/");
   sub.add_option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
       ->check(CLI::IsMember({"delaunay", "octree"}));
   sub.add_option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]; default: the file's")
@@ -246,6 +276,7 @@ void add_classify(CLI::App& app, Commands& commands) {
   sub.add_option("--grid", arguments->grid, "Label a grid of this step over the box [m]")->type_name("H");
   sub.add_option("-o,--output", arguments->output, ".vtu .csv .svg .png; .pvd for a run")->type_name("OUT");
   sub.add_option("--diff", arguments->diff, "Two sets of states: what changed from A to B")->expected(2)->type_name("A B");
+  sub.add_flag("--agreement", arguments->agreement, "Compare both indexes by volume");
   sub.add_option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body")->type_name("SCENE");
   sub.add_option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
       ->type_name("X,Y,Z");

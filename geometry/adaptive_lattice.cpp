@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 
@@ -31,7 +32,7 @@ AdaptiveLattice::AdaptiveLattice(const Box& box, double coarsest) : asked_(box),
   for (std::int32_t k = 0; k < roots_[2]; ++k)
     for (std::int32_t j = 0; j < roots_[1]; ++j)
       for (std::int32_t i = 0; i < roots_[0]; ++i)
-        nodes_.push_back({.children = -1, .level = 0, .low = {low_[0] + i, low_[1] + j, low_[2] + k}});
+        nodes_.push_back({.children = -1, .level = 0, .widest = 0, .low = {low_[0] + i, low_[1] + j, low_[2] + k}});
 }
 
 double AdaptiveLattice::side_of(const Node& node) const { return std::ldexp(coarsest_, -node.level); }
@@ -98,6 +99,7 @@ void AdaptiveLattice::split(std::int32_t index) {
     nodes_[static_cast<std::size_t>(children + child)] = {
         .children = -1,
         .level = parent.level + 1,
+        .widest = 0,
         .low = {2 * parent.low[0] + (child & 1), 2 * parent.low[1] + ((child >> 1) & 1),
                 2 * parent.low[2] + ((child >> 2) & 1)}};
 }
@@ -125,7 +127,19 @@ std::size_t AdaptiveLattice::refine(const std::function<double(const LatticeLeaf
     const LatticeLeaf leaf{box_of(node), side_of(node), node.level};
     if (leaf.spacing > target(leaf) * (1 + 1e-9)) split_balanced(static_cast<std::int32_t>(i), count);
   }
+  if (count > 0) find_widest();
   return count;
+}
+
+void AdaptiveLattice::find_widest() {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i].children >= 0) continue;
+    std::int32_t widest = nodes_[i].level;
+    for_each_touching(nodes_[i], [&](std::int32_t other) {
+      widest = std::min(widest, nodes_[static_cast<std::size_t>(other)].level);
+    });
+    nodes_[i].widest = widest;
+  }
 }
 
 LatticeLeaf AdaptiveLattice::leaf_at(const Vec3& q) const {
@@ -134,12 +148,14 @@ LatticeLeaf AdaptiveLattice::leaf_at(const Vec3& q) const {
 }
 
 double AdaptiveLattice::spacing_at(const Vec3& q) const {
-  const Node& node = nodes_[static_cast<std::size_t>(leaf_index(fine_cell(q)))];
-  std::int32_t coarsest = node.level;
-  for_each_touching(node, [&](std::int32_t other) {
-    coarsest = std::min(coarsest, nodes_[static_cast<std::size_t>(other)].level);
-  });
-  return std::ldexp(coarsest_, -coarsest);
+  return std::ldexp(coarsest_, -nodes_[static_cast<std::size_t>(leaf_index(fine_cell(q)))].widest);
+}
+
+std::optional<double> AdaptiveLattice::spacing_over(const Box& box) const {
+  const std::int32_t leaf = leaf_index(fine_cell(box.low));
+  // Leaves are cubes: one that holds two opposite corners holds the box.
+  if (leaf_index(fine_cell(box.high)) != leaf) return std::nullopt;
+  return std::ldexp(coarsest_, -nodes_[static_cast<std::size_t>(leaf)].widest);
 }
 
 std::vector<LatticeLeaf> AdaptiveLattice::leaves() const {
@@ -172,6 +188,34 @@ std::vector<AdaptiveLattice::Point> AdaptiveLattice::points() const {
   std::stable_sort(result.begin(), result.end(),
                    [](const Point& a, const Point& b) { return a.at.squaredNorm() < b.at.squaredNorm(); });
   return result;
+}
+
+std::optional<AdaptiveLattice> lattice_of(std::span<const State> states, const Box& box) {
+  double least = std::numeric_limits<double>::infinity(), widest = 0;
+  std::vector<std::pair<Vec3, double>> marks;
+  for (const State& s : states) {
+    if (!(s.spacing > 0) || !std::isfinite(s.spacing)) continue;
+    least = std::min(least, s.spacing);
+    widest = std::max(widest, s.spacing);
+    marks.emplace_back(s.at, s.spacing);
+  }
+  if (marks.empty() || least > widest * (1 - 1e-9)) return std::nullopt;
+  AdaptiveLattice lattice(box, widest);
+  // A leaf is too wide where a state that asks for less lies inside it: its middle, once its corners are taken.
+  std::ranges::sort(marks, {}, [](const auto& mark) { return mark.first.x(); });
+  lattice.refine(
+      [&](const LatticeLeaf& leaf) {
+        double wanted = leaf.spacing;
+        const double slack = 1e-9 * leaf.spacing;
+        auto from = std::ranges::upper_bound(marks, leaf.box.low.x() + slack, {}, [](const auto& mark) { return mark.first.x(); });
+        for (; from != marks.end() && from->first.x() < leaf.box.high.x() - slack; ++from)
+          if ((from->first.array() > leaf.box.low.array() + slack).all() &&
+              (from->first.array() < leaf.box.high.array() - slack).all())
+            wanted = std::min(wanted, from->second);
+        return wanted;
+      },
+      10);
+  return lattice;
 }
 
 }  // namespace forefeel

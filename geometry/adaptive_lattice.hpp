@@ -7,9 +7,11 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
-#include "geometry/types.hpp"
+#include "geometry/state.hpp"
 
 namespace forefeel {
 
@@ -29,6 +31,8 @@ class AdaptiveLattice {
   std::size_t refine(const std::function<double(const LatticeLeaf&)>& target, int max_level = 6);
 
   double spacing_at(const Vec3& q) const;          // h(q); outside the leaves that of the nearest place in them
+  // h(q) where it is the same for all q of the box because one leaf holds them all.
+  std::optional<double> spacing_over(const Box& box) const;
   LatticeLeaf leaf_at(const Vec3& q) const;
   std::vector<LatticeLeaf> leaves() const;
   // The corners of all leaves inside the box as given, with the smallest spacing that meets there; outward from rest.
@@ -43,6 +47,7 @@ class AdaptiveLattice {
   struct Node {
     std::int32_t children = -1;
     std::int32_t level = 0;
+    std::int32_t widest = 0;             // of a leaf: the least level among the leaves that touch it
     std::array<std::int32_t, 3> low{};   // in units of its own side
   };
   using Cell = std::array<std::int32_t, 3>;
@@ -51,6 +56,7 @@ class AdaptiveLattice {
   Cell fine_cell(const Vec3& q) const;
   Box box_of(const Node& node) const;
   double side_of(const Node& node) const;
+  void find_widest();
   void split(std::int32_t index);
   void split_balanced(std::int32_t index, std::size_t& count);
   template <class Visit>
@@ -61,5 +67,9 @@ class AdaptiveLattice {
   Cell low_{}, roots_{};
   std::vector<Node> nodes_;
 };
+
+// The lattice that states with target spacings (State::spacing) lie on: as wide as the widest of them, and no wider in
+// a leaf than the spacing of any state inside it. None where no state says, or all say the same.
+std::optional<AdaptiveLattice> lattice_of(std::span<const State> states, const Box& box);
 
 }  // namespace forefeel

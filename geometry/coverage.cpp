@@ -52,6 +52,15 @@ Thresholds::Thresholds(const CoverageOptions& options, double spacing, double me
       merge(merge_distance),
       cell_suffices(options.safe_angle_deg >= 90) {}
 
+Thresholds Thresholds::scaled(double factor) const {
+  Thresholds result = *this;
+  result.safe_spread *= factor;
+  result.safe_radius *= factor;
+  result.sparse_distance *= factor;
+  result.gap_radius *= factor;
+  return result;
+}
+
 bool CoverageQuery::enclosed(const Vec3& q, double radius, double cosine, double merge, Vec3* witness) const {
   Scratch& mine = scratch();
   gather(points_, q, radius, merge, mine.directions);
@@ -78,12 +87,20 @@ bool CoverageQuery::safe_cone(const Vec3& q, const Spread& spread, const Thresho
   return enclosed(q, limits.safe_radius, limits.safe_cos, limits.merge, witness);
 }
 
-Label CoverageQuery::label(const Vec3& q, StateId near, const Thresholds& limits) const {
-  if (points_.size() == 0) return Label::blank;
-  const Spread spread = delaunay_.spread(q, near);
+Label CoverageQuery::label_with(const Vec3& q, const Spread& spread, const Thresholds& limits) const {
   if (spread.spread <= limits.safe_spread && safe_cone(q, spread, limits)) return Label::safe;
   if (points_.nearest(q, limits.sparse_distance).id != 0xffffffffu) return Label::sparse;
   return enclosed(q, limits.gap_radius, limits.gap_cos, limits.merge) ? Label::gap : Label::blank;
+}
+
+Label CoverageQuery::label(const Vec3& q, StateId near, const Thresholds& limits) const {
+  if (points_.size() == 0) return Label::blank;
+  return label_with(q, delaunay_.spread(q, near), limits);
+}
+
+Label CoverageQuery::label(const Vec3& q, PathWalk& walk, const Thresholds& limits) const {
+  if (points_.size() == 0) return Label::blank;
+  return label_with(q, delaunay_.spread(q, walk), limits);
 }
 
 Coverage CoverageQuery::coverage(const Vec3& q, const Thresholds& limits) const {

@@ -23,6 +23,9 @@ struct Thresholds {
   double gap_radius, gap_cos;                  // [m], cos of the angle
   double merge;                                // a state nearer than this is at q itself [m]
   bool cell_suffices;                          // the safe angle is 90 degrees or wider
+
+  // The same options at another spacing: lengths times `factor`; what counts as one state does not change.
+  Thresholds scaled(double factor) const;
 };
 
 class CoverageQuery {
@@ -32,6 +35,7 @@ class CoverageQuery {
   // near: a state close to q, or invalid.
   Coverage coverage(const Vec3& q, const Thresholds& limits) const;
   Label label(const Vec3& q, StateId near, const Thresholds& limits) const;
+  Label label(const Vec3& q, PathWalk& walk, const Thresholds& limits) const;
 
   // gamma(q, radius) <= the limit's angle; on false *witness is the axis of a wider empty cone.
   bool enclosed(const Vec3& q, double radius, double cosine, double merge, Vec3* witness = nullptr) const;
@@ -42,6 +46,8 @@ class CoverageQuery {
   const DelaunayIndex& delaunay() const { return delaunay_; }
 
  private:
+  Label label_with(const Vec3& q, const Spread& spread, const Thresholds& limits) const;
+
   const PointOctree& points_;
   const DelaunayIndex& delaunay_;
 };

@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
+#include <cassert>
 #include <cmath>
 
 namespace forefeel {
@@ -21,10 +23,37 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Ke
 using CellBase =
     CGAL::Triangulation_cell_base_with_info_3<CellNote, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
 using Tds = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
-using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Tds>;
+using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, Tds>;
 using Point = Kernel::Point_3;
-using CellHandle = Triangulation::Cell_handle;
-using VertexHandle = Triangulation::Vertex_handle;
+using CellHandle = Delaunay::Cell_handle;
+using VertexHandle = Delaunay::Vertex_handle;
+
+// What CGAL calls a visitor of hidden points, of which a Delaunay triangulation has none: it sees the cells that an
+// insertion destroys while it takes CGAL's own path, which is faster than find_conflicts() and insert_in_hole().
+template <class Gone>
+struct ConflictVisitor {
+  Gone gone;
+  template <class Iterator>
+  void process_cells_in_conflict(Iterator first, Iterator last) const {
+    for (; first != last; ++first) gone(*first);
+  }
+  void reinsert_vertices(VertexHandle) const {}
+  VertexHandle replace_vertex(CellHandle cell, int i, const Point&) const { return cell->vertex(i); }
+  void hide_point(CellHandle, const Point&) const {}
+};
+
+struct Triangulation : Delaunay {
+  // In dimension 3. gone(cell) for every cell that the new point destroys, before it does.
+  template <class Gone>
+  VertexHandle insert_in_space(const Point& p, CellHandle start, Gone&& gone) {
+    Locate_type type;
+    int i = 0, j = 0;
+    const CellHandle cell = locate(p, type, i, j, start);
+    const Conflict_tester_3 tester(p, this);
+    ConflictVisitor<Gone&> visitor{gone};
+    return insert_in_conflict(p, type, cell, i, j, tester, visitor);
+  }
+};
 
 constexpr double flat = 1e-7;        // relative height of cells that count as coplanar
 constexpr double on_face = 1e-9;     // weights below are zero: q lies on a facet, edge or vertex
@@ -77,10 +106,28 @@ Vec3 circumcentre(CellHandle cell) {
 }
 double circumradius(CellHandle cell) { return circumcentre(cell).norm(); }
 
+Spread spread_of(const Simplex& simplex, CellHandle cell) {
+  Spread result;
+  result.inside = true;
+  result.spread = simplex.spread();
+  result.weights = simplex.weight;
+  for (int i = 0; i < 4; ++i) {
+    result.states[static_cast<std::size_t>(i)] = {cell->vertex(i)->info()};
+    result.at[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point());
+  }
+  return result;
+}
+
 }  // namespace
+
+std::uint64_t next_version() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
 
 struct DelaunayIndex::Impl {
   Triangulation triangulation;
+  std::uint64_t version = next_version();
   std::vector<VertexHandle> vertex;   // by id
   struct Link {
     std::uint32_t token;
@@ -89,22 +136,30 @@ struct DelaunayIndex::Impl {
   std::vector<Link> links;
   std::int32_t free_link = -1;
   std::vector<std::uint32_t> disturbed;
-  std::vector<CellHandle> conflict;
 
   CellHandle start(StateId near) const {
     if (near.valid() && near.value < vertex.size() && vertex[near.value] != VertexHandle())
       return vertex[near.value]->cell();
     return {};
   }
-  CellHandle locate(const Point& p, StateId near) const {
-    return triangulation.locate(p, start(near));
-  }
+  void add_watch(CellHandle cell, std::uint32_t token);
   void release_watches(CellHandle cell);
-  VertexHandle insert_in_space(const Point& p, StateId near);
-  CellHandle solid_cell(const Vec3& q, StateId near, Simplex& simplex) const;
+  CellHandle solid_cell(const Vec3& q, CellHandle from, Simplex& simplex) const;
   CellHandle solid_neighbour(CellHandle cell, const Vec3& q, Simplex& simplex) const;
   double least_circumradius(CellHandle cell, const Simplex& simplex) const;
 };
+
+void DelaunayIndex::Impl::add_watch(CellHandle cell, std::uint32_t token) {
+  std::int32_t link = free_link;
+  if (link >= 0) {
+    free_link = links[static_cast<std::size_t>(link)].next;
+  } else {
+    link = static_cast<std::int32_t>(links.size());
+    links.emplace_back();
+  }
+  links[static_cast<std::size_t>(link)] = {token, cell->info().watches};
+  cell->info().watches = link;
+}
 
 void DelaunayIndex::Impl::release_watches(CellHandle cell) {
   for (std::int32_t link = cell->info().watches; link >= 0;) {
@@ -116,20 +171,6 @@ void DelaunayIndex::Impl::release_watches(CellHandle cell) {
     link = next;
   }
   cell->info().watches = -1;
-}
-
-// Insertion into a triangulation of dimension 3, with the conflict region in hand.
-VertexHandle DelaunayIndex::Impl::insert_in_space(const Point& p, StateId near) {
-  Triangulation::Locate_type type;
-  int i = 0, j = 0;
-  const CellHandle cell = triangulation.locate(p, type, i, j, start(near));
-  if (type == Triangulation::VERTEX) return cell->vertex(i);
-  conflict.clear();
-  Triangulation::Facet facet;
-  triangulation.find_conflicts(p, cell, CGAL::Oneset_iterator<Triangulation::Facet>(facet),
-                               std::back_inserter(conflict));
-  for (const CellHandle gone : conflict) release_watches(gone);
-  return triangulation.insert_in_hole(p, conflict.begin(), conflict.end(), facet.first, facet.second);
 }
 
 // The neighbour of a flat cell that is not flat and contains q best.
@@ -148,9 +189,9 @@ CellHandle DelaunayIndex::Impl::solid_neighbour(CellHandle cell, const Vec3& q, 
 }
 
 // A cell that contains q and is not flat; q may lie outside the hull by rounding (1e-9 of the facet's longest edge).
-CellHandle DelaunayIndex::Impl::solid_cell(const Vec3& q, StateId near, Simplex& simplex) const {
+CellHandle DelaunayIndex::Impl::solid_cell(const Vec3& q, CellHandle from, Simplex& simplex) const {
   if (triangulation.dimension() < 3) return {};
-  CellHandle cell = locate(point(q), near);
+  CellHandle cell = triangulation.locate(point(q), from);
   for (int attempt = 0; triangulation.is_infinite(cell); ++attempt) {
     if (attempt == 1) return {};
     const int far = cell->index(triangulation.infinite_vertex());
@@ -164,7 +205,7 @@ CellHandle DelaunayIndex::Impl::solid_cell(const Vec3& q, StateId near, Simplex&
     if (normal.dot(inner - a) > 0) normal = -normal;
     const double height = normal.dot(q - a);
     if (!(height <= on_face * longest)) return {};
-    cell = locate(point(q - normal * (std::max(height, 0.0) + on_face * longest)), near);
+    cell = triangulation.locate(point(q - normal * (std::max(height, 0.0) + on_face * longest)), cell);
   }
   if (simplex.set(cell, q)) return cell;
   return solid_neighbour(cell, q, simplex);
@@ -222,31 +263,59 @@ StateId DelaunayIndex::insert(StateId id, const Vec3& at, StateId near) {
   const std::size_t before = my.triangulation.number_of_vertices();
   VertexHandle vertex;
   if (my.triangulation.dimension() == 3) {
-    vertex = my.insert_in_space(point(at), near);
+    vertex = my.triangulation.insert_in_space(point(at), my.start(near),
+                                              [&my](CellHandle gone) { my.release_watches(gone); });
   } else {
     vertex = my.triangulation.insert(point(at));
   }
   if (my.triangulation.number_of_vertices() == before) return {vertex->info()};
+  my.version = next_version();
   vertex->info() = id.value;
   if (my.vertex.size() <= id.value) my.vertex.resize(std::max<std::size_t>(id.value + 1, 2 * my.vertex.size()));
   my.vertex[id.value] = vertex;
   return id;
 }
 
+Vec3 DelaunayIndex::position(StateId id) const { return vec(impl_->vertex[id.value]->point()); }
+
 Spread DelaunayIndex::spread(const Vec3& q, StateId near, bool with_alpha) const {
-  Spread result;
   Simplex simplex;
-  const CellHandle cell = impl_->solid_cell(q, near, simplex);
-  if (cell == CellHandle()) return result;
+  const CellHandle cell = impl_->solid_cell(q, impl_->start(near), simplex);
+  if (cell == CellHandle()) return {};
   simplex.clamp();
-  result.inside = true;
-  result.spread = simplex.spread();
-  result.weights = simplex.weight;
-  for (int i = 0; i < 4; ++i) {
-    result.states[static_cast<std::size_t>(i)] = {cell->vertex(i)->info()};
-    result.at[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point());
-  }
+  Spread result = spread_of(simplex, cell);
   if (with_alpha) result.alpha = impl_->least_circumradius(cell, simplex);
+  return result;
+}
+
+Spread DelaunayIndex::spread(const Vec3& q, PathWalk& walk) const {
+  const Impl& my = *impl_;
+  const bool current = walk.version == my.version;
+  std::array<double, 4> weight;
+  if (current && walk.holds(q, weight)) {
+    Spread result{.inside = true, .states = walk.states, .weights = weight, .at = walk.at};
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += weight[i] * (walk.at[i] - q).squaredNorm();
+    result.spread = std::sqrt(sum);
+    return result;
+  }
+  // The cell is only a place to start from: nothing is written through it.
+  CellHandle from = my.start(walk.near);
+  if (current && walk.cell)
+    from = Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(walk.cell)));
+  Simplex simplex;
+  const CellHandle cell = my.solid_cell(q, from, simplex);
+  walk.version = my.version;
+  walk.cached = false;
+  walk.cell = nullptr;
+  walk.near = {};
+  if (cell == CellHandle()) return {};
+  simplex.clamp();
+  const Spread result = spread_of(simplex, cell);
+  walk.cell = &*cell;
+  walk.states = result.states;
+  walk.near = result.states[0];
+  walk.keep(result.at);
   return result;
 }
 
@@ -254,21 +323,18 @@ bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
   Impl& my = *impl_;
   Simplex simplex;
   if (my.triangulation.dimension() < 3) return false;
-  CellHandle cell = my.solid_cell(q, near, simplex);
+  CellHandle cell = my.solid_cell(q, my.start(near), simplex);
   if (cell == CellHandle()) {
-    cell = my.locate(point(q), near);
+    cell = my.triangulation.locate(point(q), my.start(near));
     if (!my.triangulation.is_infinite(cell)) return false;
   }
-  std::int32_t link = my.free_link;
-  if (link >= 0) {
-    my.free_link = my.links[static_cast<std::size_t>(link)].next;
-  } else {
-    link = static_cast<std::int32_t>(my.links.size());
-    my.links.emplace_back();
-  }
-  my.links[static_cast<std::size_t>(link)] = {token, cell->info().watches};
-  cell->info().watches = link;
+  my.add_watch(cell, token);
   return true;
+}
+
+void DelaunayIndex::watch(const PathWalk& walk, std::uint32_t token) {
+  assert(walk.version == impl_->version && walk.cell);
+  impl_->add_watch(Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(walk.cell))), token);
 }
 
 std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/state.hpp"
+#include "geometry/path_walk.hpp"
 
 namespace forefeel {
 
@@ -46,12 +46,18 @@ class DelaunayIndex {
   // this position: id itself, or the one already there. Ids may come in any order but must be below 2^31.
   StateId insert(StateId id, const Vec3& at, StateId near = {});
 
+  Vec3 position(StateId id) const;      // [m]; of a state that is there
+
   // Const members may run in many threads at once, but not beside insert().
   Spread spread(const Vec3& q, StateId near, bool with_alpha = false) const;
+  // The same along a path: starts where the walk was last, and leaves it at q.
+  Spread spread(const Vec3& q, PathWalk& walk) const;
 
   // Watches: a token is reported by the insert() that destroys the cell in which watch() found q (states that are
   // added elsewhere leave the spread at q as it is). False, and no watch, in flat cells and below dimension 3.
   bool watch(const Vec3& q, StateId near, std::uint32_t token);
+  // The same where spread(q, walk) has just found q inside.
+  void watch(const PathWalk& walk, std::uint32_t token);
   std::span<const std::uint32_t> disturbed() const;   // by the last insert(); each token once
 
   struct Cell {

@@ -1,7 +1,7 @@
 #include "geometry/octree_index.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +12,7 @@ namespace forefeel {
 namespace {
 
 constexpr double slack = 1e-9;
+constexpr double merge = 1e-9;   // in spacings: a state nearer than this is at q itself
 
 // The 26 directions to the neighbours of a cube.
 std::array<Vec3, 26> make_directions() {
@@ -44,37 +45,44 @@ void OctreeIndex::insert(StateId id, const Vec3& at) {
 bool OctreeIndex::erase(StateId id) {
   if (id.value >= at_.size() || !points_.erase(id.value, at_[id.value])) return false;
   at_[id.value] = Vec3::Constant(unknown);
+  version_ = next_version();
   return true;
 }
 
-// The leaf of q has its corners at multiples of s. A state belongs to the corners whose cube of side s contains it.
-bool OctreeIndex::safe(const Vec3& q, double s, double& reach) const {
-  const Vec3 centre = s * ((q / s).array().floor() + 0.5).matrix();
+// One range query around q answers safe and sparse.
+OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
+  thread_local std::vector<Vec3> offsets;
+  thread_local std::vector<std::uint32_t> ids;
   thread_local Directions directions;
   thread_local ConeSolver solver;
+  offsets.clear();
+  ids.clear();
+  Near result;
+  const double rho = options_.safe_cone_radius * s * (1 + slack), reach = options_.sparse_distance * s * (1 + slack);
+  double nearest = std::numeric_limits<double>::infinity();
+  points_.for_each_within(q, std::max(rho, reach), [&](std::uint32_t id, const Vec3& offset, double squared) {
+    nearest = std::min(nearest, squared);
+    if (squared > rho * rho) return;
+    offsets.push_back(offset);
+    ids.push_back(id);
+  });
+  result.any = nearest <= reach * reach;
+  if (!result.any) return result;
+  result.local = least_spread(offsets, s);
+  if (!(result.local.spread <= options_.safe_spread * s * (1 + slack))) return result;
+  const double here = merge * s;
+  if (result.local.solid && nearest > here * here && options_.safe_angle_deg >= 90) {
+    result.safe = true;
+    for (std::size_t i = 0; i < 4; ++i) result.corner[i] = {ids[result.local.corner[i]]};
+    return result;
+  }
+  // At a state, on a flat tetrahedron, or for a stricter angle: the directions decide.
   directions.clear();
-  unsigned known = 0;
-  reach = 0;
-  const double limit = s * (1 + slack);
-  points_.for_each_within(centre, std::numbers::sqrt3 * limit, [&](std::uint32_t, const Vec3& offset, double) {
-    if (offset.cwiseAbs().maxCoeff() > limit) return;
-    unsigned corners = 0xff;
-    for (int axis = 0; axis < 3; ++axis) {
-      constexpr std::array<unsigned, 3> upper{0xaa, 0xcc, 0xf0};
-      const unsigned high = upper[static_cast<std::size_t>(axis)];
-      if (offset[axis] > slack * s) corners &= high;
-      if (offset[axis] < -slack * s) corners &= ~high;
-    }
-    known |= corners;
-    reach = std::max(reach, (offset + centre - q).norm());
-  });
-  const int count = std::popcount(known);
-  if (count >= 7) return true;
-  if (count < 3) return false;
-  points_.for_each_within(q, options_.safe_cone_radius * limit, [&](std::uint32_t, const Vec3& offset, double squared) {
-    if (squared > slack * s * slack * s) directions.push(offset / std::sqrt(squared));
-  });
-  return solver.at_most(directions, 0.0);
+  for (const Vec3& offset : offsets)
+    if (const double length = offset.norm(); length > here) directions.push(offset / length);
+  result.local.solid = false;
+  result.safe = solver.at_most(directions, std::cos(options_.safe_angle_deg * std::numbers::pi / 180));
+  return result;
 }
 
 // min over the 26 directions a of max over occupied leaves of a . u: the cosine that gamma approximates.
@@ -90,27 +98,63 @@ double OctreeIndex::least_side(const Vec3& q, double radius) const {
 }
 
 Label OctreeIndex::label(const Vec3& q) const {
+  PathWalk nowhere;
+  return label(q, nowhere);
+}
+
+Label OctreeIndex::label(const Vec3& q, PathWalk& walk) const {
   if (points_.size() == 0) return Label::blank;
   const double s = spacing_at(q);
-  double reach = 0;
-  if (points_.nearest(q, options_.sparse_distance * s * (1 + slack)).id != 0xffffffffu)
-    return safe(q, s, reach) ? Label::safe : Label::sparse;
+  std::array<double, 4> weight;
+  if (walk.version == version_ && options_.safe_angle_deg >= 90 && walk.holds(q, weight)) {
+    const double limit = options_.safe_spread * s * (1 + slack), rho = options_.safe_cone_radius * s * (1 + slack);
+    double sum = 0, farthest = 0, nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double squared = (walk.at[i] - q).squaredNorm();
+      sum += weight[i] * squared;
+      farthest = std::max(farthest, squared);
+      nearest = std::min(nearest, squared);
+    }
+    if (sum <= limit * limit && farthest <= rho * rho && nearest > merge * s * merge * s) return Label::safe;
+  }
+  const Near near = look_near(q, s);
+  walk.version = version_;
+  walk.cached = false;
+  if (near.safe && near.local.solid) {
+    walk.states = near.corner;
+    std::array<Vec3, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = at_[near.corner[i].value];
+    walk.keep(corners);
+  }
+  if (near.any) return near.safe ? Label::safe : Label::sparse;
   const double least = least_side(q, options_.gap_cone_radius * s);
   return least >= std::cos(options_.gap_angle_deg * std::numbers::pi / 180) ? Label::gap : Label::blank;
 }
+
+namespace {
+
+double circumradius(const std::array<Vec3, 4>& corner) {
+  const Vec3 a = corner[1] - corner[0], b = corner[2] - corner[0], c = corner[3] - corner[0];
+  return (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)).norm() /
+         (2 * std::abs(a.dot(b.cross(c))));
+}
+
+}  // namespace
 
 Coverage OctreeIndex::coverage(const Vec3& q) const {
   Coverage result;
   if (points_.size() == 0) return result;
   const double s = spacing_at(q);
   result.delta = std::sqrt(points_.nearest(q).squared);
-  double reach = 0;
-  if (result.delta <= options_.sparse_distance * s * (1 + slack)) {
-    result.label = Label::sparse;
-    if (safe(q, s, reach)) {
-      result.label = Label::safe;
-      result.spread = result.alpha = reach;
-    }
+  const Near near = look_near(q, s);
+  result.spread = near.local.spread;
+  if (near.safe && near.local.solid) {
+    std::array<Vec3, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = at_[near.corner[i].value];
+    result.alpha = circumradius(corners);
+  }
+  if (near.any) {
+    result.label = near.safe ? Label::safe : Label::sparse;
     return result;
   }
   const double least = std::clamp(least_side(q, options_.gap_cone_radius * s), -1.0, 1.0);

@@ -1,21 +1,25 @@
 #pragma once
-// Coverage by counting states in leaves, without a triangulation: cheap to insert into and to erase from.
-// With s = h(q) the spacing at q, and the corners of q's leaf in the lattice {k s}^3:
-//   safe     at least 7 of the 8 corners are known (a state within s/2 of the corner along every axis), or at least
-//            3 are and q lies inside the hull of the states within 1.45 s
+// Coverage from the states around a place alone, without a triangulation: cheap to insert into and to erase from.
+// With s = h(q) the spacing at q:
+//   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), which are not coplanar.
+//            What this calls safe the triangulation calls safe; the converse fails only where a corner of the Delaunay
+//            cell lies farther than rho
 //   sparse   delta(q) <= kappa_p s, as for the triangulation
 //   gap      q's leaf is empty and along each of 26 directions some occupied leaf within the gap radius lies no
 //            farther than the gap angle away
 //   blank    otherwise
-// spread and alpha of a safe place are the bounds that its corners give; gamma is that over the 26 directions.
-// These labels approximate those of coverage.hpp; compare_indexes() in agreement.hpp says where they differ.
+// spread is pi_rho, alpha the circumradius of its tetrahedron where that proves the place safe; gamma is that over the 26
+// directions. compare_indexes() in agreement.hpp says where the labels differ from those of coverage.hpp.
 
+#include <cmath>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "geometry/adaptive_lattice.hpp"
 #include "geometry/coverage.hpp"
+#include "geometry/local_spread.hpp"
+#include "geometry/path_walk.hpp"
 #include "geometry/point_octree.hpp"
 #include "geometry/state.hpp"
 
@@ -33,9 +37,13 @@ class OctreeIndex {
 
   Coverage coverage(const Vec3& q) const;
   Label label(const Vec3& q) const;
+  // The same along a path: while q stays in a tetrahedron of states that proved the last place safe, it often proves
+  // the next. Only erase() puts a walk out of date: a further state cannot spoil the proof.
+  Label label(const Vec3& q, PathWalk& walk) const;
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
 
+  double delta(const Vec3& q) const { return std::sqrt(points_.nearest(q).squared); }   // [m]
   const Vec3& position(StateId id) const { return at_[id.value]; }
   const AdaptiveLattice* lattice() const { return lattice_.get(); }
   AdaptiveLattice* lattice() { return lattice_.get(); }
@@ -44,7 +52,13 @@ class OctreeIndex {
 
  private:
   double spacing_at(const Vec3& q) const { return lattice_ ? lattice_->spacing_at(q) : spacing_; }
-  bool safe(const Vec3& q, double s, double& reach) const;
+  struct Near {
+    LocalSpread local;
+    std::array<StateId, 4> corner;    // of its tetrahedron
+    bool any = false;                 // a state within kappa_p s
+    bool safe = false;
+  };
+  Near look_near(const Vec3& q, double s) const;
   double least_side(const Vec3& q, double radius) const;
 
   double spacing_;
@@ -52,6 +66,7 @@ class OctreeIndex {
   std::unique_ptr<AdaptiveLattice> lattice_;
   PointOctree points_;
   std::vector<Vec3> at_;                       // by id
+  std::uint64_t version_ = next_version();     // of walks; changed by erase()
 };
 
 }  // namespace forefeel

@@ -165,9 +165,48 @@ void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double ha
   }
 }
 
+bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone, double& best,
+                               Vec3& offset) const {
+  const Node& n = nodes_[static_cast<std::size_t>(node)];
+  if (n.children < 0 && n.bucket < 0) return false;
+  if (squared_to_cube(centre, half, cone.apex) > cone.squared) return false;
+  // The value is Lipschitz with 1 + |cosine|; half the cube's diagonal is sqrt(3) half.
+  if (cone.value(centre - cone.apex) + (1 + std::abs(cone.cosine)) * 1.7320508076 * half < best) return false;
+  bool found = false;
+  if (n.children >= 0) {
+    const int first = octant(Vec3::Zero(), cone.axis);
+    for (const int flip : {0, 1, 2, 4, 3, 5, 6, 7})
+      found |= find_in_cone(n.children + (first ^ flip), child_centre(centre, half, first ^ flip), 0.5 * half, cone, best,
+                            offset);
+    return found;
+  }
+  for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
+    const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
+    for (int i = 0; i < bucket.count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Vec3 d(bucket.x[k] - cone.apex.x(), bucket.y[k] - cone.apex.y(), bucket.z[k] - cone.apex.z());
+      if (d.squaredNorm() > cone.squared) continue;
+      if (const double value = cone.value(d); value >= best) best = value, offset = d, found = true;
+    }
+  }
+  return found;
+}
+
 PointOctree::Neighbour PointOctree::nearest(const Vec3& q, double reach) const {
   Neighbour best{reach * reach, 0xffffffffu};
-  if (!nodes_.empty()) nearest_below(0, centre_, half_, q, best);
+  if (nodes_.empty()) return {};
+  // While the ball lies on one side of all three planes only that child can hold what is sought.
+  std::int32_t node = 0;
+  Vec3 centre = centre_;
+  double half = half_;
+  while (nodes_[static_cast<std::size_t>(node)].children >= 0 &&
+         (q - centre).cwiseAbs().minCoeff() > reach * (1 + 1e-9) + 1e-12 * half) {
+    const int child = octant(centre, q);
+    node = nodes_[static_cast<std::size_t>(node)].children + child;
+    centre = child_centre(centre, half, child);
+    half *= 0.5;
+  }
+  nearest_below(node, centre, half, q, best);
   if (best.id == 0xffffffffu) best.squared = std::numeric_limits<double>::infinity();
   return best;
 }

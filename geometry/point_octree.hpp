@@ -40,6 +40,14 @@ class PointOctree {
     visit_within(0, centre_, half_, q, radius * radius, visit);
   }
 
+  // Of the points within `reach` of q, one with the largest axis . d - cosine |d| + margin, d = x - q, if that is
+  // positive anywhere: false says that the cone around the axis is empty, with the margin to spare [m]. axis: unit.
+  bool find_in_cone(const Vec3& q, const Vec3& axis, double cosine, double margin, double reach, Vec3& offset) const {
+    if (nodes_.empty()) return false;
+    double best = 0;
+    return find_in_cone(0, centre_, half_, {q, axis, cosine, margin, reach * reach}, best, offset);
+  }
+
   // visit(offset) for every occupied leaf with a state within the radius: the middle of these states where the leaf
   // is small against its distance, else each of them.
   template <class Visit>
@@ -128,6 +136,12 @@ class PointOctree {
     if (count > 0) visit(Vec3(sum / count));
   }
 
+  struct Cone {
+    Vec3 apex, axis;
+    double cosine, margin, squared;
+    double value(const Vec3& d) const { return axis.dot(d) - cosine * d.norm() + margin; }
+  };
+  bool find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone, double& best, Vec3& offset) const;
   void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, Neighbour& best) const;
   void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, std::size_t n,
                      std::vector<Neighbour>& heap) const;

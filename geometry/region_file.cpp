@@ -59,24 +59,51 @@ void write_grid(const std::filesystem::path& file, const Grid& grid, const std::
 
 }  // namespace
 
-void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves) {
-  Grid grid;
+namespace {
+
+void add_voxel(const Box& box, Grid& grid) {
   grid.corners = 8;
   grid.type = 11;   // VTK_VOXEL: x fastest, then y, then z
+  for (int corner = 0; corner < 8; ++corner) {
+    grid.connectivity.push_back(static_cast<std::int64_t>(grid.points.size() / 3));
+    for (int axis = 0; axis < 3; ++axis) grid.points.push_back((corner >> axis) & 1 ? box.high[axis] : box.low[axis]);
+  }
+}
+
+}  // namespace
+
+void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
+                       std::span<const RegionComponent> components) {
+  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};
+  grid.points.reserve(24 * leaves.size());
+  grid.connectivity.reserve(8 * leaves.size());
   std::vector<std::uint8_t> label;
-  std::vector<std::int32_t> component;
+  std::vector<std::int32_t> component, safe, sides;
   for (const RegionLeaf& leaf : leaves) {
-    for (int corner = 0; corner < 8; ++corner) {
-      grid.connectivity.push_back(static_cast<std::int64_t>(grid.points.size() / 3));
-      for (int axis = 0; axis < 3; ++axis)
-        grid.points.push_back((corner >> axis) & 1 ? leaf.box.high[axis] : leaf.box.low[axis]);
-    }
+    add_voxel(leaf.box, grid);
     label.push_back(static_cast<std::uint8_t>(leaf.label));
     component.push_back(static_cast<std::int32_t>(leaf.component));
+    if (components.empty()) continue;
+    safe.push_back(static_cast<std::int32_t>(components[leaf.component].safe_neighbours.size()));
+    sides.push_back(static_cast<std::int32_t>(components[leaf.component].sides.size()));
   }
   AppendedArrays arrays;
-  const std::string data =
-      arrays.add("UInt8", "label", 1, label) + arrays.add("Int32", "component", 1, component);
+  std::string data = arrays.add("UInt8", "label", 1, label) + arrays.add("Int32", "component", 1, component);
+  if (!components.empty())
+    data += arrays.add("Int32", "safe_components", 1, safe) + arrays.add("Int32", "bridge_sides", 1, sides);
+  write_grid(file, grid, data, arrays);
+}
+
+void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes) {
+  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};
+  std::vector<std::uint8_t> before, after;
+  for (const RegionChange& change : changes) {
+    add_voxel(change.box, grid);
+    before.push_back(static_cast<std::uint8_t>(change.before));
+    after.push_back(static_cast<std::uint8_t>(change.after));
+  }
+  AppendedArrays arrays;
+  const std::string data = arrays.add("UInt8", "label_before", 1, before) + arrays.add("UInt8", "label_after", 1, after);
   write_grid(file, grid, data, arrays);
 }
 

@@ -12,8 +12,16 @@
 
 namespace forefeel {
 
-// One VTK_VOXEL a leaf, with cell data label and component.
-void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves);
+// One VTK_VOXEL a leaf, with cell data label, component and, from `components` (may be empty), how many safe components
+// and how many sides of a bridge the leaf's component has.
+void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
+                       std::span<const RegionComponent> components = {});
+// What changed from one set to another: one VTK_VOXEL a leaf, with cell data label_before and label_after.
+struct RegionChange {
+  Box box;              // [m]
+  Label before = Label::blank, after = Label::blank;
+};
+void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes);
 // x,y,z (centre), dx,dy,dz (sides), label, component.
 void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves);
 // One tetrahedron a finite Delaunay cell, with cell data spread (at the centroid) and alpha (circumradius) [m].

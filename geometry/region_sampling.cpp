@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
+#include "geometry/bridge.hpp"
 #include "geometry/error.hpp"
 
 namespace forefeel {
@@ -79,7 +81,7 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, RegionSummary& re
     const Box box = voxels.box_of(i, j, k, 1);
     if (number[root] == 0xffffffffu) {
       number[root] = static_cast<std::uint32_t>(found.size());
-      found.push_back({.label = voxels.label[here], .bounds = box, .inner = box.centre(), .safe_neighbours = {}});
+      found.push_back({.label = voxels.label[here], .bounds = box, .inner = box.centre(), .safe_neighbours = {}, .sides = {}});
     }
     RegionComponent& mine = found[number[root]];
     mine.volume += box.size().prod();
@@ -95,6 +97,16 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, RegionSummary& re
     result.components.push_back(std::move(found[order[i]]));
   }
   for (std::uint32_t i = 0; i < parent.size(); ++i) component[i] = rank[number[find(i)]];
+  std::vector<std::set<std::uint32_t>> beside(result.components.size());
+  for_each([&](std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t here) {
+    const std::array<std::int64_t, 3> at{i, j, k};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 >= n[axis]) continue;
+      const std::uint32_t a = component[here], b = component[here + static_cast<std::uint32_t>(step[axis])];
+      if (a != b) beside[a].insert(b), beside[b].insert(a);
+    }
+  });
+  name_safe_neighbours(beside, result.components);
   return component;
 }
 

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/adaptive_lattice.hpp"
+#include "geometry/bridge.hpp"
+
 namespace forefeel {
 namespace {
 
-constexpr std::uint8_t unresolved_bit = 0x10;
+constexpr std::uint8_t unresolved_bit = 0x10, axis_bit = 0x20, anything = 0x3f;
 constexpr int block_level = 2;        // 4 voxels = h wide
 constexpr std::uint32_t nobody = 0xffffffffu;
 
@@ -18,7 +21,12 @@ std::uint8_t bit(Label label) { return static_cast<std::uint8_t>(1u << static_ca
 RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const StateSpaceOptions& options)
     : delaunay_(delaunay),
       query_(points, delaunay),
+      lattice_(options.lattice),
       limits_(options.coverage, options.spacing, options.merge_distance * options.spacing),
+      widest_(lattice_ ? limits_.scaled(lattice_->coarsest() / options.spacing) : limits_),
+      scaled_(limits_),
+      spacing_(options.spacing),
+      link_deg_(bridge_link_deg(options.coverage.sparse_distance)),
       box_(options.box),
       voxel_(options.spacing / 4),
       root_level_(block_level + 3) {
@@ -77,8 +85,27 @@ std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const
   return index;
 }
 
+Label RegionTree::label_of(const Vec3& q, PathWalk& walk) {
+  if (!walk.near.valid()) walk.near = {query_.points().nearest(q).id};
+  if (!lattice_) return query_.label(q, walk, limits_);
+  return query_.label(q, walk, limits_.scaled(lattice_->spacing_at(q) / spacing_));
+}
+
+double RegionTree::gap_radius(const Vec3& q) const {
+  return limits_.gap_radius * (lattice_ ? lattice_->spacing_at(q) / spacing_ : 1);
+}
+
+const Thresholds* RegionTree::limits_over(const RegionNode& node) {
+  if (!lattice_) return &limits_;
+  const Vec3 q = centre(node), half = Vec3::Constant(0.5 * (node.width() - 1) * voxel_);
+  const std::optional<double> h = lattice_->spacing_over({q - half, q + half});
+  if (!h) return nullptr;
+  scaled_ = limits_.scaled(*h / spacing_);
+  return &scaled_;
+}
+
 Label RegionTree::label_at(const Vec3& q) {
-  if (!box_.contains(q)) return query_.label(q, {query_.points().nearest(q).id}, limits_);
+  if (!box_.contains(q)) return label_of(q, walk_);
   std::array<std::int32_t, 3> voxel;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
@@ -103,8 +130,11 @@ void RegionTree::become_leaf(RegionNode& node, Label label, const Vec3& axis) {
 
 std::uint8_t RegionTree::summary(const RegionNode& node) const {
   switch (node.kind) {
-    case RegionNode::Kind::unresolved: return unresolved_bit;
-    case RegionNode::Kind::leaf: return bit(node.label);
+    case RegionNode::Kind::unresolved: return anything;   // it may become any leaf with nobody telling those above
+    case RegionNode::Kind::leaf: {
+      const bool by_axis = node.label == Label::sparse && !(node.axis[0] == 0 && node.axis[1] == 0 && node.axis[2] == 0);
+      return static_cast<std::uint8_t>(bit(node.label) | (by_axis ? axis_bit : 0));
+    }
     case RegionNode::Kind::branch: return node.below;
     case RegionNode::Kind::outside: break;
   }
@@ -129,12 +159,13 @@ void RegionTree::branch(std::int32_t index) {
     made = RegionNode{};
     made.parent = index;
     made.level = static_cast<std::uint8_t>(parent.level - 1);
+    made.label = parent.label;
     made.low = {parent.low[0] + ((child & 1) ? half : 0), parent.low[1] + ((child & 2) ? half : 0),
                 parent.low[2] + ((child & 4) ? half : 0)};
     if (outside(made)) made.kind = RegionNode::Kind::outside;
   }
   // Conservative until a visit knows better; so are the ancestors, whose bits already hold everything new.
-  for (std::int32_t up = index; up >= 0; up = node(up).parent) nodes_[static_cast<std::size_t>(up)].below = 0x1f;
+  for (std::int32_t up = index; up >= 0; up = node(up).parent) nodes_[static_cast<std::size_t>(up)].below = anything;
 }
 
 // Eight leaves that are all safe, or all gap, need no proof of their own: the parent replaces them.
@@ -152,69 +183,86 @@ void RegionTree::collapse(std::int32_t index) {
       if (below.label != label || (label != Label::safe && label != Label::gap)) return;
       first = false;
     }
+    for (std::int32_t child = 0; child < 8; ++child)   // a late watch must not wake what is gone
+      nodes_[static_cast<std::size_t>(parent.children + child)].kind = RegionNode::Kind::outside;
     free_.push_back(parent.children);
     parent.children = -1;
     become_leaf(parent, label);
   }
 }
 
+// Unit directions from q to the states within the radius.
 void RegionTree::gather(const Vec3& q, double radius) {
-  offsets_.clear();
+  directions_.clear();
   query_.points().for_each_within(q, radius, [&](std::uint32_t, const Vec3& offset, double squared) {
-    offsets_.push_back({offset, std::sqrt(squared)});
+    directions_.push(offset / std::sqrt(squared));
   });
 }
 
-// Whether, seen from every point within e of the apex, each gathered state is farther from the axis than
-// arccos(cosine): a . (d - s) <= a . d + e and c |d - s| >= c |d| - |c| e for |s| <= e.
-bool RegionTree::cone_holds(const Vec3& axis, double cosine, double e) const {
+// Turns `axis` until, seen from every point within e of q, each state within the radius is farther from it than
+// arccos(cosine); false where a few turns do not do. Why the margin: a . (d - s) <= a . d + e and
+// c |d - s| >= c |d| - |c| e for |s| <= e.
+bool RegionTree::find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const {
   const double margin = (1 + std::abs(cosine)) * e;
-  for (const Offset& d : offsets_)
-    if (!(axis.dot(d.at) + margin < cosine * d.length - 2e-9 * d.length)) return false;
-  return true;
-}
-
-// All voxels farther than kappa_p h from every state: gap or blank, if one of the two can be proven for all.
-bool RegionTree::prove_far(RegionNode& node, const Vec3& q, double e, double nearest) {
-  gather(q, limits_.gap_radius + e);
-  Vec3 axis = Vec3::Zero();
-  for (const Offset& d : offsets_) axis -= d.at / d.length;
-  axis = axis.norm() > 0 ? axis.normalized() : Vec3(Vec3::UnitX());
-  if (cone_holds(axis, limits_.gap_cos, e)) {
-    become_leaf(node, Label::blank, axis);
-    return true;
-  }
-  // Moving by e turns no direction by more than asin(e / nearest): a stricter angle at q suffices for all.
-  directions_.clear();
-  for (const Offset& d : offsets_)
-    if (d.length <= limits_.gap_radius - e) directions_.push(d.at / d.length);
-  const double turn = std::asin(std::min(1.0, e / nearest)) + 1e-9;
-  const double angle = std::acos(std::clamp(limits_.gap_cos, -1.0, 1.0));
-  if (angle > turn && solver_.at_most(directions_, std::cos(angle - turn), &axis)) {
-    become_leaf(node, Label::gap);
-    return true;
-  }
-  directions_.clear();
-  for (const Offset& d : offsets_) directions_.push(d.at / d.length);
-  if (!solver_.at_most(directions_, limits_.gap_cos, &axis) && cone_holds(axis, limits_.gap_cos, e)) {
-    become_leaf(node, Label::blank, axis);
-    return true;
+  constexpr double slack = 2e-9, spare = 0.01;
+  for (int turn = 0; turn < 6; ++turn) {
+    Vec3 d;
+    if (!query_.points().find_in_cone(q, axis, cosine - slack, margin, radius + e, d)) return true;
+    const double length = d.norm();
+    if (!(length > 0)) return false;
+    const Vec3 u = d / length;
+    const double wanted = cosine - margin / length - spare;
+    const Vec3 aside = axis - axis.dot(u) * u;
+    const double width = aside.norm();
+    if (wanted <= -1 || width < 1e-6) return false;
+    axis = wanted * u + std::sqrt(1 - wanted * wanted) / width * aside;
+    axis.normalize();
   }
   return false;
 }
 
+// All voxels farther than kappa_p h from every state: gap or blank, if one of the two can be proven for all.
+bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest) {
+  if (node.label == Label::gap) {
+    become_leaf(node, Label::gap);
+    return true;
+  }
+  Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
+  if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
+  axis.normalize();
+  if (find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) {
+    become_leaf(node, Label::blank, axis);
+    return true;
+  }
+  // Moving by e turns no direction by more than asin(e / nearest): a stricter angle at q suffices for all.
+  gather(q, limits.gap_radius - e);
+  const double turn = std::asin(std::min(1.0, e / nearest.norm())) + 1e-9;
+  const double angle = std::acos(std::clamp(limits.gap_cos, -1.0, 1.0));
+  if (angle > turn && solver_.at_most(directions_, std::cos(angle - turn), &axis)) {
+    become_leaf(node, Label::gap);
+    return true;
+  }
+  if (!axis.allFinite() || !find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) return false;
+  become_leaf(node, Label::blank, axis);
+  return true;
+}
+
 // All voxels within kappa_p h of a state, none of them enclosed.
-bool RegionTree::prove_sparse(RegionNode& node, const Vec3& q, double e) {
-  gather(q, limits_.safe_radius + e);
-  Vec3 axis = Vec3::Zero();
-  for (const Offset& d : offsets_) axis -= d.at;
-  axis = axis.norm() > 0 ? axis.normalized() : Vec3(Vec3::UnitX());
-  if (!cone_holds(axis, limits_.safe_cos, e)) return false;
+bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest) {
+  // The corners of a cell around q within reach enclose q: no cone is empty.
+  const Spread spread = delaunay_.spread(q, walk_);
+  const auto within = [&](const Vec3& corner) { return (corner - q).squaredNorm() <= limits.safe_radius * limits.safe_radius; };
+  if (spread.inside && std::ranges::all_of(spread.at, within)) return false;
+  Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
+  if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
+  if (!(axis.norm() > 0)) axis = Vec3::UnitX();
+  axis.normalize();
+  if (!find_axis(q, limits.safe_radius, limits.safe_cos, e, axis)) return false;
   become_leaf(node, Label::sparse, axis);
   return true;
 }
 
-bool RegionTree::all_safe(const RegionNode& node, StateId near) const {
+bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
   // Corners first: where not all is safe, one of them usually is not.
   const std::int32_t w = node.width();
   for (int pass = 0; pass < 2; ++pass) {
@@ -226,9 +274,8 @@ bool RegionTree::all_safe(const RegionNode& node, StateId near) const {
           const std::array<std::int32_t, 3> at{node.low[0] + i, node.low[1] + j, node.low[2] + k};
           if (at[0] >= voxels_[0] || at[1] >= voxels_[1] || at[2] >= voxels_[2]) continue;
           const Vec3 q = origin_ + voxel_ * Vec3(at[0] + 0.5, at[1] + 0.5, at[2] + 0.5);
-          const Spread spread = delaunay_.spread(q, near);
-          if (spread.spread > limits_.safe_spread || !query_.safe_cone(q, spread, limits_)) return false;
-          near = spread.states[0];
+          const Spread spread = delaunay_.spread(q, walk_);
+          if (spread.spread > limits.safe_spread || !query_.safe_cone(q, spread, limits)) return false;
         }
   }
   return true;
@@ -236,21 +283,33 @@ bool RegionTree::all_safe(const RegionNode& node, StateId near) const {
 
 void RegionTree::resolve_voxel(std::int32_t index) {
   RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  const Thresholds& limits = *limits_over(here);
   const Vec3 q = centre(here);
-  const PointOctree::Neighbour nearest = query_.points().nearest(q);
-  if (nearest.id == nobody) return become_leaf(here, Label::blank, Vec3::UnitX());
-  const Spread spread = delaunay_.spread(q, {nearest.id});
-  Vec3 axis = Vec3::Zero();
-  const bool enclosed = query_.safe_cone(q, spread, limits_, &axis);
-  if (enclosed && spread.spread <= limits_.safe_spread) return become_leaf(here, Label::safe);
-  if (nearest.squared <= limits_.sparse_distance * limits_.sparse_distance) {
-    if (enclosed) {
-      axis = Vec3::Zero();
-      if (!delaunay_.watch(q, {nearest.id}, static_cast<std::uint32_t>(index))) restless_.push_back(index);
-    }
-    return become_leaf(here, Label::sparse, axis);
+  const bool was_sparse = here.label == Label::sparse;   // a state within kappa_p h is there already
+  if (!walk_.near.valid()) {
+    walk_.near = {query_.points().nearest(q).id};
+    if (!walk_.near.valid()) return become_leaf(here, Label::blank, Vec3::UnitX());
   }
-  if (query_.enclosed(q, limits_.gap_radius, limits_.gap_cos, limits_.merge, &axis))
+  const Spread spread = delaunay_.spread(q, walk_);
+  Vec3 axis = Vec3::Zero();
+  const bool coarse = spread.inside && spread.spread > limits.safe_spread;
+  const bool enclosed = coarse || query_.safe_cone(q, spread, limits, &axis);
+  if (enclosed && spread.spread <= limits.safe_spread) return become_leaf(here, Label::safe);
+  if (was_sparse || query_.points().nearest(q, limits.sparse_distance).id != nobody) {
+    if (coarse)
+      delaunay_.watch(walk_, static_cast<std::uint32_t>(index));
+    else if (enclosed && !delaunay_.watch(q, walk_.near, static_cast<std::uint32_t>(index)))
+      restless_.push_back(index);
+    return become_leaf(here, Label::sparse, enclosed ? Vec3(Vec3::Zero()) : axis);
+  }
+  if (here.label == Label::gap) return become_leaf(here, Label::gap);
+  // Where a state broke an empty cone, another is often close to it.
+  axis = Vec3(here.axis[0], here.axis[1], here.axis[2]);
+  if (std::abs(axis.squaredNorm() - 1) < 0.1) {
+    axis.normalize();
+    if (find_axis(q, limits.gap_radius, limits.gap_cos, 0, axis)) return become_leaf(here, Label::blank, axis);
+  }
+  if (query_.enclosed(q, limits.gap_radius, limits.gap_cos, limits.merge, &axis))
     return become_leaf(here, Label::gap);
   become_leaf(here, Label::blank, axis);
 }
@@ -258,16 +317,20 @@ void RegionTree::resolve_voxel(std::int32_t index) {
 void RegionTree::resolve(std::int32_t index) {
   RegionNode& here = nodes_[static_cast<std::size_t>(index)];
   if (here.level == 0) return resolve_voxel(index);
+  const Thresholds* limits = limits_over(here);
+  if (!limits) return branch(index);
   const Vec3 q = centre(here);
   const double e = reach(here) * (1 + 1e-9), tiny = 1e-9 * voxel_;
   const PointOctree::Neighbour found = query_.points().nearest(q);
   if (found.id == nobody) return become_leaf(here, Label::blank, Vec3::UnitX());
+  const Vec3 offset = delaunay_.position({found.id}) - q;
   const double nearest = std::sqrt(found.squared);
-  if (nearest > limits_.sparse_distance + e + tiny) {
-    if (prove_far(here, q, e, nearest)) return;
+  if (nearest > limits->sparse_distance + e + tiny) {
+    if (prove_far(here, *limits, q, e, offset)) return;
   } else if (here.level <= block_level) {
-    if (nearest + e + tiny <= limits_.sparse_distance && prove_sparse(here, q, e)) return;
-    if (nearest <= limits_.safe_spread + e && all_safe(here, {found.id})) return become_leaf(here, Label::safe);
+    walk_.near = {found.id};
+    if (nearest + e + tiny <= limits->sparse_distance && prove_sparse(here, *limits, q, e, offset)) return;
+    if (nearest <= limits->safe_spread + e && all_safe(here, *limits)) return become_leaf(here, Label::safe);
   }
   branch(index);
 }
@@ -289,20 +352,50 @@ void RegionTree::settle_below(std::int32_t index, std::size_t& budget) {
   collapse(index);
 }
 
+// The labels below a node changed: its ancestors' summaries follow, as far as they differ.
+void RegionTree::refresh_above(std::int32_t index) {
+  for (std::int32_t up = node(index).parent; up >= 0; up = node(up).parent) {
+    RegionNode& above = nodes_[static_cast<std::size_t>(up)];
+    if (above.kind != RegionNode::Kind::branch) continue;
+    std::uint8_t below = 0;
+    for (std::int32_t child = 0; child < 8; ++child) below |= summary(node(above.children + child));
+    above.below = below;
+  }
+}
+
+bool RegionTree::settle_marked(std::size_t budget) {
+  while (!marked_.empty() && budget > 0) {
+    const std::int32_t index = marked_.back();
+    const std::int32_t parent = node(index).parent;
+    settle_below(index, budget);
+    if (budget == 0 && (summary(node(index)) & unresolved_bit)) break;
+    marked_.pop_back();
+    collapse(parent);
+    // Brothers stand next to each other in the list: the last of them speaks for all.
+    if (marked_.empty() || node(marked_.back()).parent != parent) refresh_above(index);
+  }
+  pending_ = marked_.size();
+  return marked_.empty();
+}
+
 bool RegionTree::settle(std::size_t budget, const std::function<void(double)>& progress) {
-  if (pending_ == 0) return true;
+  if (complete_) return settle_marked(budget);
   for (std::size_t root = 0; root < roots_ && budget > 0; ++root) {
     settle_below(static_cast<std::int32_t>(root), budget);
     if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(roots_));
   }
   if (budget == 0) return false;
+  complete_ = true;
+  marked_.clear();
   pending_ = 0;
   return true;
 }
 
-void RegionTree::mark(RegionNode& node) {
-  if (node.kind != RegionNode::Kind::leaf || node.label == Label::safe) return;
-  node.kind = RegionNode::Kind::unresolved;
+void RegionTree::mark(std::int32_t index) {
+  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  if (here.kind != RegionNode::Kind::leaf || here.label == Label::safe) return;
+  here.kind = RegionNode::Kind::unresolved;
+  if (complete_) marked_.push_back(index);
   ++pending_;
 }
 
@@ -310,13 +403,13 @@ bool RegionTree::breaks(const RegionNode& leaf, const Vec3& at) const {
   const Vec3 d = at - centre(leaf);
   const double length = d.norm(), e = reach(leaf) + 1e-6 * voxel_;
   if (leaf.label == Label::safe) return false;
-  if (leaf.label != Label::sparse && length <= limits_.sparse_distance + e) return true;
+  if (leaf.label != Label::sparse && length <= widest_.sparse_distance + e) return true;
   if (leaf.label == Label::gap) return false;
   const bool sparse = leaf.label == Label::sparse;
-  if (length > (sparse ? limits_.safe_radius : limits_.gap_radius) + e) return false;
+  if (length > (sparse ? widest_.safe_radius : widest_.gap_radius) + e) return false;
   const Vec3 axis(leaf.axis[0], leaf.axis[1], leaf.axis[2]);
   if (axis.isZero()) return false;   // enclosed: its watch tells
-  const double cosine = sparse ? limits_.safe_cos : limits_.gap_cos;
+  const double cosine = sparse ? widest_.safe_cos : widest_.gap_cos;
   // 1e-6 covers the axis having been rounded to float.
   // A NaN axis (only coplanarity spoke against the label) breaks with any state in reach.
   return !(axis.dot(d) + (1 + std::abs(cosine)) * e < (cosine - 1e-6) * length);
@@ -324,12 +417,13 @@ bool RegionTree::breaks(const RegionNode& leaf, const Vec3& at) const {
 
 std::uint8_t RegionTree::disturb(std::int32_t index, const Vec3& at) {
   RegionNode& here = nodes_[static_cast<std::size_t>(index)];
-  if (here.kind == RegionNode::Kind::leaf && breaks(here, at)) mark(here);
+  if (here.kind == RegionNode::Kind::leaf && breaks(here, at)) mark(index);
   if (here.kind != RegionNode::Kind::branch) return summary(here);
-  const std::uint8_t moving = here.below & static_cast<std::uint8_t>(~(bit(Label::safe) | unresolved_bit));
+  // Safe stays, and sparse voxels that a Delaunay cell speaks for are reported by it.
+  const std::uint8_t moving = here.below & static_cast<std::uint8_t>(bit(Label::gap) | bit(Label::blank) | axis_bit);
   if (!moving) return here.below;
-  const double radius = (moving & bit(Label::blank)) ? std::max(limits_.gap_radius, limits_.sparse_distance)
-                                                     : std::max(limits_.safe_radius, limits_.sparse_distance);
+  const double radius = (moving & bit(Label::blank)) ? std::max(widest_.gap_radius, widest_.sparse_distance)
+                                                     : std::max(widest_.safe_radius, widest_.sparse_distance);
   const double half = 0.5 * here.width() * voxel_;
   const Vec3 beyond = ((at - centre(here)).cwiseAbs().array() - half).max(0.0);
   const double reached = radius * (1 + 1e-6) + voxel_;
@@ -341,17 +435,16 @@ std::uint8_t RegionTree::disturb(std::int32_t index, const Vec3& at) {
 
 void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturbed) {
   const auto wake = [&](std::int32_t index) {
-    RegionNode& leaf = nodes_[static_cast<std::size_t>(index)];
-    mark(leaf);
-    for (std::int32_t up = leaf.parent; up >= 0; up = node(up).parent)
-      nodes_[static_cast<std::size_t>(up)].below |= unresolved_bit;
+    mark(index);
+    for (std::int32_t up = node(index).parent; up >= 0; up = node(up).parent)
+      nodes_[static_cast<std::size_t>(up)].below = anything;
   };
   // A watch may outlive its voxel; waking whatever took its place costs time, never correctness.
   for (const std::uint32_t token : disturbed) wake(static_cast<std::int32_t>(token));
   for (const std::int32_t index : restless_) wake(index);
   restless_.clear();
 
-  const double far = std::max(limits_.gap_radius, limits_.sparse_distance) + voxel_;
+  const double far = std::max(widest_.gap_radius, widest_.sparse_distance) + voxel_;
   const double side = voxel_ * static_cast<double>(1 << root_level_);
   std::array<std::int32_t, 3> first{}, last{};
   for (std::size_t axis = 0; axis < 3; ++axis) {

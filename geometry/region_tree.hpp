@@ -6,14 +6,17 @@
 //   safe     never changes again
 //   gap      only within kappa_p h of the new state (the label can only rise to sparse or safe)
 //   blank    within kappa_p h, or within the gap radius where the state falls into the leaf's empty cone
-//   sparse   within the safe radius where the state falls into the leaf's empty cone, or, for a voxel that is enclosed
-//            but too coarsely (spread > kappa_s h), where the Delaunay cell around it is destroyed
+//   sparse   a voxel of too wide a spread: only where the Delaunay cell around it is destroyed; else within the safe
+//            radius where the state falls into the leaf's empty cone
 //
-// Those leaves become unresolved and are worked out when someone looks at them, one path from the root at a time.
+// Those leaves become unresolved and are worked out when someone looks at them, one path from the root at a time, or
+// all of them by settle(), which visits nothing else. On an adaptive lattice a leaf is proven only where h(q) is the
+// same throughout; what an insertion may break is judged by the coarsest h.
 
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,8 +32,9 @@ struct RegionNode {
   std::array<std::int32_t, 3> low{};       // lowest voxel
   std::uint8_t level = 0;                  // 2^level voxels wide
   Kind kind = Kind::unresolved;
-  Label label = Label::blank;
-  std::uint8_t below = 0x1f;               // of a branch: bit per label below, bit 4: something unresolved
+  Label label = Label::blank;              // while unresolved: the last known, which can only become better
+  std::uint8_t below = 0x3f;               // of a branch: bit per label below; 4: something unresolved; 5: a sparse
+                                           // leaf proven by its axis
   std::array<float, 3> axis{};             // of the empty cone that proves a blank or sparse leaf; 0: none
   std::int32_t width() const { return 1 << level; }
 };
@@ -56,14 +60,12 @@ class RegionTree {
   const Box& box() const { return box_; }
   double voxel() const { return voxel_; }
   const CoverageQuery& query() const { return query_; }
-  const Thresholds& limits() const { return limits_; }
+  Label label_of(const Vec3& q, PathWalk& walk);   // by the indexes, not the leaves
+  double gap_radius(const Vec3& q) const;          // [m]
+  double link_deg() const { return link_deg_; }
   std::size_t pending() const { return pending_; }                        // marked since the last settle()
 
  private:
-  struct Offset {
-    Vec3 at;
-    double length;
-  };
   template <class Visit>
   void visit_leaves(std::int32_t index, Visit& visit) const {
     const RegionNode& here = node(index);
@@ -77,23 +79,32 @@ class RegionTree {
   bool outside(const RegionNode& node) const;
   void resolve(std::int32_t index);                // to a leaf, or to a branch of unresolved children
   void resolve_voxel(std::int32_t index);
-  bool prove_far(RegionNode& node, const Vec3& q, double e, double nearest);
-  bool prove_sparse(RegionNode& node, const Vec3& q, double e);
-  bool all_safe(const RegionNode& node, StateId near) const;
-  bool cone_holds(const Vec3& axis, double cosine, double e) const;   // over offsets_
+  bool prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest);
+  bool prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest);
+  bool all_safe(const RegionNode& node, const Thresholds& limits);
+  // The thresholds that hold throughout the node; none where h(q) varies.
+  const Thresholds* limits_over(const RegionNode& node);
+  bool find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const;
   void gather(const Vec3& q, double radius);
   void become_leaf(RegionNode& node, Label label, const Vec3& axis = Vec3::Zero());
   void branch(std::int32_t index);
   void collapse(std::int32_t index);
   void settle_below(std::int32_t index, std::size_t& budget);
+  bool settle_marked(std::size_t budget);
+  void refresh_above(std::int32_t index);
   std::uint8_t disturb(std::int32_t index, const Vec3& at);
   bool breaks(const RegionNode& leaf, const Vec3& at) const;
-  void mark(RegionNode& node);
+  void mark(std::int32_t index);
   std::uint8_t summary(const RegionNode& node) const;
 
   DelaunayIndex& delaunay_;
   CoverageQuery query_;
-  Thresholds limits_;
+  std::shared_ptr<const AdaptiveLattice> lattice_;
+  Thresholds limits_;                              // at the spacing that the regions are made for
+  Thresholds widest_;                              // at the coarsest spacing of the lattice
+  Thresholds scaled_;                              // what limits_over() returned
+  double spacing_;                                 // [m]
+  double link_deg_;
   Box box_;
   double voxel_;                                   // h / 4 [m]
   Vec3 origin_;                                    // low corner of voxel (0, 0, 0)
@@ -103,9 +114,11 @@ class RegionTree {
   std::vector<RegionNode> nodes_;
   std::vector<std::int32_t> free_;                 // octets
   std::vector<std::int32_t> restless_;             // voxels that no watch covers
-  std::vector<Offset> offsets_;
+  PathWalk walk_;
   Directions directions_;
   ConeSolver solver_;
+  std::vector<std::int32_t> marked_;               // since all leaves were last worked out
+  bool complete_ = false;                          // they were, once: what is unresolved lies below marked_
   std::size_t pending_ = 0;
 };
 

@@ -5,12 +5,19 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <queue>
 #include <set>
 
+#include "geometry/bridge.hpp"
+#include "geometry/fill_distance.hpp"
 #include "geometry/region_tree.hpp"
+#include "geometry/union_find.hpp"
 
 namespace forefeel {
+namespace {
+
+constexpr std::size_t most_bridges = 1000;
+
+}  // namespace
 
 struct Regions::Impl {
   RegionTree tree;
@@ -41,19 +48,6 @@ std::array<double, 4> Regions::volumes() const {
 }
 
 namespace {
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // Calls meet(other leaf) for every leaf across the upper face of `node` along `axis`.
 template <class Meet>
@@ -116,7 +110,7 @@ std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTab
     const Box box = tree.box_of(leaf);
     if (number[root] == 0xffffffffu) {
       number[root] = static_cast<std::uint32_t>(found.size());
-      found.push_back({.label = leaf.label, .bounds = box, .safe_neighbours = {}});
+      found.push_back({.label = leaf.label, .bounds = box, .safe_neighbours = {}, .sides = {}});
       largest.push_back(-1);
     }
     component[i] = number[root];
@@ -153,15 +147,19 @@ void find_safe_neighbours(const RegionTree& tree, const LeafTable& table, const 
         beside[there].insert(here);
       });
   }
-  for (std::size_t c = 0; c < components.size(); ++c) {
-    std::set<std::uint32_t> safe;
-    for (const std::uint32_t next : beside[c]) {
-      if (components[next].label == Label::safe) safe.insert(next);
-      if (components[next].label != Label::sparse || components[c].label == Label::safe) continue;
-      for (const std::uint32_t past : beside[next])
-        if (components[past].label == Label::safe) safe.insert(past);
-    }
-    components[c].safe_neighbours.assign(safe.begin(), safe.end());
+  name_safe_neighbours(beside, components);
+}
+
+// What each gap bridges, seen from its inner place.
+void find_sides(const RegionTree& tree, std::vector<RegionComponent>& components) {
+  std::size_t done = 0;
+  for (RegionComponent& c : components) {
+    if (c.label != Label::gap || done++ >= most_bridges) continue;
+    std::vector<Vec3> offsets;
+    tree.query().points().for_each_within(c.inner, tree.gap_radius(c.inner), [&](std::uint32_t, const Vec3& offset, double) {
+      offsets.push_back(offset);
+    });
+    c.sides = bridge_sides(offsets, tree.link_deg());
   }
 }
 
@@ -197,6 +195,7 @@ RegionSummary Regions::summary() const {
   const LeafTable table = list_leaves(tree);
   const std::vector<std::uint32_t> component = find_components(tree, table, result.components);
   find_safe_neighbours(tree, table, component, result.components);
+  find_sides(tree, result.components);
   for (std::size_t root = 0; root < tree.root_count(); ++root)
     collect(tree, static_cast<std::int32_t>(root), table, component, result.leaves);
   for (const RegionComponent& c : result.components) {
@@ -205,39 +204,6 @@ RegionSummary Regions::summary() const {
   }
   return result;
 }
-
-namespace {
-
-// max delta over one face of the box by branch and bound: delta is 1-Lipschitz.
-double largest_on_face(const PointOctree& points, const Box& face, double known, double tolerance) {
-  struct Part {
-    double bound;
-    Box box;
-    bool operator<(const Part& other) const { return bound < other.bound; }
-  };
-  std::priority_queue<Part> queue;
-  const auto push = [&](const Box& box) {
-    const double here = std::sqrt(points.nearest(box.centre()).squared);
-    known = std::max(known, here);
-    const double bound = here + 0.5 * box.size().norm();
-    if (bound > known + tolerance) queue.push({bound, box});
-  };
-  push(face);
-  while (!queue.empty()) {
-    const Part part = queue.top();
-    queue.pop();
-    if (part.bound <= known + tolerance) break;
-    int longest = 0;
-    part.box.size().maxCoeff(&longest);
-    Box low = part.box, high = part.box;
-    low.high[longest] = high.low[longest] = part.box.centre()[longest];
-    push(low);
-    push(high);
-  }
-  return known;
-}
-
-}  // namespace
 
 // Inside the box delta has its maxima at Voronoi vertices, the circumcentres of the cells; else on the boundary.
 double Regions::fill_distance() const {
@@ -251,7 +217,8 @@ double Regions::fill_distance() const {
     for (const bool upper : {false, true}) {
       Box face = tree.box();
       (upper ? face.low : face.high)[axis] = (upper ? face.high : face.low)[axis];
-      largest = largest_on_face(points, face, largest, 4e-3 * tree.voxel());
+      const auto delta = [&](const Vec3& q) { return std::sqrt(points.nearest(q).squared); };
+      largest = largest_distance(delta, face, largest, 4e-3 * tree.voxel(), static_cast<std::size_t>(-1)).reached;
     }
   return largest;
 }
@@ -266,8 +233,8 @@ std::optional<LargestHole> Regions::largest_hole() const {
     std::pop_heap(balls.begin(), balls.end(), smaller);
     const DelaunayIndex::Ball ball = balls.back();
     balls.pop_back();
-    const StateId near{tree.query().points().nearest(ball.centre).id};
-    if (tree.query().label(ball.centre, near, tree.limits()) != Label::blank)
+    PathWalk nowhere;
+    if (tree.label_of(ball.centre, nowhere) != Label::blank)
       return LargestHole{ball.radius, ball.centre};
   }
   return std::nullopt;

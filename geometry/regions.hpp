@@ -33,6 +33,14 @@ struct RegionLeaf {
   std::uint32_t component = 0;   // index into components()
 };
 
+// One of the clusters of directions in which a gap meets known states (bridge.hpp), seen from its inner place.
+struct BridgeSide {
+  Vec3 direction = Vec3::Zero();  // unit, mean over its states
+  double half_angle_deg = 0;      // from the direction to its farthest state
+  double distance = 0;            // to its nearest state [m]
+  std::size_t states = 0;         // within the gap radius
+};
+
 // Facet-connected leaves of one label.
 struct RegionComponent {
   Label label = Label::blank;
@@ -42,6 +50,7 @@ struct RegionComponent {
   Vec3 inner = Vec3::Zero();     // centre of its largest leaf [m]
   std::vector<std::uint32_t> safe_neighbours;   // safe components that share a facet with it, or with the sparse rim
                                                 // around it (a gap is never next to safe: sparse lies between)
+  std::vector<BridgeSide> sides;                // of a gap, nearest first; only of the 1000 largest
 };
 
 struct LargestHole {
@@ -73,7 +82,7 @@ class Regions {
 
   std::array<double, 4> volumes() const;            // [m^3], settles first
   RegionSummary summary() const;                    // settles first; O(leaves)
-  double fill_distance() const;                     // [m], within 1e-3 h; infinite without states
+  double fill_distance() const;                     // [m], at most 1e-3 h below the supremum; infinite without states
   std::optional<LargestHole> largest_hole() const;
 
   // A state was added; `disturbed` as DelaunayIndex reports it.

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "geometry/adaptive_lattice.hpp"
 #include "geometry/coverage_query.hpp"
 #include "geometry/error.hpp"
 #include "geometry/regions.hpp"
@@ -24,6 +25,10 @@ struct StateSpace::Impl {
       : options(std::move(given)),
         limits(options.coverage, options.spacing, options.merge_distance * options.spacing) {}
 
+  double spacing_at(const Vec3& q) const { return options.lattice ? options.lattice->spacing_at(q) : options.spacing; }
+  Thresholds limits_at(const Vec3& q) const {
+    return options.lattice ? limits.scaled(options.lattice->spacing_at(q) / options.spacing) : limits;
+  }
   // A state near q to start the walk from: the last one inserted if it is close, else the nearest.
   StateId hint(const Vec3& q) const {
     if (last.valid() && (states[last.value].at - q).squaredNorm() < 9 * options.spacing * options.spacing) return last;
@@ -63,12 +68,20 @@ StateSpace::Insertion StateSpace::insert(State state) {
 }
 
 Coverage StateSpace::coverage(const Vec3& q) const {
-  return CoverageQuery(impl_->points, impl_->delaunay).coverage(q, impl_->limits);
+  return CoverageQuery(impl_->points, impl_->delaunay).coverage(q, impl_->limits_at(q));
 }
 
 Label StateSpace::label(const Vec3& q) const {
-  return CoverageQuery(impl_->points, impl_->delaunay).label(q, impl_->hint(q), impl_->limits);
+  return CoverageQuery(impl_->points, impl_->delaunay).label(q, impl_->hint(q), impl_->limits_at(q));
 }
+
+Label StateSpace::label(const Vec3& q, PathWalk& walk) const {
+  const CoverageQuery query(impl_->points, impl_->delaunay);
+  if (!walk.near.valid()) walk.near = impl_->hint(q);
+  return impl_->options.lattice ? query.label(q, walk, impl_->limits_at(q)) : query.label(q, walk, impl_->limits);
+}
+
+double StateSpace::spacing_at(const Vec3& q) const { return impl_->spacing_at(q); }
 
 void StateSpace::nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const {
   thread_local std::vector<PointOctree::Neighbour> found;

@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "geometry/coverage.hpp"
+#include "geometry/path_walk.hpp"
 #include "geometry/state.hpp"
 
 namespace forefeel {
 
+class AdaptiveLattice;
 class DelaunayIndex;
 class Regions;
 
@@ -21,6 +23,9 @@ struct StateSpaceOptions {
   Box box{};                            // where states are placed; the HIP may leave it
   CoverageOptions coverage{};
   double merge_distance = 1e-9;         // in spacings: nearer states are one
+  // Where given, labels use its h(q) instead of `spacing`, which then sets only the finest regions, spacing / 4, and
+  // what counts as one state. Shared and never changed.
+  std::shared_ptr<const AdaptiveLattice> lattice = nullptr;
 };
 
 class StateSpace {
@@ -43,6 +48,8 @@ class StateSpace {
 
   Coverage coverage(const Vec3& q) const;                                   // label and its measures at q
   Label label(const Vec3& q) const;                                         // the same label, cheaper
+  Label label(const Vec3& q, PathWalk& walk) const;                         // the same, cheapest along a path
+  double spacing_at(const Vec3& q) const;                                   // h(q) [m]
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;     // by distance, ties by id
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;            // the same order
   StateId find(const Vec3& q) const;      // the state within merge_distance of q, or an invalid id
