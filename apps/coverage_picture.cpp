@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<const char*, 3> axis_name{"x", "y", "z"};
 constexpr int panel = 330, margin = 54, legend_height = 150, title_height = 40;
-constexpr std::size_t most_states = 20000;
+constexpr std::size_t most_states = 6000;   // more hide the colours
 
 // The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
 struct Slice {
