@@ -22,6 +22,7 @@
 
 #include "approx/baselines/baseline.hpp"
 #include "approx/force_switch.hpp"
+#include "approx/instruction_set.hpp"
 #include "apps/laboratory.hpp"
 #include "apps/provenance.hpp"
 #include "scheduling/random.hpp"
@@ -312,7 +313,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
     }
   }
   document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
-  document["instruction_set"] = baseline_instruction_set();
+  document["instruction_set"] = name(approx_instruction_set());
   document["provenance"] = provenance(laboratory.scene().hash);
   if (globals.json) print_json(document);
   for (const std::string& line : lines) say(globals, line);

@@ -7,6 +7,7 @@
 #include "apps/bench_hard_cases.hpp"
 #include "apps/command.hpp"
 #include "apps/scene.hpp"
+#include "geometry/error.hpp"
 
 namespace forefeel {
 namespace {

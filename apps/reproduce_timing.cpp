@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "approx/baselines/baseline.hpp"
+#include "approx/instruction_set.hpp"
 #include "approx/neighbours.hpp"
 #include "apps/paper_ground.hpp"
 #include "apps/plot.hpp"
@@ -267,7 +268,7 @@ Picture picture(const std::vector<Row>& rows) {
 
 std::string what_we_found(const std::vector<Row>& rows) {
   std::string text =
-      fmt::format("On this machine, one thread, {} instructions: ", baseline_instruction_set());
+      fmt::format("On this machine, one thread, {} instructions: ", name(approx_instruction_set()));
   for (const Row& row : rows) {
     if (row.model.kernel == Kernel::linear) continue;  // costs the same as r3
     text += fmt::format(
@@ -307,7 +308,7 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
 
   Findings findings;
   findings.summary["states"] = states.size();
-  findings.summary["instruction_set"] = baseline_instruction_set();
+  findings.summary["instruction_set"] = name(approx_instruction_set());
   findings.summary["rows"] = nlohmann::ordered_json::array();
   for (const Row& row : rows) findings.summary["rows"].push_back(to_json(row));
   const std::string found = what_we_found(rows);
