@@ -14,6 +14,7 @@
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
 #include "geometry/state_file.hpp"
+#include "scheduling/predictor.hpp"
 #include "scheduling/run_files.hpp"
 
 namespace forefeel {
@@ -106,6 +107,23 @@ std::string text_for(const SessionProgress& p) {
   return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved, name(p.label));
 }
 
+// What each predictor would have missed on this motion, against horizon.
+nlohmann::ordered_json prediction_json(const SessionResult& result, double frame) {
+  constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};   // [s]
+  std::vector<Vec3> motion;
+  for (const FrameRecord& f : result.frames) motion.push_back(f.at);
+  nlohmann::ordered_json document = nlohmann::ordered_json::object();
+  for (const std::string& name : predictor_names()) {
+    auto& rows = document[name] = nlohmann::ordered_json::array();
+    for (const PredictionError& e : prediction_error(*make_predictor(name), motion, frame, horizons))
+      rows.push_back({{"horizon", e.horizon},
+                      {"p50", number(e.p95 > 0 ? e.p50 : unknown)},
+                      {"p95", number(e.p95 > 0 ? e.p95 : unknown)},
+                      {"within_two_deviations", number(e.within_deviation)}});
+  }
+  return document;
+}
+
 std::string share(const nlohmann::ordered_json& value) {
   return value.is_number() ? fmt::format("{:.1f} %", 100 * value.get<double>()) : "unknown";
 }
@@ -154,6 +172,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   write_run_files(run, result, options);
   write_states_csv(run / "states.csv", result.states);
   nlohmann::ordered_json summary = summary_json(result, input, options);
+  summary["prediction"] = prediction_json(result, options.frame);   // [s], [m]
   summary["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
   file.write(summary.dump(2) + "\n");

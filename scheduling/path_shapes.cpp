@@ -120,10 +120,24 @@ PathShape mower(const Frame& f) {
   return shape;
 }
 
+// Lines close together all over the box, layer by layer into the body: nearly every lattice cell is visited, most of
+// them once. About 5 m for a box of 7 cm.
+PathShape raster(const Frame& f) {
+  PathShape shape{{Vec3::Zero()}, {}};
+  constexpr int lines = 12, layers = 5;
+  for (int layer = 0; layer < layers; ++layer)
+    for (int i = 0; i < lines; ++i) {
+      const double b = (layer % 2 == 0 ? 1 : -1) * (-0.92 + 1.84 * i / (lines - 1)), side = i % 2 == 0 ? -1.05 : 1.05;
+      shape.loop.push_back(f.at(side, b, 0.1 + 0.2 * layer));
+      shape.loop.push_back(f.at(-side, b, 0.1 + 0.2 * layer));
+    }
+  return shape;
+}
+
 }  // namespace
 
 std::vector<std::string> path_names() {
-  return {"press", "line", "circle", "lissajous", "reach", "palpation", "tour", "mower"};
+  return {"press", "line", "circle", "lissajous", "reach", "palpation", "tour", "mower", "raster"};
 }
 
 PathShape path_shape(const std::string& name, const DeviceContext& context) {
@@ -136,6 +150,7 @@ PathShape path_shape(const std::string& name, const DeviceContext& context) {
   if (name == "palpation") return palpation(f);
   if (name == "tour") return tour(f);
   if (name == "mower") return mower(f);
+  if (name == "raster") return raster(f);
   throw InputError("device", fmt::format("unknown path '{}', expected one of {}", name, fmt::join(path_names(), ", ")));
 }
 
