@@ -26,6 +26,7 @@ struct Findings {
 struct Experiment {
   std::string name, title;
   Findings (*run)(Laboratory&, const ReproduceOptions&, const std::filesystem::path&, const ShowShare&);
+  bool alone = false;   // takes hours: run by its name, not with the others
 };
 
 Findings reproduce_timing(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
@@ -36,6 +37,9 @@ Findings reproduce_damping(Laboratory&, const ReproduceOptions&, const std::file
                            const ShowShare&);
 Findings reproduce_energy(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
                           const ShowShare&);
+
+Findings reproduce_speed(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
+                         const ShowShare&);
 
 const std::vector<Experiment>& experiments();  // in the order of the report
 
