@@ -45,4 +45,15 @@ for name in sys.argv[1:]:
         "cell_data": arrays(grid.GetCellData()),
         "point_data": arrays(grid.GetPointData()),
     })
-print(json.dumps(out))
+
+
+def without_nan(value):
+    """JSON has no word for NaN."""
+    if isinstance(value, dict):
+        return {key: without_nan(v) for key, v in value.items()}
+    if isinstance(value, list):
+        return [without_nan(v) for v in value]
+    return None if isinstance(value, float) and value != value else value
+
+
+print(json.dumps(without_nan(out)))

@@ -132,7 +132,11 @@ TEST_CASE("bench switch: bounds hold and the latest model wins", "[laboratory]")
       CHECK(row.contains(key));
     CHECK(row["latest_wins"] == true);
     CHECK(row["delay"]["within_bound"] == true);
-    CHECK(row["drift"]["ms50"].get<double>() <= row["drift"]["ms300"].get<double>() + 1e-12);
+    // A window of w ms holds w frames; changes of opposite signs may cancel in a longer one.
+    const double jump = row["max_jump"];
+    CHECK(row["drift"]["ms50"].get<double>() > 0);
+    CHECK(row["drift"]["ms50"].get<double>() <= 50 * jump);
+    CHECK(row["drift"]["ms300"].get<double>() <= 300 * jump);
     if (row["rule"] == "none")
       CHECK(row["delay"]["max_ms"] == 0.0);
     else
