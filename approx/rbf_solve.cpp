@@ -89,14 +89,20 @@ void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
 // the tangent moves gradually as the set does.
 void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
   const sums::Loops& loops = sums::loops();
-  const Vec3 y = scaled(hip);
+  Vec3 y = scaled(hip);
+  if (const double distance = y.stableNorm(); !(distance < 1e8)) {  // so far that distances would overflow
+    if (std::isfinite(distance))
+      y *= 1e8 / distance;
+    else
+      y.setZero();
+  }
   double extent[5], reach[2], sum[19];
   loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), extent);
   loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
                   reach);
   const double nearest = reach[0], farthest = reach[1];
   std::size_t first = 0;
-  while (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest) ++first;
+  while (first + 1 < slots_ && (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest)) ++first;
   const Sample& base = slot_[first].sample;
 
   const double radius = std::sqrt(extent[3] / double(alive_)) * scale_;
