@@ -178,22 +178,27 @@ nlohmann::ordered_json document_of(const Classified& set, const ClassifyArgument
   return out;
 }
 
-void print_summary(const Classified& set, const std::vector<Vec3>& points, const std::vector<Coverage>& found,
-                   double seconds, const Globals& globals) {
+std::string millimetres(double metres) { return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres); }
+
+void print_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found, const Globals& globals) {
   for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 200); ++i)
-    say(globals, fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {:.4g}  alpha {:.4g}  delta {:.4g} mm  gamma {:.4g}",
-                             1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
-                             1e3 * found[i].spread, 1e3 * found[i].alpha, 1e3 * found[i].delta, found[i].gamma_deg));
-  if (points.size() > 200) say(globals, fmt::format("… {} points in all", points.size()));
+    answer(globals, fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
+                                1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
+                                millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
+                                std::isnan(found[i].gamma_deg) ? "not needed" : fmt::format("{:.4g} deg", found[i].gamma_deg)));
+  if (points.size() > 200) answer(globals, fmt::format("… {} points in all", points.size()));
+}
+
+void print_summary(const Classified& set, double seconds, const Globals& globals) {
   int gaps = 0;
   double all = 0;
   for (const double v : set.regions.volume) all += v;
-  say(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
+  answer(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
                            set.spacing_estimated ? " (estimated)" : set.lattice ? " at the finest" : "",
                            set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
   for (int i = 0; i < 4; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    say(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(static_cast<Label>(i)),
+    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(static_cast<Label>(i)),
                              1e6 * set.regions.volume[k], all > 0 ? 100 * set.regions.volume[k] / all : 0.0,
                              set.regions.component_count[k], set.regions.component_count[k] == 1 ? "" : "s"));
   }
@@ -202,12 +207,12 @@ void print_summary(const Classified& set, const std::vector<Vec3>& points, const
       say(globals, fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe part{}",
                                1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
                                c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(), c.safe_neighbours.size() == 1 ? "" : "s"));
-  say(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
+  answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
                            set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
                                ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)
                                : ""));
   if (set.hole)
-    say(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
+    answer(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
                              1e3 * set.hole->centre.x(), 1e3 * set.hole->centre.y(), 1e3 * set.hole->centre.z()));
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
@@ -259,7 +264,8 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
     print_json(document_of(set, arguments, found, agreement, seconds));
     return 0;
   }
-  print_summary(set, points, found, seconds, globals);
+  if (arguments.output.empty()) print_points(points, found, globals);   // a file holds them better
+  print_summary(set, seconds, globals);
   if (agreement) print_agreement(globals, *agreement);
   return 0;
 }
