@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -23,9 +24,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t interrupted = 0;
+std::atomic<bool> interrupted = false;   // lock-free: a signal handler may set it
+static_assert(std::atomic<bool>::is_always_lock_free);
 extern "C" void forefeel_session_interrupt(int) {
-  interrupted = 1;
+  interrupted = true;
   std::signal(SIGINT, SIG_DFL);   // a second one ends the program
 }
 
@@ -212,7 +214,10 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   write_report(run, scene, globals);
   if (globals.json) print_json(summary);
   if (!globals.json) tell(globals, summary, run);
-  return result.interrupted ? 1 : 0;
+  if (!result.interrupted) return 0;
+  warn(globals, "interrupted: the files of the run hold what was done until then");
+  flush_warnings();
+  return 1;
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 // Both clocks run the same Planner and the same RenderLoop; only who calls them when differs.
 
 #include <array>
-#include <csignal>
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -52,7 +52,7 @@ struct SessionOptions {
   double force_limit = 12;                 // safety clamp [N]: that of an omega.3; paths have no device profile
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up
-  const volatile std::sig_atomic_t* interrupted = nullptr;   // once not 0, the session ends after that frame
+  const std::atomic<bool>* interrupted = nullptr;   // once true, the session ends after that frame
   double stale_seconds = 0.5;              // watchdog: no sign of the planner for so long fades the force out
 };
 

@@ -67,7 +67,7 @@ void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& option
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
   end.realtime = refused == 0;
   if (refused) end.note = fmt::format("the loop runs without real-time priority: {}", std::strerror(refused));
-  for (std::size_t k = 0; k < frames && !(options.interrupted && *options.interrupted); ++k) {
+  for (std::size_t k = 0; k < frames && !(options.interrupted && options.interrupted->load(std::memory_order_relaxed)); ++k) {
     const Nanoseconds due = start + std::llround(static_cast<double>(k) * options.frame * 1e9);
     sleep_until(due);
     const Nanoseconds woke = monotonic();

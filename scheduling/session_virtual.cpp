@@ -147,7 +147,7 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult&
       planner.observe(*link.hip.take());
       planner.plan(now);
       const std::size_t next = event.payload + 1;
-      if (next == plan.frames || (options.interrupted && *options.interrupted)) break;
+      if (next == plan.frames || (options.interrupted && options.interrupted->load(std::memory_order_relaxed))) break;
       events.push(ns(static_cast<double>(next) * options.frame), Kind::frame, next);
       if (show && next % 250 == 0)
         show({.t = now, .seconds = options.seconds, .known = planner.space().size(), .solved = planner.solved(),
