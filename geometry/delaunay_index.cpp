@@ -55,32 +55,46 @@ struct Triangulation : Delaunay {
   }
 };
 
-constexpr double flat = 1e-7;        // relative height of cells that count as coplanar
+constexpr double flat = 1e-7;        // relative height of cells whose circumcentre rounding decides
+constexpr double thin = 1e-12;       // relative height of cells that count as coplanar
 constexpr double on_face = 1e-9;     // weights below are zero: q lies on a facet, edge or vertex
+constexpr double rounding = 0x1p-52; // of a coordinate
 
 Vec3 vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
 Point point(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-// Corners relative to q, and the barycentric weights of q; false where the cell is flat.
+// Corners relative to q, and the barycentric weights of q.
 struct Simplex {
   std::array<Vec3, 4> at;
   std::array<double, 4> weight;
   double lowest = 0;
 
-  bool set(CellHandle cell, const Vec3& q) {
+  // False where the cell is lower than `height` [m] or `thin`: its weights would be rounding.
+  bool set(CellHandle cell, const Vec3& q, double height) {
     for (int i = 0; i < 4; ++i) at[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point()) - q;
     const Vec3 a = at[1] - at[0], b = at[2] - at[0], c = at[3] - at[0];
     const double volume = a.dot(b.cross(c));
-    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
-    if (volume <= flat * longest * std::sqrt(longest)) return false;
-    const Vec3 bc = at[2].cross(at[3]);
-    weight[0] = at[1].dot(bc) / volume;
-    weight[1] = -at[0].dot(bc) / volume;
-    const Vec3 ab = at[0].cross(at[1]);
-    weight[2] = at[3].dot(ab) / volume;
-    weight[3] = -at[2].dot(ab) / volume;
+    const double squared = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()}), longest = std::sqrt(squared);
+    if (volume <= (thin * longest + height) * squared) return false;
+    if (volume > 1e-5 * squared * longest) {
+      const Vec3 bc = at[2].cross(at[3]), ab = at[0].cross(at[1]);
+      weight = {at[1].dot(bc) / volume, -at[0].dot(bc) / volume, at[3].dot(ab) / volume, -at[2].dot(ab) / volume};
+    } else {
+      set_exactly(cell, q);
+    }
     lowest = std::min({weight[0], weight[1], weight[2], weight[3]});
     return true;
+  }
+  // In a thin cell the differences of coordinates must not be rounded, either.
+  void set_exactly(CellHandle cell, const Vec3& q) {
+    using Long3 = Eigen::Matrix<long double, 3, 1>;
+    std::array<Long3, 4> p;
+    for (int i = 0; i < 4; ++i)
+      p[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point()).cast<long double>() - q.cast<long double>();
+    const Long3 bc = p[2].cross(p[3]), ab = p[0].cross(p[1]);
+    const std::array<long double, 4> part{p[1].dot(bc), -p[0].dot(bc), p[3].dot(ab), -p[2].dot(ab)};
+    const long double whole = part[0] + part[1] + part[2] + part[3];
+    for (std::size_t i = 0; i < 4; ++i) weight[i] = static_cast<double>(part[i] / whole);
   }
   void clamp() {
     double sum = 0;
@@ -92,6 +106,35 @@ struct Simplex {
     for (std::size_t i = 0; i < 4; ++i) sum += weight[i] * at[i].squaredNorm();
     return std::sqrt(sum);
   }
+};
+
+// A place well inside the hull, kept while it grows: the mean of the states that are farthest along 26 directions.
+class Inside {
+ public:
+  Inside() {
+    for (int k = 0; k < 13; ++k) direction_[static_cast<std::size_t>(k)] = Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    for (std::size_t i = 0; i < 13; ++i) low_[i] = std::numeric_limits<double>::infinity(), high_[i] = -low_[i];
+  }
+  void add(const Vec3& p) {
+    bool changed = false;
+    for (std::size_t i = 0; i < 13; ++i) {
+      const double along = direction_[i].dot(p);
+      if (along < low_[i]) low_[i] = along, first_[i] = p, changed = true;
+      if (along > high_[i]) high_[i] = along, last_[i] = p, changed = true;
+    }
+    if (!changed) return;
+    largest_ = std::max(largest_, p.cwiseAbs().maxCoeff());
+    mean_ = Vec3::Zero();
+    for (std::size_t i = 0; i < 13; ++i) mean_ += (first_[i] + last_[i]) / 26;
+  }
+  const Vec3& place() const { return mean_; }
+  double largest() const { return largest_; }   // coordinate of any state, without sign [m]
+
+ private:
+  std::array<Vec3, 13> direction_, first_, last_;
+  std::array<double, 13> low_, high_;
+  Vec3 mean_ = Vec3::Zero();
+  double largest_ = 0;
 };
 
 // Circumcentre relative to the first corner; infinite where the cell is flat.
@@ -137,6 +180,10 @@ struct DelaunayIndex::Impl {
   std::int32_t free_link = -1;
   std::vector<std::uint32_t> disturbed;
 
+  Inside inside;
+
+  // Heights that rounding of the states' coordinates may have made [m].
+  double grain() const { return 64 * rounding * inside.largest(); }
   CellHandle start(StateId near) const {
     if (near.valid() && near.value < vertex.size() && vertex[near.value] != VertexHandle())
       return vertex[near.value]->cell();
@@ -145,7 +192,7 @@ struct DelaunayIndex::Impl {
   void add_watch(CellHandle cell, std::uint32_t token);
   void release_watches(CellHandle cell);
   CellHandle solid_cell(const Vec3& q, CellHandle from, Simplex& simplex) const;
-  CellHandle solid_neighbour(CellHandle cell, const Vec3& q, Simplex& simplex) const;
+  CellHandle inner_cell(CellHandle cell, const Vec3& q, double longest, Simplex& simplex) const;
   double least_circumradius(CellHandle cell, const Simplex& simplex) const;
 };
 
@@ -173,42 +220,59 @@ void DelaunayIndex::Impl::release_watches(CellHandle cell) {
   cell->info().watches = -1;
 }
 
-// The neighbour of a flat cell that is not flat and contains q best.
-CellHandle DelaunayIndex::Impl::solid_neighbour(CellHandle cell, const Vec3& q, Simplex& simplex) const {
-  CellHandle best;
-  Simplex trial;
-  for (int i = 0; i < 4; ++i) {
-    const CellHandle next = cell->neighbor(i);
-    if (triangulation.is_infinite(next) || !trial.set(next, q)) continue;
-    if (best == CellHandle() || trial.lowest > simplex.lowest) {
-      simplex = trial;
-      best = next;
-    }
-  }
-  return best != CellHandle() && simplex.lowest > -1e-5 ? best : CellHandle();
-}
+// The facet by which q left the hull, for an infinite cell: how far q is above its plane.
+struct Exit {
+  double longest;   // edge [m]
+  double height;    // [m]; 0 where the facet is too thin to have a normal
 
-// A cell that contains q and is not flat; q may lie outside the hull by rounding (1e-9 of the facet's longest edge).
-CellHandle DelaunayIndex::Impl::solid_cell(const Vec3& q, CellHandle from, Simplex& simplex) const {
-  if (triangulation.dimension() < 3) return {};
-  CellHandle cell = triangulation.locate(point(q), from);
-  for (int attempt = 0; triangulation.is_infinite(cell); ++attempt) {
-    if (attempt == 1) return {};
+  Exit(const Delaunay& triangulation, CellHandle cell, const Vec3& q) {
     const int far = cell->index(triangulation.infinite_vertex());
     const Vec3 a = vec(cell->vertex((far + 1) & 3)->point()), b = vec(cell->vertex((far + 2) & 3)->point()),
                c = vec(cell->vertex((far + 3) & 3)->point());
-    Vec3 normal = (b - a).cross(c - a);
-    const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()}));
-    const CellHandle mirror = cell->neighbor(far);
-    const Vec3 inner = vec(mirror->vertex(mirror->index(cell))->point());
-    normal.normalize();
-    if (normal.dot(inner - a) > 0) normal = -normal;
-    const double height = normal.dot(q - a);
-    if (!(height <= on_face * longest)) return {};
-    cell = triangulation.locate(point(q - normal * (std::max(height, 0.0) + on_face * longest)), cell);
+    const Vec3 normal = (b - a).cross(c - a);
+    longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()}));
+    const double area = normal.norm();
+    height = area > 1e-6 * longest * longest ? std::abs(normal.dot(q - a)) / area : 0;
   }
-  if (simplex.set(cell, q)) return cell;
-  return solid_neighbour(cell, q, simplex);
+};
+
+// A cell that contains q and is not flat, from a flat one or, where q lies outside the hull by rounding, from an
+// infinite one: that of a place beside q, towards the inside of the hull. Over the flat cells of a face the lifted
+// hull can only rise outwards (it is convex, and does not fall steeply within), so the inner cell has the least spread.
+CellHandle DelaunayIndex::Impl::inner_cell(CellHandle cell, const Vec3& q, double longest, Simplex& simplex) const {
+  const Vec3 toward = (inside.place() - q).normalized();
+  // No direction of a lattice: a step along a flat cell would stay in it.
+  static const std::array<Vec3, 4> aside{Vec3(0.267, -0.534, 0.802), Vec3(-0.771, 0.154, 0.617), Vec3(0.577, 0.742, -0.342),
+                                         Vec3(-0.302, -0.905, -0.301)};
+  for (const double step : {1e-11, 1e-9}) {
+    const double length = std::max(step * longest, 8 * grain());
+    for (const double bend : {0.0, 0.3, 0.03, 0.003})
+      for (const Vec3& other : aside) {
+        const Vec3 beside = q + length * (toward + bend * other).normalized();
+        const CellHandle found = triangulation.locate(point(beside), cell);
+        if (!triangulation.is_infinite(found) && simplex.set(found, q, grain())) return found;
+        if (bend == 0) break;
+      }
+  }
+  return {};
+}
+
+// A cell that contains q and is not flat; q may lie outside the hull by rounding.
+CellHandle DelaunayIndex::Impl::solid_cell(const Vec3& q, CellHandle from, Simplex& simplex) const {
+  if (triangulation.dimension() < 3) return {};
+  const CellHandle cell = triangulation.locate(point(q), from);
+  if (!triangulation.is_infinite(cell)) {
+    if (simplex.set(cell, q, grain())) return cell;
+    double longest = 0;
+    for (const Vec3& corner : simplex.at) longest = std::max(longest, (corner - simplex.at[0]).norm());
+    return inner_cell(cell, q, longest, simplex);
+  }
+  const Exit exit(triangulation, cell, q);
+  const double slack = grain() + 1e-13 * exit.longest;
+  if (exit.height > slack) return {};
+  const Vec3 within = q + slack * (inside.place() - q).normalized();
+  if (triangulation.is_infinite(triangulation.locate(point(within), cell))) return {};
+  return inner_cell(cell, q, exit.longest, simplex);
 }
 
 // Over all cells that contain q: those at the vertex, edge or facet where q lies.
@@ -270,6 +334,7 @@ StateId DelaunayIndex::insert(StateId id, const Vec3& at, StateId near) {
   }
   if (my.triangulation.number_of_vertices() == before) return {vertex->info()};
   my.version = next_version();
+  my.inside.add(at);
   vertex->info() = id.value;
   if (my.vertex.size() <= id.value) my.vertex.resize(std::max<std::size_t>(id.value + 1, 2 * my.vertex.size()));
   my.vertex[id.value] = vertex;
@@ -327,6 +392,9 @@ bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
   if (cell == CellHandle()) {
     cell = my.triangulation.locate(point(q), my.start(near));
     if (!my.triangulation.is_infinite(cell)) return false;
+    // In the plane of a facet q may come to lie in the hull while the facet stays.
+    const Exit exit(my.triangulation, cell, q);
+    if (exit.height <= 1e-6 * exit.longest + my.grain()) return false;
   }
   my.add_watch(cell, token);
   return true;

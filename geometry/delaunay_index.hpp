@@ -10,7 +10,9 @@
 // pi^2 = sum lambda_i |v_i|^2 - |q|^2. The minimum does not know which of several cospherical triangulations was
 // chosen, so pi does not either. (The circumradius alone is not monotone.)
 //
-// Sets whose hull is flatter than 1e-7 of its edges count as coplanar: their cells have no spread.
+// Rounding: cells lower than 1e-12 of their edges, or than 64 units in the last place of the states' coordinates,
+// count as coplanar; where they fill a face of the hull the cell behind them speaks for them. q may lie outside the
+// hull by as little. (A rotated lattice has such cells at all its faces.)
 
 #include <array>
 #include <cstdint>
