@@ -19,7 +19,7 @@ struct ClassifyArguments {
   std::string states, index = "delaunay", box, points, line, output, scene, through, known, calibrate;
   std::vector<std::string> diff;
   std::optional<double> spacing, grid;
-  std::size_t snapshots = 40;
+  std::optional<std::size_t> snapshots;   // 40 unless said
   bool agreement = false;
   CoverageOptions coverage;
 };
@@ -43,10 +43,24 @@ struct Classified {
   Label label(const Vec3& q) const { return space ? space->label(q) : octree->label(q); }
 };
 
+constexpr double largest_spacing = 1e6;   // [m]; squares of more would overflow somewhere
+
+// What a set of states brings along: its spacing [m], NaN if it does not say, and a box where the states do not span it.
+struct OwnFrame {
+  double spacing = unknown;
+  std::optional<Box> box = std::nullopt;
+};
+struct StatesInFrame {
+  std::vector<State> states;
+  OwnFrame own;
+};
+// A .states file, a CSV, or setup:NAME (setups.hpp).
+StatesInFrame load_set(const std::string& file);
+
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file);
 // Spacing, box and outline without labelling; states may be empty where a box is given.
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
-                          double header_spacing, const Globals& globals);
+                          const OwnFrame& own, const Globals& globals);
 // Builds the index (spatially sorted) and the regions.
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes);
 

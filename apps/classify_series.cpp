@@ -45,9 +45,58 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
   return arrivals;
 }
 
+bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); }
+
+// Forces, stiffnesses and how they were solved, for states of which only the position is known so far.
+class Solved {
+ public:
+  explicit Solved(std::vector<State> states) : states_(std::move(states)) {
+    std::stable_sort(states_.begin(), states_.end(), [](const State& a, const State& b) { return before(a.at, b.at); });
+  }
+  void complete(State& state) const {
+    const auto found = std::lower_bound(states_.begin(), states_.end(), state.at,
+                                        [](const State& s, const Vec3& at) { return before(s.at, at); });
+    if (found != states_.end() && found->at == state.at) state = *found;
+  }
+
+ private:
+  std::vector<State> states_;   // by position
+};
+
+// What was known when, of a run.
+struct History {
+  std::vector<State> start;
+  std::vector<Arrival> arrivals;
+  double spacing = unknown;   // [m]
+};
+
+History read_history(const ClassifyArguments& arguments, const fs::path& folder) {
+  History history;
+  history.arrivals = read_arrivals(folder);
+  std::vector<State> solved;
+  if (fs::exists(folder / "states.csv")) solved = read_states_csv(folder / "states.csv");
+  if (!arguments.known.empty()) {
+    StatesInFrame loaded = load_set(arguments.known);
+    history.start = std::move(loaded.states);
+    history.spacing = loaded.own.spacing;
+  } else {
+    // All states at the end, those of the start first.
+    history.start.assign(solved.begin(), solved.end() - std::ptrdiff_t(std::min(solved.size(), history.arrivals.size())));
+  }
+  if (fs::exists(folder / "session.states")) {
+    LoadedStates loaded = load_states(folder / "session.states");
+    if (!std::isfinite(history.spacing)) history.spacing = loaded.header.spacing;
+    solved = std::move(loaded.states);
+  }
+  const Solved table(std::move(solved));
+  for (Arrival& arrival : history.arrivals) table.complete(arrival.state);
+  return history;
+}
+
 struct Hip {
   std::vector<double> t;
   std::vector<Vec3> at;
+  std::vector<Vec3> force;   // rendered [N]
 };
 
 Hip read_hip(const fs::path& folder) {
@@ -59,6 +108,7 @@ Hip read_hip(const fs::path& folder) {
     if (!std::isfinite(t) || !at.allFinite()) continue;
     hip.t.push_back(t);
     hip.at.push_back(at);
+    hip.force.emplace_back(table.number(row, "fx"), table.number(row, "fy"), table.number(row, "fz"));
   }
   if (hip.t.empty()) throw InputError((folder / "frames.csv").string(), "holds no frames, expected columns t,x,y,z");
   return hip;
@@ -69,28 +119,18 @@ Hip read_hip(const fs::path& folder) {
 int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   const fs::path folder = arguments.states;
-  const std::vector<Arrival> arrivals = read_arrivals(folder);
+  const History past = read_history(arguments, folder);
+  const std::vector<Arrival>& arrivals = past.arrivals;
   const Hip hip = read_hip(folder);
-  std::vector<State> known;
-  double spacing = unknown;
-  if (!arguments.known.empty()) {
-    LoadedStates loaded = load_states(arguments.known);
-    known = std::move(loaded.states);
-    spacing = loaded.header.spacing;
-  } else if (fs::exists(folder / "states.csv")) {
-    // All states at the end, those of the start first.
-    known = read_states_csv(folder / "states.csv");
-    known.resize(known.size() - std::min(known.size(), arrivals.size()));
-  }
-  std::vector<State> all = known;
+  std::vector<State> all = past.start;
   for (const Arrival& a : arrivals) all.push_back(a.state);
-  Classified set = prepare_states(arguments, folder.string(), std::move(all), spacing, globals);
+  Classified set = prepare_states(arguments, folder.string(), std::move(all), {past.spacing}, globals);
   StateSpace space({.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
   std::vector<State> so_far;
   const auto add = [&](const State& state) {
     if (state.usable() && space.insert(state).is_new) so_far.push_back(state);
   };
-  for (const State& state : known) add(state);
+  for (const State& state : past.start) add(state);
 
   const fs::path series = arguments.output.empty() ? folder / "coverage.pvd" : fs::path(arguments.output);
   check_writable(series);
@@ -100,7 +140,7 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   nlohmann::ordered_json history = nlohmann::ordered_json::array();
   Progress progress(globals, "classify");
   std::size_t next = 0;
-  const std::size_t count = std::min(arguments.snapshots, hip.t.size());
+  const std::size_t count = std::min(arguments.snapshots.value_or(40), hip.t.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t frame = count == 1 ? hip.t.size() - 1 : i * (hip.t.size() - 1) / (count - 1);
     const double t = hip.t[frame];
@@ -108,6 +148,7 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
     const RegionSummary regions = space.regions().summary();
     State probe;
     probe.at = hip.at[frame];
+    probe.force = hip.force[frame];
     const auto write = [&](const char* what, int part, auto&& writer) {
       const std::string name = fmt::format("{}_{:05}.vtu", what, i);
       writer(parts / name);
@@ -133,19 +174,21 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
 
 int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  std::array<LoadedStates, 2> loaded{load_states(arguments.diff[0]), load_states(arguments.diff[1])};
+  std::array<StatesInFrame, 2> loaded{load_set(arguments.diff[0]), load_set(arguments.diff[1])};
   // One spacing and one box for both, or volumes would not compare.
   std::vector<State> both = loaded[0].states;
   both.insert(both.end(), loaded[1].states.begin(), loaded[1].states.end());
   ClassifyArguments common = arguments;
-  const Classified frame =
-      prepare_states(arguments, arguments.diff[0], std::move(both), loaded[0].header.spacing, globals);
+  OwnFrame own = loaded[0].own;
+  if (own.box && loaded[1].own.box)
+    own.box = Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
+  const Classified frame = prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
   common.spacing = frame.spacing;
   std::array<Classified, 2> set;
   for (std::size_t i = 0; i < 2; ++i) {
-    common.box = fmt::format("{},{},{}:{},{},{}", frame.box.low.x(), frame.box.low.y(), frame.box.low.z(), frame.box.high.x(),
-                             frame.box.high.y(), frame.box.high.z());
-    set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states), frame.spacing, globals);
+    common.box.clear();
+    common.scene.clear();
+    set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states), {frame.spacing, frame.box}, globals);
     label_regions(set[i], common, globals, false);
   }
   std::vector<RegionChange> changed;

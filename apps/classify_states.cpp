@@ -12,6 +12,7 @@
 #include "geometry/bridge.hpp"
 #include "geometry/error.hpp"
 #include "geometry/fill_distance.hpp"
+#include "geometry/local_spread.hpp"
 #include "geometry/point_octree.hpp"
 #include "geometry/region_sampling.hpp"
 #include "geometry/setups.hpp"
@@ -45,6 +46,7 @@ Box parse_box(const std::string& text) {
   const Box box{parse_vector(text.substr(0, colon), "--box"), parse_vector(text.substr(colon + 1), "--box")};
   if ((box.low.array() > box.high.array()).any())
     throw InputError("--box", fmt::format("'{}' has its first corner above its second, expected low:high", text));
+  if (!(box.size().prod() > 0)) throw InputError("--box", fmt::format("'{}' has no volume, expected low below high on every axis", text));
   return box;
 }
 
@@ -81,23 +83,28 @@ std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const 
   return order;
 }
 
-// The largest ball without a state whose centre is accepted: best of the samples, then a compass search.
-std::optional<LargestHole> search_hole(const OctreeIndex& octree, const RegionSummary& regions, const Box& box,
-                                       double spacing, bool blank_too) {
-  const auto radius = [&](const Vec3& q) { return octree.delta(q); };
-  LargestHole best{-1, Vec3::Zero()};
-  for (const RegionLeaf& leaf : regions.leaves) {
-    if (leaf.label == Label::blank && !blank_too) continue;
-    if (const double r = radius(leaf.box.centre()); r > best.radius) best = {r, leaf.box.centre()};
-  }
-  if (best.radius < 0) return std::nullopt;
-  for (double step = spacing; step > 1e-4 * spacing;) {
+// The largest ball without a state whose centre lies in the box and, for a hole, in the hull of the states: best of
+// the leaves' centres, then a compass search.
+std::optional<LargestHole> search_hole(const OctreeIndex& octree, const Classified& set, bool beyond_hull) {
+  std::vector<Vec3> offsets(set.states.size());
+  const auto accepted = [&](const Vec3& q) {
+    if (beyond_hull) return true;
+    for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = set.states[i].at - q;
+    return std::isfinite(least_spread(offsets, set.box.size().norm() + set.spacing).spread);
+  };
+  std::vector<std::pair<double, Vec3>> places;
+  for (const RegionLeaf& leaf : set.regions.leaves) places.emplace_back(octree.delta(leaf.box.centre()), leaf.box.centre());
+  std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  const auto first = std::find_if(places.begin(), places.end(), [&](const auto& place) { return accepted(place.second); });
+  if (first == places.end()) return std::nullopt;
+  LargestHole best{first->first, first->second};
+  for (double step = set.spacing; step > 1e-4 * set.spacing;) {
     const LargestHole before = best;
     for (int direction = 0; direction < 26; ++direction) {
       const int k = direction < 13 ? direction : direction + 1;
-      const Vec3 q = (before.centre + step * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)).cwiseMax(box.low).cwiseMin(box.high);
-      if (!blank_too && octree.label(q) == Label::blank) continue;
-      if (const double r = radius(q); r > best.radius * (1 + 1e-12)) best = {r, q};
+      const Vec3 aside = step * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      const Vec3 q = (before.centre + aside).cwiseMax(set.box.low).cwiseMin(set.box.high);
+      if (const double r = octree.delta(q); r > best.radius * (1 + 1e-12) && accepted(q)) best = {r, q};
     }
     if (best.radius == before.radius) step /= 2;
   }
@@ -150,9 +157,9 @@ void label_octree(Classified& result, const ClassifyArguments& arguments, bool w
       sample_regions(result.box, result.spacing, [&](const Vec3& q) { return result.octree->label(q); });
   find_sides(*result.octree, result, arguments.coverage, result.regions.components);
   if (!with_holes || result.states.empty()) return;
-  result.hole = search_hole(*result.octree, result.regions, result.box, result.spacing, false);
+  result.hole = search_hole(*result.octree, result, false);
   // Branch and bound, as far as some seconds reach; what is left between the two numbers is reported.
-  const auto any = search_hole(*result.octree, result.regions, result.box, result.spacing, true);
+  const auto any = search_hole(*result.octree, result, true);
   const FillDistance fill = largest_distance([&](const Vec3& q) { return result.octree->delta(q); }, result.box,
                                              any ? any->radius : 0, 1e-3 * result.spacing, 3'000'000);
   result.fill_distance = fill.reached;
@@ -202,7 +209,7 @@ void print_agreement(const Globals& globals, const Agreement& agreement) {
 }
 
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
-                          double header_spacing, const Globals& globals) {
+                          const OwnFrame& own, const Globals& globals) {
   Classified result;
   const std::size_t all = states.size();
   std::erase_if(states, [](const State& s) { return !s.usable() || !s.at.allFinite(); });
@@ -214,7 +221,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
     take_scene(arguments, globals, result);
     have_box = true;
   }
-  if (!std::isfinite(result.spacing)) result.spacing = header_spacing;
+  if (!std::isfinite(result.spacing)) result.spacing = own.spacing;
   const bool own_spacings = !std::isfinite(result.spacing) || !arguments.spacing;
   if (!std::isfinite(result.spacing))
     for (const State& s : result.states)
@@ -225,8 +232,12 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   }
   if (!(result.spacing > 0))
     throw InputError(where, "gives no spacing and has too few states to estimate one, expected --spacing METRES");
+  if (!(result.spacing <= largest_spacing))
+    throw InputError(where, fmt::format("has a spacing of {:.3g} m, expected at most {:.0e} m", result.spacing, largest_spacing));
   if (!arguments.box.empty()) result.box = parse_box(arguments.box);
-  if (!have_box) {
+  if (!have_box && own.box) {
+    result.box = *own.box;
+  } else if (!have_box) {
     if (result.states.empty()) throw InputError(where, "holds no usable state, expected states or --box");
     result.box = {result.states[0].at, result.states[0].at};
     for (const State& s : result.states)
@@ -264,22 +275,28 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
   result.hole = result.space->regions().largest_hole();
 }
 
-// setup:NAME: the situations of setups.hpp, to try things on.
-static LoadedStates built_in(const std::string& setup_name) {
-  LoadedStates loaded;
+StatesInFrame load_set(const std::string& file) {
+  StatesInFrame set;
+  if (!file.starts_with("setup:")) {
+    LoadedStates loaded = load_states(file);
+    set.states = std::move(loaded.states);
+    set.own.spacing = loaded.header.spacing;
+    return set;
+  }
   const SetupOptions options;
-  for (const Vec3& at : make_setup(setup_name, options).states) {
+  const Setup setup = make_setup(file.substr(6), options);
+  for (const Vec3& at : setup.states) {
     State state;
     state.at = at;
-    loaded.states.push_back(std::move(state));
+    set.states.push_back(std::move(state));
   }
-  loaded.header.spacing = options.spacing;
-  return loaded;
+  set.own = {options.spacing, setup.box};
+  return set;
 }
 
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file) {
-  LoadedStates loaded = file.starts_with("setup:") ? built_in(file.substr(6)) : load_states(file);
-  Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.header.spacing, globals);
+  StatesInFrame loaded = load_set(file);
+  Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.own, globals);
   label_regions(result, arguments, globals, true);
   return result;
 }

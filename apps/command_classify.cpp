@@ -217,11 +217,28 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 
-void check_arguments(const ClassifyArguments& arguments) {
+// Options that would have no effect are mistakes.
+void check_effect(const Globals& globals, const ClassifyArguments& arguments, bool run) {
+  const std::string extension = fs::path(arguments.output).extension();
+  if (!run && (!arguments.known.empty() || arguments.snapshots))
+    throw InputError(arguments.known.empty() ? "--snapshots" : "--known", "is for the folder of a run, expected classify RUN/");
+  if (!globals.set.empty() && arguments.scene.empty())
+    throw InputError("--set", "overrides keys of a scene, expected it with --scene or --calibrate");
+  if (!arguments.through.empty() && extension != ".svg" && extension != ".png")
+    throw InputError("--through", "places the slices of a picture, expected it with -o OUT.svg or OUT.png");
+  const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
+  if (points && (run || !arguments.diff.empty()))
+    throw InputError("classify", "labels positions of one set of states, expected --points, --line or --grid without --diff or a run");
+  if (run && arguments.index != "delaunay")
+    throw InputError("--index", "octree is for a set of states, expected delaunay for a run");
+}
+
+void check_arguments(const Globals& globals, const ClassifyArguments& arguments) {
   if (arguments.diff.empty() == arguments.states.empty())
     throw InputError("classify", "expected either STATES (or a RUN/ folder) or --diff A B");
-  if (arguments.spacing && !(*arguments.spacing > 0 && std::isfinite(*arguments.spacing)))
-    throw InputError("--spacing", "is not a length, expected metres > 0");
+  if (arguments.spacing && !(*arguments.spacing > 0 && *arguments.spacing <= largest_spacing))
+    throw InputError("--spacing", fmt::format("is not a length that states can have, expected metres in (0, {:.0e}]", largest_spacing));
+  check_effect(globals, arguments, arguments.diff.empty() && fs::is_directory(arguments.states));
   if (arguments.grid && !(*arguments.grid > 0 && std::isfinite(*arguments.grid)))
     throw InputError("--grid", "is not a length, expected metres > 0");
   if (int(!arguments.points.empty()) + int(!arguments.line.empty()) + int(arguments.grid.has_value()) > 1)
@@ -246,7 +263,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
       throw InputError("--calibrate", "goes with STATES, --set, --seed and -o DIR/ alone");
     return calibrate_labels(globals, arguments.calibrate, arguments.states, arguments.output);
   }
-  check_arguments(arguments);
+  check_arguments(globals, arguments);
   if (!arguments.diff.empty()) return classify_diff(globals, arguments);
   if (fs::is_directory(arguments.states)) return classify_run(globals, arguments);
   const auto start = std::chrono::steady_clock::now();
@@ -264,7 +281,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
     print_json(document_of(set, arguments, found, agreement, seconds));
     return 0;
   }
-  if (arguments.output.empty()) print_points(points, found, globals);   // a file holds them better
+  if (fs::path(arguments.output).extension() != ".csv") print_points(points, found, globals);   // that holds them better
   print_summary(set, seconds, globals);
   if (agreement) print_agreement(globals, *agreement);
   return 0;
@@ -276,7 +293,8 @@ void add_classify(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<ClassifyArguments>();
   CLI::App& sub = add_command(app, commands, "classify", "Where states make the force known: safe, sparse, gap, blank",
                               [&commands, arguments] { return run_classify(commands.globals, *arguments); });
-  sub.add_option("states", arguments->states, ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")->type_name("STATES|RUN/");
+  sub.add_option("states", arguments->states, ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
+      ->type_name("STATES|RUN/");
   sub.add_option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
       ->check(CLI::IsMember({"delaunay", "octree"}));
   sub.add_option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]; default: the file's")
@@ -296,17 +314,21 @@ void add_classify(CLI::App& app, Commands& commands) {
   sub.add_option("--calibrate", arguments->calibrate,
                  "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES default to the lattice")
       ->type_name("SCENE");
-  sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run")->check(CLI::Range(1, 10000));
+  sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")->check(CLI::Range(1, 10000));
   CoverageOptions& limits = arguments->coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {
     sub.add_option(option, value, text)->check(above_zero)->group("Thresholds");
   };
+  // Beyond 90 degrees a cone says that the states lie on one side: nothing is enclosed.
+  const auto angle = [&](const char* option, double& value, const char* text) {
+    sub.add_option(option, value, text)->check(CLI::Range(0.1, 90.0))->group("Thresholds");
+  };
   threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
   threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");
-  threshold("--safe-angle", limits.safe_angle_deg, "Safe: largest empty cone below this half-angle [deg]");
+  angle("--safe-angle", limits.safe_angle_deg, "Safe: largest empty cone below this half-angle [deg]");
   threshold("--sparse-distance", limits.sparse_distance, "Sparse: a state within this many h");
   threshold("--gap-cone-radius", limits.gap_cone_radius, "Gap: states on both sides within this many h");
-  threshold("--gap-angle", limits.gap_angle_deg, "Gap: largest empty cone at most this half-angle [deg]");
+  angle("--gap-angle", limits.gap_angle_deg, "Gap: largest empty cone at most this half-angle [deg]");
 }
 
 }  // namespace forefeel

@@ -173,10 +173,10 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<title>{2}</title>\n<defs>\n",
       width, height, escaped(picture.title));
-  // Hatching repeats what the colour says: gap diagonal lines, sparse dots.
+  // Hatching repeats what the colour says: gap diagonal lines, sparse level ones. Dots are states, and nothing else.
   out += fmt::format(
       "<pattern id=\"sparse\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" height=\"8\" fill=\"{0}\"/>"
-      "<circle cx=\"4\" cy=\"4\" r=\"0.9\" fill=\"#1b1b1b\" fill-opacity=\"0.45\"/></pattern>\n"
+      "<path d=\"M0 4H8\" stroke=\"#1b1b1b\" stroke-opacity=\"0.35\" stroke-width=\"0.7\"/></pattern>\n"
       "<pattern id=\"gap\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\"><rect width=\"7\" height=\"7\" fill=\"{1}\"/>"
       "<path d=\"M-1 8L8 -1M-1 1L1 -1M6 8L8 6\" stroke=\"#1b1b1b\" stroke-opacity=\"0.55\" stroke-width=\"0.9\"/></pattern>\n</defs>\n",
       colour(Label::sparse), colour(Label::gap));
@@ -222,11 +222,23 @@ std::array<int, 3> rgb(Label label) {
 // Colour of a pixel, hatched as in the SVG.
 std::array<int, 3> ink_at(Label label, int column, int row) {
   std::array<int, 3> c = rgb(label);
-  const bool dark = (label == Label::gap && (column + row) % 8 == 0) ||
-                    (label == Label::sparse && column % 8 == 4 && row % 8 == 4);
-  if (dark)
+  if (label == Label::gap && (column + row) % 8 == 0)
     for (int& part : c) part = part / 2;
+  if (label == Label::sparse && row % 8 == 4)
+    for (int& part : c) part = part * 3 / 4;
   return c;
+}
+
+// The four swatches of the legend, hatched as the slices are, in the units of its panel.
+std::string png_swatches() {
+  std::string data = "$swatches << EOD\n";
+  for (int i = 0; i < 4; ++i)
+    for (int row = 0; row < 24; ++row)
+      for (int column = 0; column < 32; ++column) {
+        const auto c = ink_at(static_cast<Label>(i), column, row);
+        data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.82 - 0.22 * i + row * 0.16 / 23, c[0], c[1], c[2]);
+      }
+  return data + "EOD\n";
 }
 
 std::string png_panel(const CoveragePicture& picture, const Slice& slice, int number) {
@@ -279,13 +291,12 @@ void write_coverage_png(const std::filesystem::path& file, const CoveragePicture
   for (int i = 0; i < 4; ++i) {
     const auto label = static_cast<Label>(i);
     const double y = 0.9 - 0.22 * i;
-    script += fmt::format("set object rectangle from 0.03,{:.3f} to 0.055,{:.3f} fc rgb '{}' fs solid border lc rgb '#444444'\n",
-                          y - 0.08, y + 0.08, colour(label));
+    script += fmt::format("set object rectangle from 0.03,{:.3f} to 0.055,{:.3f} front fs empty border lc rgb '#444444'\n", y - 0.08, y + 0.08);
     script += fmt::format("set label \"{}\" at 0.065,{:.3f}\n", legend_line(picture, label), y);
   }
   script += fmt::format("set label \"{}\" at 0.45,0.9\n", states_line(picture, too_many));
   if (!picture.body.empty()) script += "set label \"red: body at rest\" at 0.45,0.68\n";
-  script += "plot NaN notitle\nunset multiplot\n";
+  script += png_swatches() + "plot $swatches using 1:2:3:4:5 with rgbimage notitle\nunset multiplot\n";
   FILE* pipe = popen("gnuplot", "w");
   const bool written = pipe && std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
   if (!pipe || pclose(pipe) != 0 || !written || !std::filesystem::exists(temporary)) {

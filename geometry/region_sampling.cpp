@@ -7,47 +7,40 @@
 
 #include "geometry/bridge.hpp"
 #include "geometry/error.hpp"
+#include "geometry/voxel_grid.hpp"
 
 namespace forefeel {
 namespace {
 
 struct Voxels {
+  VoxelGrid grid;
   std::array<std::int64_t, 3> count{};
-  double side = 0;
-  Vec3 origin;
-  Box box;
   std::vector<Label> label;
 
   std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return (k * count[1] + j) * count[0] + i;
   }
+  static std::array<std::int32_t, 3> voxel(std::int64_t i, std::int64_t j, std::int64_t k) {
+    return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), static_cast<std::int32_t>(k)};
+  }
   Box box_of(std::int64_t i, std::int64_t j, std::int64_t k, std::int64_t width) const {
-    const Vec3 low = origin + side * Vec3(double(i), double(j), double(k));
-    return {low.cwiseMax(box.low).cwiseMin(box.high),
-            (low + Vec3::Constant(side * double(width))).cwiseMin(box.high).cwiseMax(box.low)};
+    return grid.cube(voxel(i, j, k), static_cast<double>(width));
   }
 };
 
 Voxels label_voxels(const Box& box, double spacing, const std::function<Label(const Vec3&)>& label) {
-  Voxels voxels;
-  voxels.box = box;
-  voxels.side = spacing / 4;
+  Voxels voxels{VoxelGrid(box, spacing / 4), {}, {}};
   double total = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double n = std::max(1.0, std::ceil(box.size()[static_cast<Eigen::Index>(axis)] / voxels.side - 1e-6));
-    total *= n;
-    if (!(total <= 4e8)) throw InputError("box", "holds more than 4e8 voxels of h/4, expected a smaller box or a larger spacing");
-    voxels.count[axis] = static_cast<std::int64_t>(n);
-  }
+  for (const double n : voxels.grid.count) total *= n;
+  if (!(total <= 4e8)) throw InputError("box", "holds more than 4e8 voxels of h/4, expected a smaller box or a larger spacing");
+  for (std::size_t axis = 0; axis < 3; ++axis) voxels.count[axis] = static_cast<std::int64_t>(voxels.grid.count[axis]);
   const auto& n = voxels.count;
-  voxels.origin = box.centre() - 0.5 * voxels.side * Vec3(double(n[0]), double(n[1]), double(n[2]));
   voxels.label.resize(static_cast<std::size_t>(total));
 #pragma omp parallel for schedule(dynamic)
   for (std::int64_t k = 0; k < n[2]; ++k)
     for (std::int64_t j = 0; j < n[1]; ++j)
       for (std::int64_t i = 0; i < n[0]; ++i)
-        voxels.label[static_cast<std::size_t>(voxels.index(i, j, k))] =
-            label(voxels.origin + voxels.side * Vec3(double(i) + 0.5, double(j) + 0.5, double(k) + 0.5));
+        voxels.label[static_cast<std::size_t>(voxels.index(i, j, k))] = label(voxels.grid.centre(Voxels::voxel(i, j, k)));
   return voxels;
 }
 

@@ -27,12 +27,10 @@ RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const
       scaled_(limits_),
       spacing_(options.spacing),
       link_deg_(bridge_link_deg(options.coverage.sparse_distance)),
-      box_(options.box),
-      voxel_(options.spacing / 4),
+      grid_(options.box, options.spacing / 4),
+      voxel_(grid_.side),
       root_level_(block_level + 3) {
-  for (int axis = 0; axis < 3; ++axis)
-    voxels_[static_cast<std::size_t>(axis)] =
-        std::max(1, static_cast<std::int32_t>(std::ceil(box_.size()[axis] / voxel_ - 1e-6)));
+  for (std::size_t axis = 0; axis < 3; ++axis) voxels_[axis] = static_cast<std::int32_t>(grid_.count[axis]);
   for (;; ++root_level_) {
     roots_ = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -41,8 +39,6 @@ RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const
     }
     if (roots_ <= (1u << 21)) break;
   }
-  const Vec3 extent(voxels_[0], voxels_[1], voxels_[2]);
-  origin_ = box_.centre() - 0.5 * voxel_ * extent;
   nodes_.resize(roots_);
   for (std::size_t root = 0; root < roots_; ++root) {
     const auto r = static_cast<std::int32_t>(root);
@@ -54,10 +50,11 @@ RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const
 }
 
 Vec3 RegionTree::centre(const RegionNode& node) const {
-  const double half = 0.5 * node.width();
-  return origin_ + voxel_ * Vec3(node.low[0] + half, node.low[1] + half, node.low[2] + half);
+  if (node.level == 0) return grid_.centre(node.low);
+  return grid_.low_of(node.low) + Vec3::Constant(0.5 * voxel_ * node.width());
 }
 
+// Voxels that the box cuts off have their places nearer to the middle: the bound holds for them, too.
 double RegionTree::reach(const RegionNode& node) const {
   return 0.5 * (node.width() - 1) * voxel_ * std::numbers::sqrt3;
 }
@@ -66,11 +63,7 @@ bool RegionTree::outside(const RegionNode& node) const {
   return node.low[0] >= voxels_[0] || node.low[1] >= voxels_[1] || node.low[2] >= voxels_[2];
 }
 
-Box RegionTree::box_of(const RegionNode& node) const {
-  const Vec3 low = origin_ + voxel_ * Vec3(node.low[0], node.low[1], node.low[2]);
-  return {low.cwiseMax(box_.low).cwiseMin(box_.high),
-          (low + Vec3::Constant(voxel_ * node.width())).cwiseMin(box_.high).cwiseMax(box_.low)};
-}
+Box RegionTree::box_of(const RegionNode& node) const { return grid_.cube(node.low, node.width()); }
 
 std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const {
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -105,12 +98,12 @@ const Thresholds* RegionTree::limits_over(const RegionNode& node) {
 }
 
 Label RegionTree::label_at(const Vec3& q) {
-  if (!box_.contains(q)) return label_of(q, walk_);
+  if (!grid_.box.contains(q)) return label_of(q, walk_);
   std::array<std::int32_t, 3> voxel;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
     voxel[axis] =
-        std::clamp(static_cast<std::int32_t>(std::floor((q[a] - origin_[a]) / voxel_)), 0, voxels_[axis] - 1);
+        std::clamp(static_cast<std::int32_t>(std::floor((q[a] - grid_.origin[a]) / voxel_)), 0, voxels_[axis] - 1);
   }
   std::int32_t index = leaf_of(voxel);
   while (node(index).kind == RegionNode::Kind::unresolved) {
@@ -273,7 +266,7 @@ bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
           if (corner != (pass == 0)) continue;
           const std::array<std::int32_t, 3> at{node.low[0] + i, node.low[1] + j, node.low[2] + k};
           if (at[0] >= voxels_[0] || at[1] >= voxels_[1] || at[2] >= voxels_[2]) continue;
-          const Vec3 q = origin_ + voxel_ * Vec3(at[0] + 0.5, at[1] + 0.5, at[2] + 0.5);
+          const Vec3 q = grid_.centre(at);
           const Spread spread = delaunay_.spread(q, walk_);
           if (spread.spread > limits.safe_spread || !query_.safe_cone(q, spread, limits)) return false;
         }
@@ -448,7 +441,7 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
   const double side = voxel_ * static_cast<double>(1 << root_level_);
   std::array<std::int32_t, 3> first{}, last{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double where = at[static_cast<Eigen::Index>(axis)] - origin_[static_cast<Eigen::Index>(axis)];
+    const double where = at[static_cast<Eigen::Index>(axis)] - grid_.origin[static_cast<Eigen::Index>(axis)];
     const double top = static_cast<double>(root_grid_[axis] - 1);
     if ((where + far) / side < 0 || (where - far) / side > top + 1) return;
     first[axis] = static_cast<std::int32_t>(std::clamp(std::floor((where - far) / side), 0.0, top));

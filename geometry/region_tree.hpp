@@ -22,6 +22,7 @@
 
 #include "geometry/coverage_query.hpp"
 #include "geometry/state_space.hpp"
+#include "geometry/voxel_grid.hpp"
 
 namespace forefeel {
 
@@ -57,7 +58,7 @@ class RegionTree {
   std::size_t root_count() const { return roots_; }
   std::int32_t leaf_of(const std::array<std::int32_t, 3>& voxel) const;   // -1 outside the box
   Box box_of(const RegionNode& node) const;                               // clipped to the box of the states
-  const Box& box() const { return box_; }
+  const Box& box() const { return grid_.box; }
   double voxel() const { return voxel_; }
   const CoverageQuery& query() const { return query_; }
   Label label_of(const Vec3& q, PathWalk& walk);   // by the indexes, not the leaves
@@ -105,9 +106,8 @@ class RegionTree {
   Thresholds scaled_;                              // what limits_over() returned
   double spacing_;                                 // [m]
   double link_deg_;
-  Box box_;
+  VoxelGrid grid_;
   double voxel_;                                   // h / 4 [m]
-  Vec3 origin_;                                    // low corner of voxel (0, 0, 0)
   std::array<std::int32_t, 3> voxels_{}, root_grid_{};
   int root_level_;
   std::size_t roots_ = 0;

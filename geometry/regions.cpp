@@ -224,7 +224,7 @@ double Regions::fill_distance() const {
 }
 
 std::optional<LargestHole> Regions::largest_hole() const {
-  RegionTree& tree = impl_->tree;
+  const RegionTree& tree = impl_->tree;
   std::vector<DelaunayIndex::Ball> balls = tree.query().delaunay().circumballs();
   std::erase_if(balls, [&](const DelaunayIndex::Ball& ball) { return !tree.box().contains(ball.centre); });
   const auto smaller = [](const DelaunayIndex::Ball& a, const DelaunayIndex::Ball& b) { return a.radius < b.radius; };
@@ -233,9 +233,7 @@ std::optional<LargestHole> Regions::largest_hole() const {
     std::pop_heap(balls.begin(), balls.end(), smaller);
     const DelaunayIndex::Ball ball = balls.back();
     balls.pop_back();
-    PathWalk nowhere;
-    if (tree.label_of(ball.centre, nowhere) != Label::blank)
-      return LargestHole{ball.radius, ball.centre};
+    if (tree.query().delaunay().spread(ball.centre, {}).inside) return LargestHole{ball.radius, ball.centre};
   }
   return std::nullopt;
 }

@@ -1,9 +1,11 @@
 #pragma once
 // Regions: the box of a state space as labelled octree leaves. The finest cells are cubes of h/4 that carry the label
-// of their centre; eight children of one label are one leaf. Volumes, components and pictures are sums over leaves.
+// of their centre; eight children of one label are one leaf: a leaf of any size says what its cubes of h/4 say. Where
+// the box is no multiple of h/4, the cubes at its faces are cut off (voxel_grid.hpp). Volumes, components and pictures
+// are sums over leaves.
 //
 //   fill distance   sup over the box of delta(q)                        [m]
-//   largest hole    the largest ball without a state whose centre lies in the box and is not blank
+//   largest hole    the largest ball without a state whose centre lies in the box and in the hull of the states
 //
 // Nothing is rebuilt: a state that is added only marks the leaves whose label it may change, and these are worked out
 // when they are looked at (label_at: one path from the root) or when somebody settles all of them.
