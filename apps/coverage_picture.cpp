@@ -229,15 +229,15 @@ std::array<int, 3> ink_at(Label label, int column, int row) {
   return c;
 }
 
-// The four swatches of the legend, hatched as the slices are, in the units of its panel.
+// The four swatches of the legend as one image, hatched as the slices are, in the units of its panel.
 std::string png_swatches() {
   std::string data = "$swatches << EOD\n";
-  for (int i = 0; i < 4; ++i)
-    for (int row = 0; row < 24; ++row)
-      for (int column = 0; column < 32; ++column) {
-        const auto c = ink_at(static_cast<Label>(i), column, row);
-        data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.82 - 0.22 * i + row * 0.16 / 23, c[0], c[1], c[2]);
-      }
+  for (int line = 0; line < 3 * 32 + 24; ++line)
+    for (int column = 0; column < 32; ++column) {
+      const int row = line % 32;
+      const std::array<int, 3> c = row < 24 ? ink_at(static_cast<Label>(3 - line / 32), column, row) : std::array{255, 255, 255};
+      data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.16 + line * 0.22 / 32, c[0], c[1], c[2]);
+    }
   return data + "EOD\n";
 }
 

@@ -208,6 +208,56 @@ TEST_CASE("a run becomes a series over time that grows with its states", "[class
   if (!seen.is_null()) CHECK(seen[1]["points"] == setup.states.size());
 }
 
+TEST_CASE("a series carries forces of states and HIP, and its end is what the run's states give", "[classify]") {
+  const Workshop shop;
+  REQUIRE(shop.forefeel("session " FOREFEEL_SOURCE_DIR "/apps/scenes/liver.toml --clock virtual --cost constant:0.02 --seconds 1 "
+                        "--set state_space.spacing=0.012 --quiet -o run").code == 0);
+  const auto outcome = shop.forefeel("classify run --snapshots 3 --json");
+  REQUIRE(outcome.code == 0);
+  const json report = outcome.json();
+  CHECK(report["spacing"] == 0.012);
+  const json once = shop.forefeel("classify run/session.states --json --box " +
+                                  [&] {
+                                    const json box = shop.forefeel("classify run/session.states --json").json()["box"];
+                                    std::string text;
+                                    for (const auto& corner : box)
+                                      text += (text.empty() ? "" : ":") + corner[0].dump() + "," + corner[1].dump() + "," + corner[2].dump();
+                                    return text;
+                                  }()).json();
+  for (const char* label : {"safe", "sparse", "gap", "blank"})
+    CHECK(report["volume"][label].get<double>() == Approx(once["volume"][label].get<double>()).margin(1e-15));
+  const json seen = read_by_vtk(shop, "run/coverage_series/states_00002.vtu run/coverage_series/hip_00002.vtu");
+  if (seen.is_null()) return;
+  for (const json& file : seen) CHECK(file["point_data"]["force"]["max"].is_number());
+}
+
+TEST_CASE("built-in sets bring their boxes: blank is blank beyond its slab, holes may have blank middles", "[classify]") {
+  const Workshop shop;
+  const json blank = shop.forefeel("classify setup:blank --json").json();
+  CHECK(blank["volume"]["blank"].get<double>() > 4e-4);
+  CHECK(blank["largest_hole"]["radius"].get<double>() == Approx(std::sqrt(3.0) / 2 * h));
+  CHECK(shop.forefeel("classify --diff setup:blank setup:full --json").json()["diff"]["worse"] == 0);
+  shop.write("wide.csv", csv(make_setup("gap", {.depth = 2, .half_width = 3, .width = 0.120}).states));
+  for (const std::string index : {"delaunay", "octree"}) {
+    const json wide = shop.forefeel("classify wide.csv --spacing 0.006 --json --index " + index).json();
+    CHECK(wide["volume"]["blank"].get<double>() > 1e-5);
+    CHECK(wide["largest_hole"]["radius"].get<double>() == Approx(1e-3 * std::sqrt(60.0 * 60 + 18)).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("options that would have no effect, and values that mean nothing, are refused", "[classify]") {
+  const Workshop shop;
+  shop.write("gap.csv", setup_csv("gap"));
+  refused(shop, "gap.csv --known gap.csv", {"--known", "RUN/"});
+  refused(shop, "gap.csv --snapshots 3", {"--snapshots", "RUN/"});
+  refused(shop, "gap.csv --set material.poisson=0.4", {"--set", "--scene"});
+  refused(shop, "gap.csv --through 0,0,0 -o out.csv", {"--through", "picture"});
+  refused(shop, "gap.csv --box 0,0,0:1,1,0", {"--box", "no volume"});
+  refused(shop, "gap.csv --safe-angle 120", {"--safe-angle", "90"});
+  refused(shop, "gap.csv --spacing 1e153", {"--spacing"});
+  refused(shop, "--diff gap.csv gap.csv --grid 0.01", {"--grid"});
+}
+
 TEST_CASE("states with spacings of their own are labelled by them", "[classify]") {
   const Workshop shop;
   // A lattice of 12 mm, and one octant of it at 6 mm.
