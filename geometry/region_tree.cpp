@@ -13,8 +13,21 @@ namespace {
 constexpr std::uint8_t unresolved_bit = 0x10, axis_bit = 0x20, anything = 0x3f;
 constexpr int block_level = 2;        // 4 voxels = h wide
 constexpr std::uint32_t nobody = 0xffffffffu;
+constexpr std::size_t most_waiting = 100'000;   // places that wait for somebody to look: 3 MB
 
 std::uint8_t bit(Label label) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(label)); }
+
+std::int32_t child_of(const RegionNode& node, const std::array<std::int32_t, 3>& voxel) {
+  const int shift = node.level - 1;
+  return node.children + (((voxel[0] >> shift) & 1) | ((voxel[1] >> shift) & 1) << 1 | ((voxel[2] >> shift) & 1) << 2);
+}
+
+// Whether an insertion may change a label below without the Delaunay cells telling: safe stays, and sparse voxels that
+// a cell speaks for are reported by it.
+bool may_move(const RegionNode& node) {
+  if (node.kind == RegionNode::Kind::leaf) return node.label != Label::safe;
+  return node.kind == RegionNode::Kind::branch && (node.below & (bit(Label::gap) | bit(Label::blank) | axis_bit));
+}
 
 }  // namespace
 
@@ -65,16 +78,15 @@ bool RegionTree::outside(const RegionNode& node) const {
 
 Box RegionTree::box_of(const RegionNode& node) const { return grid_.cube(node.low, node.width()); }
 
+std::int32_t RegionTree::root_of(const std::array<std::int32_t, 3>& voxel) const {
+  return ((voxel[2] >> root_level_) * root_grid_[1] + (voxel[1] >> root_level_)) * root_grid_[0] + (voxel[0] >> root_level_);
+}
+
 std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (voxel[axis] < 0 || voxel[axis] >= voxels_[axis]) return -1;
-  std::int32_t index = ((voxel[2] >> root_level_) * root_grid_[1] + (voxel[1] >> root_level_)) * root_grid_[0] +
-                       (voxel[0] >> root_level_);
-  while (node(index).kind == RegionNode::Kind::branch) {
-    const int shift = node(index).level - 1;
-    index = node(index).children +
-            (((voxel[0] >> shift) & 1) | ((voxel[1] >> shift) & 1) << 1 | ((voxel[2] >> shift) & 1) << 2);
-  }
+  std::int32_t index = root_of(voxel);
+  while (node(index).kind == RegionNode::Kind::branch) index = child_of(node(index), voxel);
   return index;
 }
 
@@ -105,10 +117,12 @@ Label RegionTree::label_at(const Vec3& q) {
     voxel[axis] =
         std::clamp(static_cast<std::int32_t>(std::floor((q[a] - grid_.origin[a]) / voxel_)), 0, voxels_[axis] - 1);
   }
-  std::int32_t index = leaf_of(voxel);
-  while (node(index).kind == RegionNode::Kind::unresolved) {
-    resolve(index);
-    index = leaf_of(voxel);
+  std::int32_t index = root_of(voxel);
+  for (;;) {
+    if (node(index).waiting >= 0) pass_on(index);
+    if (node(index).kind == RegionNode::Kind::unresolved) resolve(index);
+    if (node(index).kind != RegionNode::Kind::branch) break;
+    index = child_of(node(index), voxel);
   }
   const Label label = node(index).label;
   collapse(node(index).parent);
@@ -372,6 +386,8 @@ bool RegionTree::settle_marked(std::size_t budget) {
 }
 
 bool RegionTree::settle(std::size_t budget, const std::function<void(double)>& progress) {
+  for (const std::int32_t root : waiting_roots_) pass_on_all(root);
+  waiting_roots_.clear();
   if (complete_) return settle_marked(budget);
   for (std::size_t root = 0; root < roots_ && budget > 0; ++root) {
     settle_below(static_cast<std::int32_t>(root), budget);
@@ -408,22 +424,59 @@ bool RegionTree::breaks(const RegionNode& leaf, const Vec3& at) const {
   return !(axis.dot(d) + (1 + std::abs(cosine)) * e < (cosine - 1e-6) * length);
 }
 
-std::uint8_t RegionTree::disturb(std::int32_t index, const Vec3& at) {
-  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
-  if (here.kind == RegionNode::Kind::leaf && breaks(here, at)) mark(index);
-  if (here.kind != RegionNode::Kind::branch) return summary(here);
-  // Safe stays, and sparse voxels that a Delaunay cell speaks for are reported by it.
-  const std::uint8_t moving = here.below & static_cast<std::uint8_t>(bit(Label::gap) | bit(Label::blank) | axis_bit);
-  if (!moving) return here.below;
-  const double radius = (moving & bit(Label::blank)) ? std::max(widest_.gap_radius, widest_.sparse_distance)
-                                                     : std::max(widest_.safe_radius, widest_.sparse_distance);
-  const double half = 0.5 * here.width() * voxel_;
-  const Vec3 beyond = ((at - centre(here)).cwiseAbs().array() - half).max(0.0);
+// Whether a state at `at` may change a label below.
+bool RegionTree::reaches(const RegionNode& node, const Vec3& at) const {
+  if (!may_move(node)) return false;
+  const bool blank = node.kind == RegionNode::Kind::leaf ? node.label == Label::blank : node.below & bit(Label::blank);
+  const double radius = blank ? std::max(widest_.gap_radius, widest_.sparse_distance)
+                              : std::max(widest_.safe_radius, widest_.sparse_distance);
+  const double half = 0.5 * node.width() * voxel_;
+  const Vec3 middle = grid_.low_of(node.low) + Vec3::Constant(half);
+  const Vec3 beyond = ((at - middle).cwiseAbs().array() - half).max(0.0);
   const double reached = radius * (1 + 1e-6) + voxel_;
-  if (beyond.squaredNorm() > reached * reached) return here.below;
-  std::uint8_t below = 0;
-  for (std::int32_t child = 0; child < 8; ++child) below |= disturb(here.children + child, at);
-  return here.below = below;
+  return beyond.squaredNorm() <= reached * reached;
+}
+
+void RegionTree::hand(std::int32_t index, const Vec3& at) {
+  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  if (!reaches(here, at)) return;
+  if (here.kind == RegionNode::Kind::leaf) {
+    if (!breaks(here, at)) return;
+    mark(index);
+    for (std::int32_t up = here.parent; up >= 0 && node(up).below != anything; up = node(up).parent)
+      nodes_[static_cast<std::size_t>(up)].below = anything;
+    return;
+  }
+  std::int32_t link;
+  if (free_waiting_.empty()) {
+    link = static_cast<std::int32_t>(waiting_.size());
+    waiting_.emplace_back();
+  } else {
+    link = free_waiting_.back();
+    free_waiting_.pop_back();
+  }
+  waiting_[static_cast<std::size_t>(link)] = {at, here.waiting};
+  here.waiting = link;
+  here.waits = true;
+}
+
+void RegionTree::pass_on(std::int32_t index) {
+  for (std::int32_t link = node(index).waiting; link >= 0;) {
+    const Waiting here = waiting_[static_cast<std::size_t>(link)];
+    free_waiting_.push_back(link);
+    for (std::int32_t child = 0; child < 8; ++child) hand(node(index).children + child, here.at);
+    link = here.next;
+  }
+  nodes_[static_cast<std::size_t>(index)].waiting = -1;
+}
+
+void RegionTree::pass_on_all(std::int32_t index) {
+  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  const bool waited = here.waits;
+  here.waits = false;
+  if (here.kind != RegionNode::Kind::branch || !waited) return;
+  pass_on(index);
+  for (std::int32_t child = 0; child < 8; ++child) pass_on_all(here.children + child);
 }
 
 void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturbed) {
@@ -449,8 +502,16 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
   }
   for (std::int32_t k = first[2]; k <= last[2]; ++k)
     for (std::int32_t j = first[1]; j <= last[1]; ++j)
-      for (std::int32_t i = first[0]; i <= last[0]; ++i)
-        disturb((k * root_grid_[1] + j) * root_grid_[0] + i, at);
+      for (std::int32_t i = first[0]; i <= last[0]; ++i) {
+        const std::int32_t root = (k * root_grid_[1] + j) * root_grid_[0] + i;
+        const bool waited = node(root).waits;
+        hand(root, at);
+        if (node(root).waits && !waited) waiting_roots_.push_back(root);
+      }
+  if (waiting_.size() - free_waiting_.size() > most_waiting) {
+    for (const std::int32_t root : waiting_roots_) pass_on_all(root);
+    waiting_roots_.clear();
+  }
 }
 
 }  // namespace forefeel

@@ -9,8 +9,9 @@
 //   sparse   a voxel of too wide a spread: only where the Delaunay cell around it is destroyed; else within the safe
 //            radius where the state falls into the leaf's empty cone
 //
-// Those leaves become unresolved and are worked out when someone looks at them, one path from the root at a time, or
-// all of them by settle(), which visits nothing else. On an adaptive lattice a leaf is proven only where h(q) is the
+// Finding them waits, too: an insertion leaves its place with the root cubes in reach, and whoever looks at a place
+// takes it one level down at each node of the path. Leaves found become unresolved and are worked out when someone looks
+// at them, one path at a time, or all of them by settle(), which visits nothing else. On an adaptive lattice a leaf is proven only where h(q) is the
 // same throughout; what an insertion may break is judged by the coarsest h.
 
 #include <array>
@@ -33,6 +34,8 @@ struct RegionNode {
   std::array<std::int32_t, 3> low{};       // lowest voxel
   std::uint8_t level = 0;                  // 2^level voxels wide
   Kind kind = Kind::unresolved;
+  bool waits = false;                      // an insertion may wait here or below
+  std::int32_t waiting = -1;               // of a branch: insertions not passed on to its children
   Label label = Label::blank;              // while unresolved: the last known, which can only become better
   std::uint8_t below = 0x3f;               // of a branch: bit per label below; 4: something unresolved; 5: a sparse
                                            // leaf proven by its axis
@@ -64,7 +67,8 @@ class RegionTree {
   Label label_of(const Vec3& q, PathWalk& walk);   // by the indexes, not the leaves
   double gap_radius(const Vec3& q) const;          // [m]
   double link_deg() const { return link_deg_; }
-  std::size_t pending() const { return pending_; }                        // marked since the last settle()
+  // Leaves marked and insertions not yet passed on since the last settle().
+  std::size_t pending() const { return pending_ + waiting_.size() - free_waiting_.size(); }
 
  private:
   template <class Visit>
@@ -75,6 +79,7 @@ class RegionTree {
       for (int child = 0; child < 8; ++child) visit_leaves(here.children + child, visit);
   }
 
+  std::int32_t root_of(const std::array<std::int32_t, 3>& voxel) const;
   Vec3 centre(const RegionNode& node) const;
   double reach(const RegionNode& node) const;      // from its centre to its farthest voxel centre
   bool outside(const RegionNode& node) const;
@@ -93,7 +98,10 @@ class RegionTree {
   void settle_below(std::int32_t index, std::size_t& budget);
   bool settle_marked(std::size_t budget);
   void refresh_above(std::int32_t index);
-  std::uint8_t disturb(std::int32_t index, const Vec3& at);
+  bool reaches(const RegionNode& node, const Vec3& at) const;
+  void hand(std::int32_t index, const Vec3& at);   // an insertion to a node: leaves answer at once, branches wait
+  void pass_on(std::int32_t index);                // what waits at a branch, to its children
+  void pass_on_all(std::int32_t index);            // and theirs
   bool breaks(const RegionNode& leaf, const Vec3& at) const;
   void mark(std::int32_t index);
   std::uint8_t summary(const RegionNode& node) const;
@@ -114,6 +122,13 @@ class RegionTree {
   std::vector<RegionNode> nodes_;
   std::vector<std::int32_t> free_;                 // octets
   std::vector<std::int32_t> restless_;             // voxels that no watch covers
+  struct Waiting {
+    Vec3 at;
+    std::int32_t next;
+  };
+  std::vector<Waiting> waiting_;                   // lists by node
+  std::vector<std::int32_t> free_waiting_;
+  std::vector<std::int32_t> waiting_roots_;
   PathWalk walk_;
   Directions directions_;
   ConeSolver solver_;

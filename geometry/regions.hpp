@@ -7,8 +7,9 @@
 //   fill distance   sup over the box of delta(q)                        [m]
 //   largest hole    the largest ball without a state whose centre lies in the box and in the hull of the states
 //
-// Nothing is rebuilt: a state that is added only marks the leaves whose label it may change, and these are worked out
-// when they are looked at (label_at: one path from the root) or when somebody settles all of them.
+// Nothing is rebuilt: a state that is added is left with the cubes in its reach, and the leaves whose label it may
+// change are found and worked out when they are looked at (label_at: one path from the root) or when somebody settles
+// all of them.
 // One owner; the const members work out what is pending, so they are not for several threads at once.
 
 #include <array>
