@@ -83,11 +83,16 @@ void PointOctree::split(std::int32_t node, const Vec3& centre, double) {
 }
 
 void PointOctree::insert(std::uint32_t id, const Vec3& at) {
-  grow_to(at);
-  std::int32_t node = 0;
-  Vec3 centre = centre_;
-  double half = half_;
-  for (int depth = 0;; ++depth) {
+  // Paths arrive in order: the last leaf often takes the next point, too.
+  if (!((at - last_.centre).cwiseAbs().maxCoeff() < last_.half * (1 - 1e-9))) {
+    grow_to(at);
+    last_ = {0, 0, centre_, half_};
+  }
+  std::int32_t node = last_.node;
+  Vec3 centre = last_.centre;
+  double half = last_.half;
+  int depth = last_.depth;
+  for (;; ++depth) {
     const Node& n = nodes_[static_cast<std::size_t>(node)];
     if (n.children < 0) {
       const bool full = n.bucket >= 0 && buckets_[static_cast<std::size_t>(n.bucket)].count == capacity;
@@ -100,6 +105,7 @@ void PointOctree::insert(std::uint32_t id, const Vec3& at) {
     half *= 0.5;
   }
   append(node, id, at);
+  last_ = {node, depth, centre, half};
   ++size_;
 }
 

@@ -150,6 +150,14 @@ class PointOctree {
   void append(std::int32_t node, std::uint32_t id, const Vec3& at);
   std::int32_t new_bucket();
 
+  struct Place {
+    std::int32_t node = 0;
+    int depth = 0;
+    Vec3 centre = Vec3::Zero();
+    double half = 0;
+  };
+
+  Place last_;                 // the leaf of the last insert()
   std::vector<Node> nodes_;
   std::vector<Bucket> buckets_;
   std::vector<std::int32_t> free_buckets_;
