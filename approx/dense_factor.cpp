@@ -117,6 +117,17 @@ void DenseFactor::compact(std::span<const std::size_t> kept) {
   rows_ = kept.size();
 }
 
+double DenseFactor::largest_inverse() const {
+  double largest = 0;
+  for (std::size_t r = 0; r < rows_; ++r) largest = std::max(largest, inverse_diagonal_[r]);
+  return largest;
+}
+
+void DenseFactor::solve(double* y, std::size_t stride) {
+  dense::loops().solve_rows(column(0), stride_, inverse_diagonal_.data(), border_.data(), rows_, y, stride,
+                            cross_border_.data(), 3);
+}
+
 void DenseFactor::solve_transposed(double* y0, double* y1, double* y2) const {
   dense::loops().solve_transposed3(column(0), stride_, inverse_diagonal_.data(), rows_, y0, y1, y2);
 }

@@ -45,6 +45,10 @@ class DenseFactor {
 
   // Y: row m has 16 entries.
   const double* border_row(std::size_t row) const { return border_.data() + row * border; }
+  // The largest 1 / L_rr, holes included (1).
+  double largest_inverse() const;
+  // Solves L z = y in place for three right-hand sides at y, y + stride and y + 2 stride, as above.
+  void solve(double* y, std::size_t stride);
   // Solves L^T z = y in place for three right-hand sides of length rows(), padded by 8.
   void solve_transposed(double* y0, double* y1, double* y2) const;
 

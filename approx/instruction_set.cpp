@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "approx/dense_kernels.hpp"
+#include "approx/exact_sums.hpp"
 #include "approx/kernel_rows.hpp"
 #include "approx/kernel_sums.hpp"
 
@@ -14,6 +15,7 @@ namespace forefeel {
   extern const dense::Loops dense_loops;   \
   extern const rows::Loops row_loops;      \
   extern const sums::Loops sum_loops;      \
+  extern const exact::Loops exact_loops;   \
   }
 FOREFEEL_DECLARE_LOOPS(portable)
 #ifdef FOREFEEL_MULTIVERSION
@@ -72,6 +74,10 @@ const dense::Loops& dense::loops() {
 }
 const rows::Loops& rows::loops() {
   static const Loops& chosen = FOREFEEL_CHOSEN(row_loops);
+  return chosen;
+}
+const exact::Loops& exact::loops() {
+  static const Loops& chosen = FOREFEEL_CHOSEN(exact_loops);
   return chosen;
 }
 const sums::Loops& sums::loops() {

@@ -46,7 +46,14 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   dual_.assign(max_terms * row_stride_, 0.0);
   weight_.assign(row_stride_, 0.0);
   orthogonal_.assign((max_terms + 6) * row_stride_, 0.0);
+  given_stride_ = (slot_capacity_ + 15) / 8 * 8;
+  given_.assign(12 * given_stride_, 0.0);
+  misfit_.assign(12 * given_stride_, 0.0);
+  correction_.assign(3 * row_stride_, 0.0);
+  last_correction_.assign(3 * row_stride_, 0.0);
+  living_.reserve(slot_capacity_ + DenseFactor::panel);
   gathered_.reserve(slot_capacity_);
+  sorted_.reserve(slot_capacity_);
   added_.reserve(2 * slot_capacity_);
   by_id_.reserve(slot_capacity_ + DenseFactor::panel);
   index_.reserve(factor_.row_capacity());
@@ -137,6 +144,7 @@ void RbfFit::clear() {
   factor_.clear();
   std::fill_n(slot_array(in_use), slot_stride_, 0.0);
   slots_ = alive_ = dropped_slots_ = 0;
+  updated_ = worn_ = false;
   by_id_.clear();
 }
 
@@ -250,6 +258,25 @@ void RbfFit::append(std::span<const Sample> added) {
 
 void RbfFit::refit(std::span<const Sample> samples) {
   assert(samples.size() <= capacity_);
+  factorise(samples);
+  if (!drops_matter()) return;
+  // Which functionals are dropped depends on their order; nearest to the centre first makes it the set's own.
+  sorted_.assign(samples.begin(), samples.end());
+  const Vec3 centre = centre_;
+  std::ranges::sort(sorted_, [&](const Sample& a, const Sample& b) {
+    const double da = (a.at - centre).squaredNorm(), db = (b.at - centre).squaredNorm();
+    return da != db ? da < db : a.id < b.id;
+  });
+  factorise(sorted_);
+}
+
+// Between two Hermite states of r^5 so much is known already that what a near-duplicate adds is lost in
+// rounding: a history of updates must not decide which of them count.
+bool RbfFit::drops_matter() const {
+  return dropped_slots_ > 0 && level_.hermite && level_.power == 5;
+}
+
+void RbfFit::factorise(std::span<const Sample> samples) {
   clear();
   if (samples.empty()) return;
   set_frame(samples);
@@ -330,9 +357,11 @@ void RbfFit::leave(std::size_t slot) {
 RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<const Sample> added) {
   const std::size_t b = rows_per_slot_, changed = (removed.size() + added.size()) / 2;
   if (alive_ == 0 || alive_ + added.size() < removed.size() + 1) return Outcome::refused;
+  if (mode_ == Mode::automatic && worn_) return Outcome::refused;
   // Measured: an update of k states costs about as much as a refit from here on.
   if (mode_ == Mode::automatic && double(changed) * b > 0.2 * double(alive_ * b) + 2) return Outcome::refused;
 
+  updated_ = true;
   added_.clear();
   index_.clear();
   for (const StateId id : removed) leave(std::ranges::lower_bound(by_id_, id, {}, &Entry::id)->slot);
@@ -349,7 +378,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   // Holes cost as much as rows: where four go with a state, moving the factor together soon pays.
   if ((b == 4 && 8 * (slots_ - alive_) > alive_) || slots_ + added_.size() > slot_capacity_) compact();
   append(added_);
-  if (mode_ == Mode::automatic && frame_expired()) return Outcome::stale;
+  if (drops_matter() || (mode_ == Mode::automatic && frame_expired())) return Outcome::stale;
   return level_still_fits() ? Outcome::done : Outcome::stale;
 }
 

@@ -5,6 +5,10 @@
 //   c minimises |Y_P c - Y_f|,   lambda = L^-T (Y_f - Y_P c).
 // The anchors of K lie around the set and expire when it has moved or changed its size.
 //
+// A model is watched at some of its own states. Where it misses them by more than a fresh factor would, its
+// coefficients are refined with the misfit in twice the working precision and the factor that is there
+// (Wilkinson 1963, ch. 3), so that an updated model is as good as one made anew however old its factor is.
+//
 // Kernel and degree step down together where the states do not determine the polynomial: r^5 + quadratic ->
 // r^3 + linear -> r + constant -> tangent. Rank decides: pivots of P^T P.
 
@@ -32,7 +36,7 @@ class RbfFit {
   RbfFit(const ModelOptions& options, std::size_t capacity);
 
   std::size_t size() const { return alive_; }
-  // All anew; the first samples are those that matter most (near-duplicates of earlier ones are dropped).
+  // All anew; near-duplicates of earlier samples are dropped.
   void refit(std::span<const Sample> samples);
   // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a
   // refit. All removed ids (ascending) must be in the set, no added one may be.
@@ -62,6 +66,8 @@ class RbfFit {
   Level level_for(std::span<const Sample> samples);
   bool level_still_fits();
   void set_frame(std::span<const Sample> samples);
+  void factorise(std::span<const Sample> samples);
+  bool drops_matter() const;
   void clear();
   void append(std::span<const Sample> added);
   void place(std::size_t slot, const Sample& sample);
@@ -78,7 +84,12 @@ class RbfFit {
   void write_tangent_of_sum(Model::Impl& out, const Sample& base);
   void set_bound(Model::Impl& out, std::size_t nearest);
   void leave(std::size_t slot);
-  void write_sum(Model::Impl& out);
+  bool write_sum(Model::Impl& out);
+  bool has_lost_digits(const Model::Impl& out);
+  bool refine(Model::Impl& out);
+  double misfit(const Model::Impl& out);
+  void constraint(const Model::Impl& out, double* rest) const;
+  void correct(Model::Impl& out, double by);
   Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
 
   ModelOptions options_;
@@ -112,10 +123,18 @@ class RbfFit {
     std::uint32_t slot;
   };
   std::vector<Entry> by_id_;  // living slots, ascending ids
-  std::vector<Sample> gathered_, added_;
+  std::vector<Sample> gathered_, added_, sorted_;
   std::vector<std::size_t> index_;
   std::vector<std::uint32_t> moved_;  // of compact(): the new slot of each
   double coefficient_[3][max_terms] = {};
+  double upper_[max_terms * max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
+  std::vector<std::uint32_t> living_;         // slots in the order of the model's centres
+  std::size_t watched_ = 0;
+  bool updated_ = false, worn_ = false;  // since the last refit; has lost digits by that
+  std::size_t given_stride_ = 0;
+  AlignedArray given_, misfit_;  // 12 x given_stride: f and dF/dy of the living slots, what the model leaves
+  AlignedArray correction_, last_correction_;  // 3 x row_stride: of lambda
+  double polynomial_correction_[3][max_terms] = {};
 };
 
 }  // namespace forefeel

@@ -13,20 +13,21 @@ namespace forefeel {
 void RbfFit::solve() {
   const std::size_t m = factor_.rows(), q = terms_;
   dense::loops().columns_of(factor_.border_row(0), m, q + 3, orthogonal_.data(), row_stride_);
-  double upper[max_terms * max_terms], right[3 * max_terms];
-  dense::loops().orthogonalise(q, m, orthogonal_.data(), row_stride_, upper, right);
+  double right[3 * max_terms];
+  dense::loops().orthogonalise(q, m, orthogonal_.data(), row_stride_, upper_, right);
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t j = q; j-- > 0;) {
       double value = right[c * q + j];
-      for (std::size_t k = j + 1; k < q; ++k) value -= upper[j * q + k] * coefficient_[c][k];
-      coefficient_[c][j] = value / upper[j * q + j];
+      for (std::size_t k = j + 1; k < q; ++k) value -= upper_[j * q + k] * coefficient_[c][k];
+      coefficient_[c][j] = value / upper_[j * q + j];
     }
   double* residual = orthogonal_.data() + q * row_stride_;
   factor_.solve_transposed(residual, residual + row_stride_, residual + 2 * row_stride_);
 }
 
 // Back from the projected kernel to phi: only the polynomial changes, by -s sum_b lambda_b v_b.
-void RbfFit::write_sum(Model::Impl& out) {
+// False where the factor has lost too much for it.
+bool RbfFit::write_sum(Model::Impl& out) {
   solve();
   const std::size_t m = factor_.rows();
   double* all = orthogonal_.data() + terms_ * row_stride_;
@@ -40,6 +41,7 @@ void RbfFit::write_sum(Model::Impl& out) {
   }
   std::size_t n = 0;
   const std::size_t stride = out.stride, b = rows_per_slot_;
+  living_.clear();
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
     double* to = out.data.data() + n;
@@ -52,11 +54,13 @@ void RbfFit::write_sum(Model::Impl& out) {
       if (b == 4)
         for (std::size_t d = 0; d < 3; ++d) to[(6 + 3 * c + d) * stride] = sign_ * lambda[1 + d];
     }
+    living_.push_back(static_cast<std::uint32_t>(s));
     ++n;
   }
   out.padded = (n + 7) / 8 * 8;
   for (std::size_t a = 0; a < (b == 4 ? 15u : 6u); ++a)
     std::fill(out.data.data() + a * stride + n, out.data.data() + a * stride + out.padded, 0.0);
+  return !has_lost_digits(out) || refine(out);
 }
 
 namespace {
@@ -175,7 +179,12 @@ void RbfFit::write(Model::Impl& out, const Vec3& hip) {
   out.hermite = level_.hermite;
   out.kernel = level_.power == 1 ? Kernel::linear : level_.power == 3 ? Kernel::cubic : Kernel::quintic;
   out.power = carrying > 1 ? level_.power : 0;
-  if (out.power != 0) write_sum(out);
+  if (out.power != 0 && !write_sum(out) && updated_) {
+    gather();
+    added_.assign(gathered_.begin(), gathered_.end());
+    refit(added_);
+    return write(out, hip);
+  }
   write_tangent(out, hip);
   if (out.power != 0)
     out.set_hull(out.data.data(), out.data.data() + out.stride, out.data.data() + 2 * out.stride, alive_);

@@ -66,6 +66,10 @@ struct Churn {
 
 struct Errors {
   double residual = 0, prediction = 0;
+  void take(const Errors& other) {
+    residual = std::max(residual, other.residual);
+    prediction = std::max(prediction, other.prediction);
+  }
 };
 
 Errors errors_of(const Model& model, const Judge& judge, const std::vector<State>& states, unsigned seed) {
@@ -90,28 +94,37 @@ Errors errors_of(const Model& model, const Judge& judge, const std::vector<State
 
 }  // namespace
 
+// The largest errors of the last sets, so that no single rounding decides.
 TEST_CASE("10,000 replacements without refactorisation stay within five times a fresh solve", "[replace]") {
   for (const char* kind : {"lattice", "near-duplicate", "coplanar", "collinear", "clustered"})
-    for (const auto& [kernel, data] : cases) {
-      CAPTURE(kind, name(kernel), name(data));
-      const std::size_t n = 16;
-      const ModelOptions options{.kernel = kernel, .data = data, .neighbours = n};
-      Churn churn(hard_set(kind, 3 * n, 3), n, options);
-      for (int i = 0; i < 10000; ++i) churn.replace(1);
-      // A set whose rank differs needs another kernel, hence another factor; none else is made anew.
-      if (kernel != Kernel::quintic) CHECK(churn.refits == 0);
-      Model updated;
-      churn.fit.write(updated.impl(), Vec3::Zero());
-      const auto states = churn.current();
-      const Model fresh = fit(states, options, Vec3::Zero());
-      REQUIRE(updated.impl().power == fresh.impl().power);
-      REQUIRE(updated.impl().degree == fresh.impl().degree);
-      const Judge judge(states, updated.impl().power, updated.impl().degree, updated.impl().hermite);
-      const Errors a = errors_of(updated, judge, states, 11), b = errors_of(fresh, judge, states, 11);
-      CAPTURE(1e14 * a.residual, 1e14 * b.residual, 1e14 * a.prediction, 1e14 * b.prediction);
-      CHECK(a.residual <= 5 * std::max(b.residual, 5e-14));
-      CHECK(a.prediction <= 5 * std::max(b.prediction, 5e-14));
-    }
+    for (const auto& [kernel, data] : cases)
+      for (const unsigned seed : {3, 4, 15}) {
+        CAPTURE(kind, name(kernel), name(data), seed);
+        const std::size_t n = 16;
+        const ModelOptions options{.kernel = kernel, .data = data, .neighbours = n};
+        Churn churn(hard_set(kind, 3 * n, seed), n, options);
+        churn.random.seed(seed + 2);
+        Errors a, b;
+        for (int i = 0; i < 10000; ++i) {
+          churn.replace(1);
+          if (i < 10000 - 6) continue;
+          Model updated;
+          churn.fit.write(updated.impl(), Vec3::Zero());
+          const auto states = churn.current();
+          const Model fresh = fit(states, options, Vec3::Zero());
+          REQUIRE(updated.impl().power == fresh.impl().power);
+          REQUIRE(updated.impl().degree == fresh.impl().degree);
+          const Judge judge(states, updated.impl().power, updated.impl().degree, updated.impl().hermite);
+          a.take(errors_of(updated, judge, states, 11));
+          b.take(errors_of(fresh, judge, states, 11));
+        }
+        // A set whose rank differs needs another kernel, hence another factor, and so does one with
+        // functionals that rounding drowns; none else is made anew.
+        if (kernel != Kernel::quintic) CHECK(churn.refits == 0);
+        CAPTURE(1e14 * a.residual, 1e14 * b.residual, 1e14 * a.prediction, 1e14 * b.prediction);
+        CHECK(a.residual <= 5 * std::max(b.residual, 5e-14));
+        CHECK(a.prediction <= 5 * std::max(b.prediction, 5e-14));
+      }
 }
 
 TEST_CASE("Replacing several at once equals a fresh fit", "[replace]") {
