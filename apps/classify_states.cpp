@@ -153,8 +153,10 @@ void find_sides(const OctreeIndex& octree, const Classified& set, const Coverage
 
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
   result.octree = make_octree(result, arguments);
-  result.regions =
-      sample_regions(result.box, result.spacing, [&](const Vec3& q) { return result.octree->label(q); });
+  result.regions = sample_regions(result.box, result.spacing, [&](const Vec3& q) {
+    thread_local PathWalk walk;   // along the rows of voxels
+    return result.octree->label(q, walk);
+  });
   find_sides(*result.octree, result, arguments.coverage, result.regions.components);
   if (!with_holes || result.states.empty()) return;
   result.hole = search_hole(*result.octree, result, false);

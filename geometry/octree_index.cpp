@@ -86,13 +86,16 @@ OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
 }
 
 // min over the 26 directions a of max over occupied leaves of a . u: the cosine that gamma approximates.
-double OctreeIndex::least_side(const Vec3& q, double radius) const {
+// Stops looking where it has reached `enough`.
+double OctreeIndex::least_side(const Vec3& q, double radius, double enough) const {
   static const std::array<Vec3, 26> axes = make_directions();
   std::array<double, 26> most;
   most.fill(-1);
   points_.for_each_leaf_within(q, radius, [&](const Vec3& offset) {
     const Vec3 u = offset.normalized();
-    for (std::size_t i = 0; i < axes.size(); ++i) most[i] = std::max(most[i], axes[i].dot(u));
+    double least = 1;
+    for (std::size_t i = 0; i < axes.size(); ++i) least = std::min(least, most[i] = std::max(most[i], axes[i].dot(u)));
+    return least < enough;
   });
   return *std::min_element(most.begin(), most.end());
 }
@@ -127,8 +130,8 @@ Label OctreeIndex::label(const Vec3& q, PathWalk& walk) const {
     walk.keep(corners);
   }
   if (near.any) return near.safe ? Label::safe : Label::sparse;
-  const double least = least_side(q, options_.gap_cone_radius * s);
-  return least >= std::cos(options_.gap_angle_deg * std::numbers::pi / 180) ? Label::gap : Label::blank;
+  const double enough = std::cos(options_.gap_angle_deg * std::numbers::pi / 180);
+  return least_side(q, options_.gap_cone_radius * s, enough) >= enough ? Label::gap : Label::blank;
 }
 
 namespace {
@@ -157,7 +160,7 @@ Coverage OctreeIndex::coverage(const Vec3& q) const {
     result.label = near.safe ? Label::safe : Label::sparse;
     return result;
   }
-  const double least = std::clamp(least_side(q, options_.gap_cone_radius * s), -1.0, 1.0);
+  const double least = std::clamp(least_side(q, options_.gap_cone_radius * s, 2), -1.0, 1.0);
   result.gamma_deg = std::acos(least) * 180 / std::numbers::pi;
   if (result.gamma_deg <= options_.gap_angle_deg) result.label = Label::gap;
   return result;

@@ -59,7 +59,7 @@ class OctreeIndex {
     bool safe = false;
   };
   Near look_near(const Vec3& q, double s) const;
-  double least_side(const Vec3& q, double radius) const;
+  double least_side(const Vec3& q, double radius, double enough) const;
 
   double spacing_;
   CoverageOptions options_;

@@ -49,7 +49,7 @@ class PointOctree {
   }
 
   // visit(offset) for every occupied leaf with a state within the radius: the middle of these states where the leaf
-  // is small against its distance, else each of them.
+  // is small against its distance, else each of them. Ends where visit() returns false.
   template <class Visit>
   void for_each_leaf_within(const Vec3& q, double radius, Visit&& visit) const {
     if (!nodes_.empty()) visit_leaves(0, centre_, half_, q, radius * radius, visit);
@@ -108,14 +108,14 @@ class PointOctree {
   }
 
   template <class Visit>
-  void visit_leaves(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
+  bool visit_leaves(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
                     Visit& visit) const {
-    if (squared_to_cube(centre, half, q) > squared) return;
+    if (squared_to_cube(centre, half, q) > squared) return true;
     const Node& n = nodes_[static_cast<std::size_t>(node)];
     if (n.children >= 0) {
       for (int child = 0; child < 8; ++child)
-        visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit);
-      return;
+        if (!visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit)) return false;
+      return true;
     }
     const bool small = 16 * half * half <= (centre - q).squaredNorm();
     Vec3 sum = Vec3::Zero();
@@ -128,12 +128,12 @@ class PointOctree {
         if (offset.squaredNorm() > squared) continue;
         if (small) {
           sum += offset, ++count;
-        } else {
-          visit(offset);
+        } else if (!visit(offset)) {
+          return false;
         }
       }
     }
-    if (count > 0) visit(Vec3(sum / count));
+    return count == 0 || visit(Vec3(sum / count));
   }
 
   struct Cone {
