@@ -1,4 +1,5 @@
-// forefeel bench solver [SCENE]: states per second over the scene's whole lattice, beside full Newton on Eigen's
+// forefeel bench solver [SCENE]: states per second over the scene's whole lattice, or over that of a box about rest shrunk
+// until it holds no more than the given number (then both sides solve only those), beside full Newton on Eigen's
 // SimplicialLDLT and on CHOLMOD in the same run. A baseline solves a sample of the lattice, each state warm-started
 // from its lattice neighbour towards rest, on the same number of threads; errors are against tight solves on the
 // reference branch at a random sample.
@@ -16,10 +17,12 @@
 #include <memory>
 #include <random>
 
+#include "apps/bench_one_state.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
 #include "geometry/phantom.hpp"
+#include "geometry/state_space.hpp"
 #include "solver/baselines/baseline.hpp"
 #include "solver/solver.hpp"
 
@@ -67,6 +70,14 @@ BenchCase take_case(const Globals& globals, const std::string& file) {
   space.spacing = 0.006;
   space.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)};
   return {body, space, "liver phantom"};
+}
+
+// The box, shrunk towards rest until its lattice has `most` states at most.
+Box shrunk(const StateSpaceOptions& space, std::size_t most) {
+  Box box = space.box;
+  for (double share = 1; share > 0 && lattice(box, space.spacing).size() > most; share -= 1.0 / 64)
+    box = {Vec3(share * space.box.low), Vec3(share * space.box.high)};
+  return box;
 }
 
 struct Errors {
@@ -188,14 +199,17 @@ nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& basel
 
 }  // namespace
 
-int bench_solver(const Globals& globals, const std::string& scene) {
+int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states) {
   match_blas_to_processor();
   constexpr double tolerance = 1e-6;
   constexpr std::size_t error_sample = 60;
   constexpr int rounds = 3;
   constexpr double enough = 40;      // [s] after which no further round is begun
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
-  const BenchCase bench = take_case(globals, scene);
+  BenchCase bench = take_case(globals, scene);
+  if (most_states == 1) return bench_one_state(globals, bench.body, bench.space.spacing, bench.name);
+  const std::size_t whole = lattice(bench.space.box, bench.space.spacing).size();
+  if (most_states > 0) bench.space.box = shrunk(bench.space, most_states);
   GenerateOptions options;
   options.spacing = bench.space.spacing;
   options.box = bench.space.box;
@@ -250,6 +264,7 @@ int bench_solver(const Globals& globals, const std::string& scene) {
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();
   document["failed"] = report.failed;
+  document["states_of_the_scene"] = whole;
   document["speedup_over_one_thread"] = number(scaling);
   document["errors_drawn"] = errors.values.size();
   document["baseline_states"] = {last_eigen.states, last_cholmod.states};
@@ -260,6 +275,8 @@ int bench_solver(const Globals& globals, const std::string& scene) {
   if (globals.json) print_json(document);
   say(globals, fmt::format("{}: {}, {} tetrahedra, {} states, {} failed, {} threads, {}", bench.name,
                            name(bench.body->material.law), bench.body->mesh.tets.size(), n, report.failed, threads, instruction_set()));
+  if (n + report.failed < whole)
+    say(globals, fmt::format("the {} states nearest to rest, of {} in the scene's box", n + report.failed, whole));
   say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
   say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * median(ours)));
   say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * median(eigen), median(eigen) / median(ours)));

@@ -44,7 +44,8 @@ void add_study(CLI::App& app, Commands& commands);       // command_study.cpp
 void add_reproduce(CLI::App& app, Commands& commands);   // command_reproduce.cpp
 void add_bench(CLI::App& app, Commands& commands);       // command_bench.cpp, which calls those below
 int bench_coverage(const Globals& globals);              // bench_coverage.cpp
-int bench_solver(const Globals& globals, const std::string& scene);   // bench_solver.cpp
+// bench_solver.cpp; most_states: 0 for the scene's whole lattice
+int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states);
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder);   // bench_approx.cpp
 int bench_switch(const Globals& globals, const std::string& scene);   // bench_switch.cpp
 

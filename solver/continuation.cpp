@@ -29,6 +29,7 @@ void Continuation::begin_at_rest() {
   at_ = Vec3::Zero();
   has_tangent_ = false;
   iterations_ = 0;
+  kinks_ = {};
 }
 
 void Continuation::begin_at(const Vec3& at, const LocalField& field) {
@@ -37,6 +38,7 @@ void Continuation::begin_at(const Vec3& at, const LocalField& field) {
   if (has_tangent_) field_.tangent = field.tangent;
   at_ = at;
   iterations_ = 0;
+  kinks_ = {};
 }
 
 bool Continuation::take_tangent() {
@@ -53,8 +55,19 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
     report.status = SolveStatus::diverged;
     return report;
   }
-  predict(*d_, field_, x - at_, x, trial_);
-  return correct_trial(x, tolerance, max_iterations, stop, keep_factor);
+  const Vec3 move = x - at_;
+  predict(*d_, field_, move, x, trial_);
+  predict(*d_, field_, 0.5 * move, 0.5 * (x + at_), half_);
+  report = correct_trial(x, tolerance, max_iterations, stop, keep_factor);
+  if (report.status != SolveStatus::converged) return report;
+  // half_ + V_b move / 2 - u_b, in place
+  const std::size_t size = field_.u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  const double *va = field_.tangent.data(), *vb = va + size, *vc = vb + size;
+  double largest = 0;
+  for (std::size_t i = 0; i < rows; ++i)
+    largest = std::max(largest, std::abs(half_[i] + 0.5 * (va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2]) - field_.u[i]));
+  if (move.norm() > 0) kinks_ = {largest / move.norm(), kinks_[0]};
+  return report;
 }
 
 NewtonReport Continuation::correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,

@@ -2,6 +2,8 @@
 // An equilibrium that is moved along: the contact goes straight from where it is to x, the tangent du/dx predicts,
 // Newton corrects, and a step that fails is halved.
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <stop_token>
 #include <vector>
@@ -29,6 +31,10 @@ class Continuation {
   NewtonReport correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
                        const std::stop_token& stop);
 
+  // How far the last two steps of advance are from smooth: the larger |u_b - u_a - (V_a + V_b) move / 2| / |move|, of second
+  // order in the step where u is smooth, of the size of the jump over the step where it came out on another branch.
+  double kink() const { return std::max(kinks_[0], kinks_[1]); }
+
   const LocalField& field() const { return field_; }         // with its tangent after an advance that converged
   const Mat3& stiffness() const { return stiffness_; }       // after an advance or a correction that converged
   NewtonSolver& newton() { return newton_; }
@@ -42,11 +48,12 @@ class Continuation {
   std::shared_ptr<const Discretisation> d_;
   NewtonSolver newton_;
   LocalField field_;
-  std::vector<double> trial_;
+  std::vector<double> trial_, half_;
   Vec3 at_ = Vec3::Zero();
   Mat3 stiffness_ = Mat3::Zero();
   bool has_tangent_ = false;
   int iterations_ = 0;
+  std::array<double, 2> kinks_{};      // of the last step and the one before
 };
 
 // u of the field moved by its tangent: u + V move, the contact's rows exactly at x.

@@ -117,6 +117,7 @@ class Sweep {
     const bool soft = body_->material.law == Law::st_venant_kirchhoff || body_->material.poisson >= 0.49;
     sweep.residual_tolerance = (soft ? 5 : 20) * options_.tolerance;
     sweep.stop = options_.stop;
+    sweep.coarse = [this](const LatticeIndex& c) { return solved(c); };
     for (int i = 0; i < report_.threads; ++i) workers_.push_back(std::make_unique<SweepWorker>(d_, sweep));
     march_coarse();
     if (!stopped()) fill_cells();

@@ -142,13 +142,12 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
   return false;
 }
 
-void LaneSolver::finish(const Factorisation& factor, int count, std::array<LaneResult, lane_count>& results) {
+void LaneSolver::finish(const Factorisation& factor, int count, int rounds, std::array<LaneResult, lane_count>& results) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
-  constexpr int most_rounds = 3;
   std::array<double, lane_count> dot{}, one{};
   one.fill(1);
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     std::fill(product_.begin(), product_.end(), 0.0);
     d_->kernels->product_lanes(d_->view(), static_cast<std::int64_t>(size_), u_.data(), tangent_.data(), product_.data());
     std::array<Mat3, lane_count> plain, gain;
@@ -188,12 +187,12 @@ void LaneSolver::finish(const Factorisation& factor, int count, std::array<LaneR
 }
 
 void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
-                       std::array<LaneResult, lane_count>& results) {
+                       std::array<LaneResult, lane_count>& results, int rounds) {
   results.fill({});
   const auto count = static_cast<int>(fields.size());
   load(fields);
   if (!iterate(factor, count, residual_tolerance, results)) return;
-  finish(factor, count, results);
+  finish(factor, count, rounds, results);
   const std::size_t rows = size_ / lane_count;
   for (int l = 0; l < count; ++l) {
     if (!results[static_cast<std::size_t>(l)].converged) continue;

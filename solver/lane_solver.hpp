@@ -35,16 +35,17 @@ class LaneSolver {
   explicit LaneSolver(std::shared_ptr<const Discretisation> discretisation);
 
   // fields: 1 to 8 predictions, the contact's rows of u at the states' positions; those that converge are replaced by
-  // the equilibria. residual_tolerance: |r_f| / max(|f|, floor).
+  // the equilibria. residual_tolerance: |r_f| / max(|f|, floor). rounds: corrections of V and K at most; with one, V is
+  // good for a prediction and K seldom settled.
   void solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
-             std::array<LaneResult, lane_count>& results);
+             std::array<LaneResult, lane_count>& results, int rounds = 3);
 
  private:
   void load(const std::vector<LocalField*>& fields);
   bool iterate(const Factorisation& factor, int count, double tolerance, std::array<LaneResult, lane_count>& results);
   void mix(int known, const std::array<double, lane_count>& active);
   void remember(int known);
-  void finish(const Factorisation& factor, int count, std::array<LaneResult, lane_count>& results);
+  void finish(const Factorisation& factor, int count, int rounds, std::array<LaneResult, lane_count>& results);
 
   std::shared_ptr<const Discretisation> d_;
   std::size_t size_;                       // of a local vector in lanes

@@ -77,7 +77,8 @@ struct GenerateReport {
   double seconds = 0;
   int threads = 0;
 };
-// Fills the lattice outward from rest. known: states already there (skipped, failed ones not retried). sink is
+// Fills the lattice outward from rest. A state is multivalued where its straight way jumps within its last two steps,
+// where another way ended elsewhere, or where its force is not what its neighbours' stiffnesses foretell. known: states already there (skipped, failed ones not retried). sink is
 // called from one thread at a time with each new state, failed ones included; progress(done, total) likewise.
 GenerateReport generate_lattice(std::shared_ptr<const Body> body, const GenerateOptions& options,
                                 const std::vector<State>& known, const std::function<void(State)>& sink,

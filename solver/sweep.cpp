@@ -13,12 +13,9 @@ using SteadyClock = std::chrono::steady_clock;
 
 // A force that differs by more than this share from what the stiffness of a neighbour foretells is looked into; with an
 // element turned inside out, one that differs by this share from the cubic through the corners of its cell.
-constexpr double suspicious = 0.1, suspicious_inverted = 2e-3;
-constexpr double between_tolerance = 1e-4;    // on the way along the straight path
-// Values on two branches differ by more than this.
-constexpr double other_branch = 1e-4;
+constexpr double suspicious = 0.1, suspicious_inverted = 1e-2;
 constexpr double coarse_tolerance = 1e-7;
-constexpr int prediction_iterations = 12;     // of Newton from a prediction, before the way there is halved
+constexpr int prediction_iterations = 12;     // of Newton from a prediction, before the straight way is gone
 constexpr double fallback_tolerance = 1e-8;
 constexpr int fallback_iterations = 60;
 
@@ -66,38 +63,25 @@ void SweepWorker::correct_alone(SweepNode& node) {
   if (report.status == SolveStatus::converged) take(node, report);
 }
 
-// Newton continuation from the given nodes in turn, then straight from rest.
+// Where the straight way does not arrive: continuation from the first of the given nodes. What it finds is some
+// equilibrium, not the reference branch's.
 void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
   State& s = node.state;
-  for (std::size_t attempt = 0; attempt <= starts.size(); ++attempt) {
-    const SweepNode* start = attempt < starts.size() ? starts[attempt] : nullptr;
-    if (start)
-      path_.begin_at(start->state.at, start->field);
-    else
-      path_.begin_at_rest();
-    const NewtonReport report = path_.advance(s.at, start ? 0.0 : options_.spacing, fallback_tolerance,
-                                              fallback_iterations, options_.stop,
-                                              start ? 0.0 : between_tolerance);
-    s.parent = start ? start->state.at : Vec3(Vec3::Zero());
-    if (report.status != SolveStatus::converged) {
-      s.status = report.status;
-      s.iterations += path_.iterations();
-      s.residual = report.residual;
-      s.min_jacobian = report.min_jacobian;
-      if (report.status == SolveStatus::cancelled) return;
-      if (attempt == 0 && starts.size() > 1) attempt = starts.size() - 1;   // one neighbour, then rest
-      continue;
-    }
-    take(node, report);
-    return;
-  }
   node.field = {};
+  if (starts.empty() || s.status == SolveStatus::cancelled) return;
+  const SweepNode& start = *starts.front();
+  path_.begin_at(start.state.at, start.field);
+  const NewtonReport report = path_.advance(s.at, 0, fallback_tolerance, fallback_iterations, options_.stop);
+  if (report.status != SolveStatus::converged) return;      // the straight way's status stays: it is the reason
+  s.parent = start.state.at;
+  s.multivalued = true;
+  take(node, report);
 }
 
 // The trapezium rule on the stiffnesses foretells the force to third order, their Hermite mean over the corners of a cell
-// to fourth. Where they do not fit, or where a neighbour is known to have another branch, the reference branch decides:
-// straight from rest in steps of h. With an element turned inside out there is mostly another way to settle, so a coarse
-// state with one (which the fine ones are predicted from) is always compared.
+// to fourth. Where they do not fit, or where a neighbour is known to have another branch, the straight way from rest in
+// steps of h decides. With an element turned inside out there is mostly another way to settle, so a coarse state with one
+// (which the fine ones are predicted from) always goes it.
 bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const {
   const State& s = node.state;
   const bool inverted = s.min_jacobian <= 0;
@@ -105,78 +89,19 @@ bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepN
   Vec3 mean = Vec3::Zero();
   for (const SweepNode* other : neighbours) {
     const State& o = other->state;
-    const Vec3 move = s.at - o.at, foretold = o.force - 0.5 * (o.stiffness + s.stiffness) * move;
-    mean += (o.force - 0.5 * o.stiffness * move) / static_cast<double>(neighbours.size());
-    const double scale = std::max({s.force.norm(), o.force.norm(), d_->force_floor});
-    if (o.multivalued || !((foretold - s.force).norm() <= suspicious * scale)) return true;
+    mean += (o.force - 0.5 * o.stiffness * (s.at - o.at)) / static_cast<double>(neighbours.size());
   }
+  if (jumps(node, neighbours)) return true;
   return inverted && !((mean - s.force).norm() <= suspicious_inverted * std::max(s.force.norm(), d_->force_floor));
 }
 
-void SweepWorker::compare(SweepNode& node) {
-  path_.begin_at_rest();
-  settle(node, path_.advance(node.state.at, options_.spacing, fallback_tolerance, fallback_iterations, options_.stop,
-                             between_tolerance));
-}
-
-// report: of path_, at the node on the reference branch.
-void SweepWorker::settle(SweepNode& node, const NewtonReport& report) {
-  if (report.status != SolveStatus::converged) return;
-  if ((report.force - node.state.force).norm() <= other_branch * report.force.norm()) return;
-  State& s = node.state;
-  s.multivalued = true;
-  s.parent = Vec3::Zero();
-  take(node, report);
-}
-
-// The same for several states of a cell: they go their straight ways from rest side by side on common factors, and
-// who falls behind goes on alone from where it is.
-void SweepWorker::compare_together(const std::vector<SweepNode*>& nodes) {
-  const std::size_t size = static_cast<std::size_t>(d_->local_size());
-  LocalField rest{std::vector<double>(size, 0.0), std::vector<double>(3 * size)};
-  if (!path_.newton().factorise(rest.u)) return;
-  path_.newton().factor().tangent(rest.tangent.data());
-  std::vector<LocalField> fields(nodes.size(), rest), next(nodes.size());
-  std::vector<int> reached(nodes.size(), 0);        // steps done
-  std::vector<Vec3> force(nodes.size());
-  double farthest = 0;
-  for (const SweepNode* node : nodes) farthest = std::max(farthest, node->state.at.norm());
-  const int steps = std::max(1, static_cast<int>(std::ceil(farthest / options_.spacing * (1 - 1e-12))));
-  for (int step = 1; step <= steps && !options_.stop.stop_requested(); ++step) {
-    std::vector<std::size_t> going;
-    std::vector<LocalField*> moved;
-    std::vector<double> middle(size, 0.0);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (reached[i] != step - 1) continue;
-      const Vec3& x = nodes[i]->state.at;
-      predict(*d_, fields[i], x / steps, x * step / steps, next[i].u);
-      next[i].tangent = fields[i].tangent;
-      going.push_back(i);
-      moved.push_back(&next[i]);
-    }
-    if (going.empty()) break;
-    for (const LocalField* field : moved) scale_into(field->u, 1.0 / static_cast<double>(moved.size()), middle);
-    if (!path_.newton().factorise(middle)) break;
-    std::array<LaneResult, lane_count> results;
-    lanes_.solve(path_.newton().factor(), moved, step < steps ? between_tolerance : options_.residual_tolerance, results);
-    for (std::size_t l = 0; l < going.size(); ++l) {
-      if (!results[l].converged || !results[l].stiffness_settled) continue;
-      std::swap(fields[going[l]], next[going[l]]);
-      reached[going[l]] = step;
-      force[going[l]] = results[l].force;
-    }
-  }
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    SweepNode& node = *nodes[i];
-    const Vec3& x = node.state.at;
-    if (reached[i] == steps) {
-      if ((force[i] - node.state.force).norm() <= other_branch * force[i].norm()) continue;
-      settle(node, path_.correct(fields[i].u, x, fallback_tolerance, fallback_iterations, options_.stop));
-      continue;
-    }
-    path_.begin_at(x * reached[i] / steps, fields[i]);
-    settle(node, path_.advance(x, options_.spacing, fallback_tolerance, fallback_iterations, options_.stop, between_tolerance));
-  }
+bool SweepWorker::jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const {
+  const State& s = node.state;
+  return std::any_of(neighbours.begin(), neighbours.end(), [&](const SweepNode* other) {
+    const State& o = other->state;
+    const Vec3 foretold = o.force - 0.5 * (o.stiffness + s.stiffness) * (s.at - o.at);
+    return !((foretold - s.force).norm() <= suspicious * std::max({s.force.norm(), o.force.norm(), d_->force_floor}));
+  });
 }
 
 void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
@@ -226,7 +151,8 @@ bool SweepWorker::own_factor(SweepNode& node, LaneResult& result) {
 void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond) {
   const auto start = SteadyClock::now();
   node.state.status = SolveStatus::stalled;
-  if (!parents.empty()) {
+  // beside a state with an element turned inside out a prediction leads anywhere
+  if (!parents.empty() && parents.front()->state.min_jacobian > 0) {
     const SweepNode& parent = *parents.front();
     node.state.parent = parent.state.at;
     const Vec3 move = node.state.at - parent.state.at;
@@ -238,8 +164,11 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
     predict(*d_, slope, move, node.state.at, node.field.u);
     correct_alone(node);
   }
-  if (!node.solved()) fall_back(node, parents);
-  if (node.solved() && doubtful(node, parents, true)) compare(node);
+  if (!node.solved() || doubtful(node, parents, true)) {
+    walk({&node});
+    if (!node.solved()) fall_back(node, parents);
+    if (node.solved() && jumps(node, parents)) node.state.multivalued = true;
+  }
   node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
@@ -295,20 +224,19 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<st
   if (!together.empty()) run_lanes(together);
   const double each = std::chrono::duration<double>(SteadyClock::now() - start).count() /
                       static_cast<double>(std::max<std::size_t>(1, nodes.size()));
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto own = SteadyClock::now();
-    if (!nodes[i].solved() && !corners[i].empty()) correct_alone(nodes[i]);
-    if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
-    nodes[i].state.seconds = each + std::chrono::duration<double>(SteadyClock::now() - own).count();
-  }
-  std::vector<SweepNode*> doubted;
+  const auto later = SteadyClock::now();
+  std::vector<SweepNode*> walking;
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (nodes[i].solved() && doubtful(nodes[i], corners[i], false)) doubted.push_back(&nodes[i]);
-  const auto last = SteadyClock::now();
-  if (doubted.size() == 1) compare(*doubted.front());
-  if (doubted.size() > 1) compare_together(doubted);
-  for (SweepNode* node : doubted)
-    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - last).count() / static_cast<double>(doubted.size());
+    if (!nodes[i].solved() || doubtful(nodes[i], corners[i], false)) walking.push_back(&nodes[i]);
+  if (!walking.empty()) walk(walking);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i].state.seconds = each;
+    if (std::find(walking.begin(), walking.end(), &nodes[i]) == walking.end()) continue;
+    if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
+    if (nodes[i].solved() && jumps(nodes[i], corners[i])) nodes[i].state.multivalued = true;
+  }
+  for (SweepNode* node : walking)
+    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() / static_cast<double>(walking.size());
 }
 
 }  // namespace forefeel

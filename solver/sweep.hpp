@@ -4,11 +4,14 @@
 //    that keeps its factor while it contracts;
 // 2. the fine states of each coarse cell (seven of its eight), predicted from the coarse corners around them by
 //    u = mean of u_c + V_c (x - x_c)/2, an O(h^4) cubic Hermite value, and solved side by side on one factor.
-// What does not contract is left to full Newton continuation. A state's value depends on the body, the lattice and its
+// What does not contract, and what does not fit the states around it, goes its straight way from rest (sweep_rays.cpp): that
+// is what the reference branch means. A state's value depends on the body, the lattice and its
 // place alone: not on threads, and not on what a resumed file already holds.
 
 #include <array>
+#include <functional>
 #include <map>
+#include <optional>
 
 #include "solver/continuation.hpp"
 #include "solver/solver.hpp"
@@ -29,6 +32,8 @@ struct SweepOptions {
   // Of the lanes, |r_f|/|f|. The force is corrected by V^T r_f afterwards and far better than that.
   double residual_tolerance = 1e-5;
   std::stop_token stop;
+  // A solved node of the coarse lattice, or null. Asked only for nodes nearer to rest than the one being solved.
+  std::function<const SweepNode*(const LatticeIndex&)> coarse;
 };
 
 // One thread's work space.
@@ -52,10 +57,20 @@ class SweepWorker {
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void correct_alone(SweepNode& node);
   bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;
-  void compare(SweepNode& node);
-  void settle(SweepNode& node, const NewtonReport& report);
-  void compare_together(const std::vector<SweepNode*>& nodes);
+  bool jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const;
   void run_lanes(std::vector<SweepNode*>& nodes);
+
+  // Where a straight way is joined: the step-th of the `steps` equal steps to the node; 0: at rest.
+  struct Anchor {
+    int step = 0, steps = 1;
+    LocalField field;
+  };
+  void walk(const std::vector<SweepNode*>& nodes);
+  std::vector<Anchor> find_anchors(const std::vector<SweepNode*>& nodes);
+  std::vector<Anchor> candidates_of(const SweepNode& node, int steps) const;
+  std::optional<double> predict_between(const SweepNode& node, const Vec3& x, LocalField& field) const;
+  bool linked(const Anchor& anchor, const SweepNode& node) const;
+  void settle(SweepNode& node, const NewtonReport& report);
 
   std::shared_ptr<const Discretisation> d_;
   SweepOptions options_;

@@ -60,6 +60,29 @@ TEST_CASE("fast states are within 1e-6 of tight ones, all laws; stiffness and en
   }
 }
 
+TEST_CASE("St. Venant-Kirchhoff with elements turned inside out: what is not marked is what solve says") {
+  const auto body = block_body(Law::st_venant_kirchhoff, 0.4);
+  GenerateOptions options;
+  options.box = {Vec3(-0.042, -0.036, -0.012), Vec3(0.006, 0.012, 0.012)};
+  options.threads = 2;
+  const auto states = generate(body, options);
+  Solver solver(body);
+  std::size_t inverted = 0, marked = 0, checked = 0;
+  for (const auto& [k, state] : states) {
+    REQUIRE(state.status == SolveStatus::converged);
+    inverted += state.min_jacobian <= 0;
+    marked += state.multivalued;
+    if (state.multivalued || state.at.norm() == 0 || (state.min_jacobian > 0 && ++checked % 5 != 0)) continue;
+    const State tight = solver.reference(state.at, options.spacing).state;
+    REQUIRE(tight.status == SolveStatus::converged);
+    INFO("at " << state.at.transpose() << ", least det F " << state.min_jacobian);
+    CHECK((state.force - tight.force).norm() < 5e-6 * tight.force.norm());
+    CHECK((state.stiffness - tight.stiffness).norm() < 2e-4 * tight.stiffness.norm());
+  }
+  CHECK(inverted > states.size() / 10);
+  CHECK(marked < states.size() / 2);
+}
+
 TEST_CASE("the states are the same whatever the thread count, bit for bit") {
   const auto body = block_body(Law::neo_hookean);
   const auto one = generate(body, small_box(1));
