@@ -273,3 +273,22 @@ TEST_CASE("--quiet says nothing and --json keeps stdout to itself", "[contract]"
                once = plain.json()["states"][0]["force"][2];
   CHECK(twice == Approx(2 * once).epsilon(1e-8));  // the force is proportional to Young's modulus
 }
+
+TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers find the same force", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const json few = run_json(shop, "bench solver beam.toml --set state_space.spacing=0.002 --states 30");
+  REQUIRE(few["rows"].size() == 2);
+  CHECK(few["rows"][0]["n"] <= 30);
+  CHECK(few["rows"][0]["n"] > 1);
+  CHECK(few["states_of_the_scene"] > few["rows"][0]["n"]);
+  CHECK(few["rows"][0]["error"]["max"] < 1e-6);
+  const json one = run_json(shop, "bench solver beam.toml --states 1");
+  REQUIRE(one["rows"].size() == 2);
+  for (const json& row : one["rows"]) {
+    check_keys(row, {"name", "baseline", "ratio", "ours_us", "baseline_us", "error.max", "ours_bytes", "baseline_bytes"});
+    CHECK(row["error"]["max"] < 1e-5);
+    CHECK(row["ours_bytes"] > 0);
+  }
+  CHECK(shop.forefeel("bench coverage --states 5").code == 2);
+}
