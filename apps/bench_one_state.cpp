@@ -1,6 +1,6 @@
 // forefeel bench solver SCENE --states 1: one state two spacings inward, from the equilibrium one spacing inward. Each
-// solver runs in a process of its own, on one thread, so that its memory is its own: the peak above what the mesh and its
-// discretisation take. Analysis (ordering, symbolic factorisation) is timed apart, for it is done once a body.
+// solver runs in a process of its own, on one thread, so that its memory is its own: the peak above that of a process that
+// solves nothing. Analysis (ordering, symbolic factorisation) is timed apart, for it is done once a body.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -9,7 +9,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <string>
 
@@ -37,13 +36,6 @@ struct OneState {
   int iterations = 0;
   bool converged = false;
 };
-
-double resident_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmRSS:")) return 1024 * std::strtod(line.c_str() + 6, nullptr);
-  return 0;
-}
 
 struct Problem {
   std::shared_ptr<const Discretisation> d;
@@ -84,12 +76,11 @@ OneState solve_baseline(const Problem& problem, Baseline which) {
   return result;
 }
 
-// work() in a child process; nothing where that ends badly.
+// work() in a child process, with its peak memory; nothing where that ends badly.
 template <class Work>
 std::optional<OneState> alone(const Work& work) {
   int ends[2];
   if (pipe(ends) != 0) return std::nullopt;
-  const double before = resident_bytes();
   const pid_t child = fork();
   if (child < 0) return std::nullopt;
   if (child == 0) {
@@ -105,7 +96,7 @@ std::optional<OneState> alone(const Work& work) {
   int status = 0;
   wait4(child, &status, 0, &usage);
   if (!whole || status != 0) return std::nullopt;
-  result.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss) - before;
+  result.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
   return result;
 }
 
@@ -132,11 +123,14 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
     std::optional<OneState> result;
   };
   Row rows[] = {{"forefeel", {}}, {"CHOLMOD full Newton", {}}, {"Eigen SimplicialLDLT full Newton", {}}};
+  const std::optional<OneState> nothing = alone([] { return OneState{}; });
   rows[0].result = alone([&] { return solve_ours(problem); });
   progress.show(0.1, "CHOLMOD");
   rows[1].result = alone([&] { return solve_baseline(problem, Baseline::cholmod); });
   progress.show(0.3, "Eigen");
   rows[2].result = alone([&] { return solve_baseline(problem, Baseline::eigen_ldlt); });
+  for (Row& row : rows)
+    if (nothing && row.result) row.result->bytes -= nothing->bytes;
   for (const Row& row : rows)
     if (!row.result || !row.result->converged) warn(globals, fmt::format("{} did not solve the state", row.name));
   if (!rows[0].result) return 1;

@@ -199,6 +199,10 @@ State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolera
     for (std::size_t c = 0; c < 3; ++c) u[n + c] = x[static_cast<int>(c)];
     move.setZero();
   }
+  if (s.iterations == 0 && !factorise(u)) {      // already in equilibrium: there is no factor yet
+    s.status = SolveStatus::diverged;
+    return s;
+  }
   // Stiffness from the last factor.
   const double* corner = &blocks_[9 * static_cast<std::size_t>(d_->pattern.size() - 1)];
   for (std::size_t c = 0; c < 3; ++c) {
