@@ -103,8 +103,8 @@ void add_beams(std::vector<HardCase>& cases) {
 
 void solve(HardCase& c) {
   Solver solver(c.body);
-  c.outcome = solver.reference(c.at, c.spacing, {.max_iterations = 40});
-  c.other_branch = second_way(solver, c.outcome.state, c.spacing, {.max_iterations = 40});
+  c.outcome = solver.reference(c.at, c.spacing);
+  c.other_branch = second_way(solver, c.outcome.state, c.spacing);
 }
 
 nlohmann::ordered_json to_json(const HardCase& c) {
