@@ -222,7 +222,8 @@ void distances(std::size_t n, const double* __restrict px, const double* __restr
 }
 
 void tangent(std::size_t n, const double* __restrict px, const double* __restrict py,
-             const double* __restrict pz, const double* __restrict data, std::size_t stride,
+             const double* __restrict pz, const double* __restrict weight, const double* __restrict data,
+             std::size_t stride,
              const double* __restrict distance, double nearest, double farthest, const double base[3],
              double out[19]) {
   const double floor = 1e-6 * farthest + 1e-300, scale = nearest / (farthest + floor);
@@ -230,7 +231,7 @@ void tangent(std::size_t n, const double* __restrict px, const double* __restric
   for (std::size_t i = 0; i < n; i += width) {  // arrays have room for a whole vector, of weight 0
     const Pack r = load(distance + i), apart = r > floor ? r : same(floor);
     const Pack share = (farthest / apart - 1.0) * scale;
-    const Pack w = load(data + i) * (share > 0.0 ? share * share : Pack{});
+    const Pack w = load(weight + i) * (share > 0.0 ? share * share : Pack{});
     const Pack d[3] = {load(px + i) - base[0], load(py + i) - base[1], load(pz + i) - base[2]};
     sum[0] += w;
     for (std::size_t c = 0; c < 3; ++c) {

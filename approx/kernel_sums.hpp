@@ -31,10 +31,10 @@ struct Loops {
   void (*distances)(std::size_t n, const double* px, const double* py, const double* pz,
                     const double* weight, const double y[3], double* distance, double out[2]);
   // Mean tangent (model_data.hpp): sums over the points that count of w, w d, w f, w K, w K d with d = p_i -
-  // base, w = ((farthest / distance - 1) / farthest)^2 nearest^2; data: weight, then |f|, |K|, f (3), K (9) of
-  // each point in arrays of length stride. out: 1, 3, 3, 9, 3 values.
-  void (*tangent)(std::size_t n, const double* px, const double* py, const double* pz, const double* data,
-                  std::size_t stride, const double* distance, double nearest, double farthest,
+  // base, w = weight ((farthest / distance - 1) / farthest)^2 nearest^2; data: at 3 on f (3) and K (9) of each
+  // point in arrays of length stride. out: 1, 3, 3, 9, 3 values.
+  void (*tangent)(std::size_t n, const double* px, const double* py, const double* pz, const double* weight,
+                  const double* data, std::size_t stride, const double* distance, double nearest, double farthest,
                   const double base[3], double out[19]);
 };
 

@@ -106,7 +106,8 @@ void Model::Impl::clear() {
   hermite = false;
   known = false;
   bound = 0;
-  inner_squared = -1;
+  hull.inner_squared = -1;
+  bridge = 0;
 }
 
 void Model::Impl::raw(const double y[3], double f[3]) const noexcept {
@@ -146,7 +147,7 @@ void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcep
 
 // E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of
 // the distance to the polytope.
-double Model::Impl::outside(const double y[3], double gradient[3]) const noexcept {
+double Model::Impl::Hull::outside(const double y[3], double gradient[3]) const noexcept {
   double g[13], largest = 0;
   for (int k = 0; k < 13; ++k) {
     const double along = axes.d[k][0] * y[0] + axes.d[k][1] * y[1] + axes.d[k][2] * y[2];
@@ -168,7 +169,7 @@ double Model::Impl::outside(const double y[3], double gradient[3]) const noexcep
   return largest * root;
 }
 
-void Model::Impl::set_hull(const double* px, const double* py, const double* pz, std::size_t n) {
+void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n, double trust) {
   sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
   for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
@@ -207,11 +208,21 @@ Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
     }
     return saturate(Vec3(f[0], f[1], f[2]), keep, m.bound, gradient);
   };
-  if (m.power != 0 && y2 <= m.inner_squared) return rbf(jacobian);
+  if (m.power != 0 && y2 <= m.hull.inner_squared && m.bridge == 0) return rbf(jacobian);
 
   if (!x.allFinite()) return saturate(m.tangent_force, keep, m.bound, nullptr);
   double slope = 0, weight = 1, gradient[3] = {};
-  if (m.power != 0 && y2 < 1e16) weight = step(m.outside(y.data(), gradient) / m.trust - 1, slope);
+  if (m.power != 0 && y2 < 1e16) {
+    weight = step(m.hull.outside(y.data(), gradient) / m.trust - 1, slope);
+    if (m.bridge > 0) {
+      double wider[3], wider_slope = 0;
+      const double both = step(m.whole.outside(y.data(), wider) / m.trust - 1, wider_slope);
+      weight += m.bridge * (both - weight);
+      for (int d = 0; d < 3; ++d)
+        gradient[d] = (1 - m.bridge) * slope * gradient[d] + m.bridge * wider_slope * wider[d];
+      slope = 1;
+    }
+  }
   Vec3 force = Vec3::Zero(), inner = Vec3::Zero();
   if (weight < 1) inner = rbf(jacobian);
   force = inner;

@@ -7,6 +7,8 @@
 //             beyond
 //   E(y)      distance outside the hull of the states (of its 26 supporting planes)
 //   w(E)      0 up to the trust distance, 1 from twice that on, three times differentiable
+//             across a gap (1 - beta) w(E of the nearer side) + beta w(E of both), so that what lies between two
+//             sides goes from extrapolation to interpolation gradually
 //   f~(x) = (1 - w) sat(raw) + w sat(T),   sat keeps |f| <= B / 1.25 and never exceeds B
 //   B = 1.25 (F + K D), F and K the largest force and stiffness among the states.
 // Everything is twice differentiable in x; inside the hull f~ is the RBF sum itself.
@@ -43,8 +45,14 @@ struct Model::Impl {
   Mat3 tangent_jacobian = Mat3::Zero();
   double hold = 0;                       // D [m]
   double trust = 0;                      // in scaled coordinates
-  double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
-  std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
+  struct Hull {
+    double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
+    std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
+    void set(const double* px, const double* py, const double* pz, std::size_t n, double trust);
+    double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
+  };
+  Hull hull, whole;   // of the states, in a gap those of the nearer side; of both
+  double bridge = 0;  // beta: how much the second counts
   double bound = 0;                      // B [N]
   double largest_stiffness = 0;          // K [N/m]
   std::uint64_t serial = 0;
@@ -53,8 +61,6 @@ struct Model::Impl {
   void clear();
   void raw(const double y[3], double f[3]) const noexcept;
   void raw(const double y[3], double f[3], double j[9]) const noexcept;  // j: df_c/dy_d
-  double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
-  void set_hull(const double* px, const double* py, const double* pz, std::size_t n);
 };
 
 }  // namespace forefeel

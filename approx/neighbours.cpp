@@ -1,5 +1,6 @@
 #include "approx/neighbours.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,121 +10,179 @@ namespace {
 
 constexpr double loyalty = 0.95;  // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
-constexpr double shell = 2.5;       // spacings behind the nearest state that decide where a side lies
-constexpr double pulled_to = 0.25;  // spacings before the nearest state of a side
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+// In spacings:
+constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
+constexpr double pulled_to = 0.25;  // before the nearest state of a side
+constexpr double band = 0.4;        // of the key, over which a weight rises
+constexpr double farthest = 32;     // a far side
+constexpr double fading = 8;        // before that, over which it goes
+// Cosine to the axis within which a state counts for both sides.
+constexpr double between = 0.3;
+constexpr double least_weight = 1e-4;
+// Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
+const Vec3 aside(0.17, -0.11, 0.07);
+constexpr double least_ratio = 0.1;  // d_1 / d_2 from which the far side comes in
+
+// From 0 to 1 on [0, 1], twice differentiable.
+double rise(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * t * (10 + t * (6 * t - 15));
+}
 
 }  // namespace
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
-    : space_(space), n_(options.neighbours), rule_(options.select) {
+    : space_(space), n_(options.neighbours), rule_(options.select), h_(space.options().spacing) {
   const std::size_t room = std::max(most_candidates, 2 * n_ + 16);
   found_.reserve(room);
   candidates_.reserve(room);
+  keys_.reserve(room);
   last_.reserve(n_);
-  chosen_.reserve(n_ + 1);
+  chosen_.reserve(2 * n_ + 4);
 }
 
 void NeighbourSelector::forget() {
   last_.clear();
 }
 
-// The candidates: the states within the radius of q, or the `least` nearest to it if those are more.
-void NeighbourSelector::gather(const Vec3& q, std::size_t least, double radius) {
+// The candidates: the states within the radius of the HIP, or the `least` nearest to it if those are more.
+void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius) {
   found_.clear();
-  if (radius > 0) space_.within(q, radius, found_);
+  if (radius > 0) space_.within(hip, radius, found_);
   if (found_.size() < least)
-    space_.nearest(q, least, found_);
+    space_.nearest(hip, least, found_);
   else if (found_.size() > most_candidates)
-    space_.nearest(q, most_candidates, found_);
+    space_.nearest(hip, most_candidates, found_);
   candidates_.clear();
-  for (const StateId id : found_) candidates_.push_back({(space_[id].at - q).norm(), id, 1});
+  for (const StateId id : found_) {
+    const Vec3 away = space_[id].at - hip;
+    const double distance = away.norm();
+    candidates_.push_back({distance, id, distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()), {0, 0}, {0, 0}});
+  }
 }
 
-void NeighbourSelector::prefer_members() {
-  for (Candidate& c : candidates_)
-    if (std::ranges::binary_search(last_, c.id)) c.key *= loyalty;
-}
-
-void NeighbourSelector::keep_first(std::uint8_t side, std::size_t count) {
-  const auto end = std::partition(candidates_.begin(), candidates_.end(),
-                                  [&](const Candidate& c) { return c.side == side; });
+void NeighbourSelector::keep_first(std::size_t count) {
   const auto before = [](const Candidate& a, const Candidate& b) {
     return a.key != b.key ? a.key < b.key : a.id < b.id;
   };
-  count = std::min(count, static_cast<std::size_t>(end - candidates_.begin()));
+  count = std::min(count, candidates_.size());
   const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(count);
-  if (middle != end) std::nth_element(candidates_.begin(), middle, end, before);
-  for (auto c = candidates_.begin(); c != middle; ++c) chosen_.push_back(c->id);
+  if (middle != candidates_.end()) std::nth_element(candidates_.begin(), middle, candidates_.end(), before);
+  for (auto c = candidates_.begin(); c != middle; ++c) chosen_.push_back({c->id, 1, 1});
 }
 
 void NeighbourSelector::take_nearest(const Vec3& hip) {
   gather(hip, n_ + n_ / 4 + 8, 0);
-  prefer_members();
-  keep_first(1, n_);
+  for (Candidate& c : candidates_)
+    if (std::ranges::binary_search(last_, c.id)) c.key *= loyalty;
+  keep_first(n_);
 }
 
-// Mean direction from the HIP of a side's states (0: both), counting those at most `shell` farther than its
-// nearest, whose distance is returned too. The length of the mean tells how one-sided they lie.
-Vec3 NeighbourSelector::towards(const Vec3& hip, std::uint8_t side, double& distance) const {
-  const double deep = shell * space_.options().spacing;
-  distance = std::numeric_limits<double>::infinity();
-  for (const Candidate& c : candidates_)
-    if (side == 0 || c.side == side) distance = std::min(distance, c.key);
-  Vec3 sum = Vec3::Zero();
-  double count = 0;
+// Of the directions to the nearest states: their second moments, which two opposite sides share, and their
+// mean, which a single side has.
+Vec3 NeighbourSelector::main_axis(double nearest) const {
+  Mat3 second = Mat3::Zero();
+  Vec3 mean = Vec3::Zero();
+  double total = 0;
   for (const Candidate& c : candidates_) {
-    if ((side != 0 && c.side != side) || c.key > distance + deep) continue;
-    if (c.key > 0) sum += (space_[c.id].at - hip) / c.key;
-    ++count;
+    const double near = 1 - (c.key - nearest) / (shell * h_);
+    if (near <= 0) continue;
+    const double w = near * near * c.key / (c.key + 0.1 * h_);  // a state at the HIP has no direction
+    second += w * c.towards * c.towards.transpose();
+    mean += w * c.towards;
+    total += w;
   }
-  return count > 0 ? Vec3(sum / count) : sum;
+  if (!(total > 0)) return Vec3::UnitX();
+  mean /= total;
+  Eigen::SelfAdjointEigenSolver<Mat3> solver;
+  solver.computeDirect(Mat3(second / total + 2 * mean * mean.transpose()));
+  return solver.eigenvectors().col(2);
+}
+
+NeighbourSelector::Side NeighbourSelector::side(std::size_t s) const {
+  Side found{infinite, Vec3::Zero()};
+  for (const Candidate& c : candidates_) found.distance = std::min(found.distance, c.key + c.beyond[s]);
+  for (const Candidate& c : candidates_) {
+    const double near = 1 - (c.key + c.beyond[s] - found.distance) / (shell * h_);
+    if (near > 0) found.towards += near * near * c.towards;
+  }
+  if (found.towards.norm() > 0) found.towards.normalize();
+  return found;
+}
+
+// The weights in a side that has `count` members.
+void NeighbourSelector::weigh(std::size_t s, const Vec3& centre, double count) {
+  const Vec3 from = centre + h_ * aside;
+  keys_.clear();
+  for (Candidate& c : candidates_) {
+    if (c.beyond[s] == infinite) continue;
+    c.beyond[s] += (space_[c.id].at - from).norm();
+    keys_.push_back(c.beyond[s]);
+  }
+  if (keys_.empty()) return;
+  const auto rank = static_cast<std::size_t>(count);
+  double end = infinite;
+  if (rank < keys_.size()) {
+    const auto at = keys_.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(keys_.begin(), at, keys_.end());
+    const double key = *at, next = rank + 1 < keys_.size() ? *std::min_element(at + 1, keys_.end()) : key + h_;
+    end = key + (count - double(rank)) * (next - key);
+  }
+  for (Candidate& c : candidates_)
+    if (c.beyond[s] < end) c.weight[s] = rise((end - c.beyond[s]) / (band * h_));
 }
 
 void NeighbourSelector::take_sides(const Vec3& hip) {
-  const double h = space_.options().spacing, limit = space_.options().coverage.gap_cone_radius * h;
-  gather(hip, n_ + n_ / 4 + 8, limit);
-  if (candidates_.empty()) return;
-  const auto split = [&](const Vec3& axis) {
-    for (Candidate& c : candidates_) c.side = (space_[c.id].at - hip).dot(axis) >= 0 ? 1 : 2;
-  };
-  double d1, d2;
-  const Vec3 all = towards(hip, 0, d1);
-  const auto nearest = std::ranges::min_element(candidates_, {}, &Candidate::key);
-  split(all.norm() > 0.2 ? all
-                         : Vec3(space_[nearest->id].at - hip));  // in the middle of a gap the mean is nothing
-  split(towards(hip, 1, d1));
-  const Vec3 to1 = towards(hip, 1, d1).normalized(), to2 = towards(hip, 2, d2).normalized();
+  found_.clear();
+  space_.nearest(hip, 1, found_);
+  const double nearest = (space_[found_.front()].at - hip).norm();
+  const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(n_));  // of a half ball of n, in spacings
+  const double limit = std::max(farthest * h_, nearest + fading * h_);
+  gather(hip, n_ + n_ / 4 + 8, std::max(nearest + reach * h_, std::min(nearest / least_ratio, limit)));
 
-  double share = 0;
-  if (d2 < limit && d1 + d2 > 0) share = d1 / (d1 + d2) * std::clamp((limit - d2) / (1.5 * h), 0.0, 1.0);
-  const auto second = static_cast<std::size_t>(std::lround(share * double(n_)));
-  const auto take = [&](std::uint8_t side, const Vec3& to, double distance, std::size_t count) {
-    gather(hip + to * std::max(0.0, distance - pulled_to * h), n_ + n_ / 4 + 8, 0);
-    if (second > 0) split(to1);
-    for (Candidate& c : candidates_) c.side = second == 0 ? side : c.side;
-    prefer_members();
-    keep_first(side, count);
-  };
-  if (second > 0) take(2, to2, d2, second);
-  take(1, to1, d1, n_ - chosen_.size());
+  const Vec3 axis = main_axis(nearest);
+  for (Candidate& c : candidates_)
+    for (const std::size_t s : {0u, 1u}) {
+      const double of_it = rise(0.5 + 0.5 * c.towards.dot(s == 0 ? axis : Vec3(-axis)) / between);
+      c.beyond[s] = of_it > 1e-3 ? 0.5 * h_ * (1 / of_it - 1) : infinite;
+    }
+  Side sides[2] = {side(0), side(1)};
+  const std::size_t far = sides[0].distance <= sides[1].distance ? 1 : 0;
+  const double d1 = sides[1 - far].distance, d2 = sides[far].distance;
+  if (d2 < limit && d1 > least_ratio * d2)
+    bridge_ = (d1 / d2 - least_ratio) / (1 - least_ratio) * std::min(1.0, (limit - d2) / (fading * h_));
+  const double all = double(n_ > 1 ? n_ - 1 : 1), second = bridge_ * all * d1 / (d1 + d2);
+  for (const std::size_t s : {1 - far, far}) {
+    const double count = bridge_ == 0 && s != far ? all : s == far ? second : all - second;
+    if (count > 0) weigh(s, hip + std::max(0.0, sides[s].distance - pulled_to * h_) * sides[s].towards, count);
+  }
+  for (const Candidate& c : candidates_) {
+    const std::size_t near = 1 - far;
+    const double weight = 1 - (1 - c.weight[0]) * (1 - c.weight[1]);
+    if (weight > least_weight) chosen_.push_back({c.id, weight, c.weight[near]});
+  }
 }
 
-Label NeighbourSelector::select(const Vec3& hip, std::vector<StateId>& out) {
+Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
   out.clear();
+  bridge_ = 0;
   if (space_.empty()) return Label::blank;
   const Label label = space_.label(hip);
-  if (rule_ == Select::nearest) {
-    space_.nearest(hip, n_, out);
-    std::ranges::sort(out);
-    return label;
-  }
   chosen_.clear();
-  if (label == Label::safe || space_.size() <= n_)  // where all fit there is nothing to choose
-    take_nearest(hip);
-  else
+  if (rule_ == Select::nearest) {
+    space_.nearest(hip, n_, found_);
+    for (const StateId id : found_) chosen_.push_back({id, 1, 1});
+  } else if (label == Label::safe || space_.size() <= n_ || n_ == 1) {
+    take_nearest(hip);  // where all fit there is nothing to choose, and of one neighbour nothing to weigh
+  } else {
     take_sides(hip);
-  std::ranges::sort(chosen_);
-  last_.assign(chosen_.begin(), chosen_.end());
+  }
+  std::ranges::sort(chosen_, {}, &Neighbour::id);
+  if (chosen_.size() > n_) chosen_.resize(n_);
+  last_.clear();
+  for (const Neighbour& member : chosen_) last_.push_back(member.id);
   out.assign(chosen_.begin(), chosen_.end());
   return label;
 }

@@ -1,49 +1,70 @@
 #pragma once
 // The neighbour set of a HIP: the states whose data the current model uses.
 //   nearest   the n nearest (paper 3.1), nothing else
-//   label     safe, or n states at most in all: the nearest. Elsewhere the two sides of the HIP are told
-//   apart by
-//             the plane through it that faces the nearest states. Side 1 (they) and side 2 (across) share n
-//             by their distances,
-//               n_2 = n d_1 / (d_1 + d_2), fading to none as d_2 reaches the bridge's limit of 8 h,
-//             so that the far side of a gap enters when it hardly counts and leaves likewise (in a blank area
-//             side 2 is empty). Each side gives the states nearest to the HIP pulled back to a quarter
-//             spacing from it: a half ball of the boundary instead of a layer or two of it, whose polynomial
-//             would not be determined.
-// Members of the last set stay until another state is nearer by 5 % (hysteresis).
+//   label     safe, or n states at most in all: the nearest; members of the last set stay until another state
+//             is nearer by 5 % (hysteresis). Elsewhere every member has a weight 0 < w <= 1 that is a continuous
+//             function of the HIP, so that states enter and leave gradually (RbfFit: a ridge that falls from
+//             infinity to 0 as w rises to 1):
+//               two sides s = 1, 2 along the main axis of the directions to the nearest states
+//               d_s, t_s   distance of a side's nearest state, mean direction to those about as near
+//               beta  rises from 0 at d_1 = d_2 / 10 to 1 at d_1 = d_2: how much of a bridge it is
+//               n_2 = beta n d_1 / (d_1 + d_2)
+//               key  distance from q_s = x + (d_s - h / 4) t_s: of a half ball of the boundary instead of a
+//                    layer or two of it, whose polynomial would not be determined
+//               w  rises from 0 at the key of rank n_s (between ranks: in proportion) to 1 within band h
+//             So the far side of a gap enters when it hardly counts and leaves likewise; in a blank area side
+//             2 is empty.
 
-#include <cstdint>
 #include <vector>
 
 #include "approx/model.hpp"
 
 namespace forefeel {
 
+struct Neighbour {
+  StateId id;
+  double weight = 1;  // w
+  double near = 1;    // its part in the side that is nearer to the HIP
+};
+
 class NeighbourSelector {
  public:
   NeighbourSelector(const StateSpace& space, const ModelOptions& options);
-  // At most options.neighbours ids, ascending, into `out`; returns the label of the HIP.
-  Label select(const Vec3& hip, std::vector<StateId>& out);
+  // At most options.neighbours of them, ascending ids, into `out`; returns the label of the HIP.
+  Label select(const Vec3& hip, std::vector<Neighbour>& out);
+  // How much the last set counts as a bridge between two sides: 0 for one side, 1 in the middle.
+  double bridge() const { return bridge_; }
   void forget();  // drops hysteresis
 
  private:
   struct Candidate {
     double key;  // distance [m], less for a member of the last set
     StateId id;
-    std::uint8_t side;
+    Vec3 towards;          // unit direction from the HIP
+    double beyond[2];      // key of each side, infinite where it is not of that side
+    double weight[2];
+  };
+  struct Side {
+    double distance;
+    Vec3 towards;
   };
   void take_nearest(const Vec3& hip);
   void take_sides(const Vec3& hip);
-  void gather(const Vec3& q, std::size_t least, double radius);
-  Vec3 towards(const Vec3& hip, std::uint8_t side, double& distance) const;
-  void prefer_members();
-  void keep_first(std::uint8_t side, std::size_t count);
+  void gather(const Vec3& hip, std::size_t least, double radius);
+  Vec3 main_axis(double nearest) const;
+  Side side(std::size_t s) const;
+  void weigh(std::size_t s, const Vec3& from, double count);
+  void keep_first(std::size_t count);
 
   const StateSpace& space_;
   std::size_t n_;
   Select rule_;
-  std::vector<StateId> found_, last_, chosen_;
+  double h_;
+  std::vector<StateId> found_, last_;
   std::vector<Candidate> candidates_;
+  std::vector<Neighbour> chosen_;
+  double bridge_ = 0;
+  std::vector<double> keys_;
 };
 
 }  // namespace forefeel

@@ -20,6 +20,12 @@ double pivot_tolerance(int power, bool hermite, bool value) {
 }
 constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined
 
+// Pivot of the last functional at the border of a lattice set, in units of h^k: medians over half balls.
+double border_pivot(int power, bool hermite, bool value) {
+  if (!hermite) return power == 5 ? 3 : 0.9;
+  return value ? (power == 5 ? 1 : 0.6) : 2;
+}
+
 int power_of(Kernel kernel) {
   return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
 }
@@ -42,6 +48,7 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   for (auto* v : {&px_, &py_, &pz_}) v->assign(slot_capacity_ + 2 * DenseFactor::panel, 0.0);
   slot_stride_ = (slot_capacity_ + 2 * DenseFactor::panel + 7) / 8 * 8;
   slot_data_.assign(slot_arrays * slot_stride_, 0.0);
+  hull_.assign(3 * slot_stride_, 0.0);
   lagrange_.assign(max_terms * row_stride_, 0.0);
   dual_.assign(max_terms * row_stride_, 0.0);
   weight_.assign(row_stride_, 0.0);
@@ -143,6 +150,8 @@ bool RbfFit::level_still_fits() {
 void RbfFit::clear() {
   factor_.clear();
   std::fill_n(slot_array(in_use), slot_stride_, 0.0);
+  std::fill_n(slot_array(share), slot_stride_, 0.0);
+  weighted_ = false;
   slots_ = alive_ = dropped_slots_ = 0;
   updated_ = worn_ = false;
   by_id_.clear();
@@ -152,6 +161,8 @@ void RbfFit::place(std::size_t slot, const Sample& sample) {
   const bool known = sample.stiffness.allFinite();
   slot_[slot] = {sample, true, level_.hermite && known, 0};
   slot_array(in_use)[slot] = 1;
+  slot_array(share)[slot] = sample.weight;
+  weighted_ = weighted_ || sample.weight < 1 || sample.near < 1;
   slot_array(force_norm)[slot] = sample.force.norm();
   slot_array(stiffness_norm)[slot] = known ? sample.stiffness.norm() : 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -194,6 +205,17 @@ void RbfFit::functionals(std::size_t slot) {
   }
 }
 
+// On the diagonal of a functional: the user's, and what its state's weight asks for. The second is about the
+// pivot of a state at the border of a lattice set of spacing h times 1 / w - 1, so that w is about the share
+// of it that counts.
+double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
+  const double w = slot_[slot].sample.weight;
+  if (w >= 1) return options_.ridge;
+  const double h = (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_;
+  const int k = level_.power - (functional > 0 ? 2 : 0);
+  return options_.ridge + border_pivot(level_.power, level_.hermite, functional == 0) * std::pow(h, k) * (1 / w - 1);
+}
+
 // The rows of up to eight plain or two Hermite slots.
 void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
   const std::size_t b = rows_per_slot_, used = count * b;
@@ -220,7 +242,7 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
         va[j] = dual_[j * row_stride_ + row];
       }
       rows::loops().project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(), line);
-      line[row] += options_.ridge;
+      line[row] += ridge(slot, t);
       for (int c = 0; c < 3; ++c)
         right[terms_ + c] = t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scale_;
       for (std::size_t j = terms_ + 3; j < DenseFactor::border; ++j) right[j] = 0;
@@ -346,7 +368,7 @@ bool RbfFit::frame_expired() {
 void RbfFit::leave(std::size_t slot) {
   dropped_slots_ -= slot_[slot].dropped != 0 ? 1 : 0;
   slot_[slot].alive = false;
-  for (const std::size_t which : {in_use, force_norm, stiffness_norm}) slot_array(which)[slot] = 0;
+  for (const std::size_t which : {in_use, share, force_norm, stiffness_norm}) slot_array(which)[slot] = 0;
   --alive_;
   for (std::size_t t = 0; t < rows_per_slot_; ++t) {
     index_.push_back(slot * rows_per_slot_ + t);
@@ -410,7 +432,8 @@ void RbfFit::compact() {
     gather(dual_.data() + j * row_stride_, b);
   }
   factor_.compact(index_);
-  std::fill(slot_array(in_use) + kept, slot_array(in_use) + slots_, 0.0);
+  for (const std::size_t which : {in_use, share})
+    std::fill(slot_array(which) + kept, slot_array(which) + slots_, 0.0);
   slots_ = kept;
 }
 

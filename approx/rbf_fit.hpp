@@ -28,6 +28,10 @@ struct Sample {
   StateId id;
   Vec3 at, force;
   Mat3 stiffness;  // NaN where not known
+  // 0 < w <= 1: how much its data count. A ridge c h^k (1 / w - 1) on its rows lets it go out of the model
+  // gradually, so that a weight that is a continuous function of the HIP makes the model one.
+  double weight = 1;
+  double near = 1;  // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
 };
 
 class RbfFit {
@@ -45,8 +49,8 @@ class RbfFit {
   void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
                   std::vector<StateId>& missing) const;
 
-  // The model for a HIP at `hip`. Allocates only where `out` was not reserved.
-  void write(Model::Impl& out, const Vec3& hip);
+  // The model for a HIP at `hip`, `bridge` as in NeighbourSelector. Allocates only where `out` was not reserved.
+  void write(Model::Impl& out, const Vec3& hip, double bridge = 0);
   // For tests and benches: always update, or always refit.
   enum class Mode { automatic, update, refit };
   void set_mode(Mode mode) { mode_ = mode; }
@@ -80,8 +84,10 @@ class RbfFit {
   void enter(std::size_t slot);
   void gather();
   void solve();
-  void write_tangent(Model::Impl& out, const Vec3& hip);
-  void write_tangent_of_sum(Model::Impl& out, const Sample& base);
+  void write_tangent(Model::Impl& out, const Vec3& hip, double bridge);
+  void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& mean);
+  void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest, double farthest);
+  Mat3 slope_of_sum(const Model::Impl& out, const Vec3& at) const;
   void set_bound(Model::Impl& out, std::size_t nearest);
   void leave(std::size_t slot);
   bool write_sum(Model::Impl& out);
@@ -89,6 +95,7 @@ class RbfFit {
   bool refine(Model::Impl& out);
   double misfit(const Model::Impl& out);
   void constraint(const Model::Impl& out, double* rest) const;
+  double ridge(std::size_t slot, std::size_t functional) const;
   void correct(Model::Impl& out, double by);
   Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
 
@@ -107,9 +114,11 @@ class RbfFit {
   DenseFactor factor_;
   std::vector<Slot> slot_;
   AlignedArray px_, py_, pz_;  // scaled positions by slot
+  AlignedArray hull_;          // 3 x slot_stride: of the living, drawn to their mean by 1 - weight
+  bool weighted_ = false;      // not all weights are 1
   // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
-  // known), and room for distances.
-  enum SlotArray : std::size_t { in_use = 0, force_norm = 1, stiffness_norm = 2, force = 3, stiffness = 6, away = 15, slot_arrays = 16 };
+  // known), the weight (0 for holes), and room for distances.
+  enum SlotArray : std::size_t { in_use = 0, force_norm = 1, stiffness_norm = 2, force = 3, stiffness = 6, share = 15, away = 16, slot_arrays = 17 };
   double* slot_array(std::size_t which) { return slot_data_.data() + which * slot_stride_; }
   std::size_t slot_stride_ = 0;
   AlignedArray slot_data_;

@@ -43,7 +43,6 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
 
   const double per_row = out.power == 5 && !out.hermite ? 0.04 : 0.01;  // r^5 alone loses more
   const double allowed = lost * largest * std::max(1.0, per_row * double(factor_.rows()));
-  const double ridge = sign_ * options_.ridge;
   for (std::size_t t = 0; t < std::min(watched_at_once, n); ++t) {  // some states in turn
     watched_ = watched_ + 1 < n ? watched_ + 1 : 0;
     const std::uint32_t s = living_[watched_];
@@ -53,7 +52,7 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
     out.raw(y, f);
     for (std::size_t c = 0; c < 3; ++c) {
       const double left =
-          slot_array(force + c)[s] - f[c] - ridge * out.data[(3 + c) * out.stride + watched_];
+          slot_array(force + c)[s] - f[c] - sign_ * ridge(s, 0) * out.data[(3 + c) * out.stride + watched_];
       if (std::abs(left) <= allowed) continue;
       worn_ = updated_;
       return true;
@@ -68,7 +67,6 @@ double RbfFit::misfit(const Model::Impl& out) {
   exact::loops().misfit(out.power, b == 4, out.padded, out.data.data(), out.stride, out.polynomial[0].data(),
                         given_.data(), given_stride_, misfit_.data());
   double largest = 0;
-  const double ridge = sign_ * options_.ridge;
   for (std::size_t c = 0; c < 3; ++c) {
     double* to = correction_.data() + c * row_stride_;
     std::fill_n(to, m + 8, 0.0);
@@ -77,7 +75,8 @@ double RbfFit::misfit(const Model::Impl& out) {
         const std::size_t row = living_[i] * b + t;
         if (weight_[row] == 0) continue;
         const std::size_t array = t == 0 ? c : 2 + 3 * c + t;
-        const double left = misfit_[array * given_stride_ + i] - ridge * out.data[(3 + array) * out.stride + i];
+        const double left = misfit_[array * given_stride_ + i] -
+                            sign_ * ridge(living_[i], t) * out.data[(3 + array) * out.stride + i];
         to[row] = left;
         largest = std::max(largest, std::abs(left));
       }

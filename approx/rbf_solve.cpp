@@ -89,9 +89,9 @@ void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
   out.bound = 1.25 * (largest_of(slot_array(force_norm), slots_) + largest * out.hold);
 }
 
-// Tangent, hold distance and bound (see model_data.hpp). Weights fall to zero at the farthest state, so that
-// the tangent moves gradually as the set does.
-void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
+// Tangent, hold distance and bound (see model_data.hpp). Shares fall to zero at the farthest state and with a
+// state's weight, so that the tangent moves gradually as the set does.
+void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge) {
   const sums::Loops& loops = sums::loops();
   Vec3 y = scaled(hip);
   if (const double distance = y.stableNorm(); !(distance < 1e8)) {  // so far that distances would overflow
@@ -101,30 +101,43 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
       y.setZero();
   }
   double extent[5], reach[2], sum[19];
-  loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), extent);
+  loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), extent);
   loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
                   reach);
-  const double nearest = reach[0], farthest = reach[1];
+  const double nearest = reach[0];
+  double farthest = reach[1], total = double(alive_);
+  if (weighted_) {
+    farthest = nearest;
+    total = 0;
+    for (std::size_t s = 0; s < slots_; ++s) {
+      total += slot_array(share)[s];
+      farthest = std::max(farthest, nearest + slot_array(share)[s] * (slot_array(away)[s] - nearest));
+    }
+  }
   std::size_t first = 0;
   while (first + 1 < slots_ && (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest)) ++first;
   const Sample& base = slot_[first].sample;
 
-  const double radius = std::sqrt(extent[3] / double(alive_)) * scale_;
+  const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;
+  const double radius = std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? mean.squaredNorm() : 0))) * scale_;
   double length = std::max(radius, options_.length);
   if (length == 0 && base.stiffness.norm() > 0) length = base.force.norm() / base.stiffness.norm();
   if (!(length > 0)) length = base.at.norm() > 0 ? 0.25 * base.at.norm() : 0.005;
   out.trust = 1.5 * length * inverse_scale_;
   out.hold = 4 * length;
   set_bound(out, first);
+  out.bridge = bridge;
+  if (out.power != 0) write_hull(out, out.hull, true, mean);
+  if (out.power != 0 && bridge > 0) write_hull(out, out.whole, false, mean);
 
   const double origin[3] = {px_[first], py_[first], pz_[first]};
-  loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_data_.data(), slot_stride_, slot_array(away),
-                nearest, farthest, origin, sum);
+  loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), slot_data_.data(), slot_stride_,
+                slot_array(away), nearest, farthest, origin, sum);
   bool known = true;
   for (std::size_t s = 0; s < slots_ && known; ++s)
     known = slot_array(stiffness_norm)[s] > 0 || slot_array(in_use)[s] == 0 ||
             (slot_array(away)[s] >= farthest && s != first);
-  if (!known) return write_tangent_of_sum(out, base);
+  if (!known) return write_tangent_of_sum(out, hip, first, nearest, farthest);
   if (!(sum[0] > 0)) {  // one state, or all equally far
     out.tangent_at = base.at;
     out.tangent_force = base.force;
@@ -142,27 +155,82 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip) {
   out.tangent_force += out.tangent_jacobian * at;
 }
 
-// Where not every stiffness is known: the force of the nearest state and the slope of the sum there, never
-// steeper than what is known.
-void RbfFit::write_tangent_of_sum(Model::Impl& out, const Sample& base) {
+// The planes about the states, those of less weight drawn to the mean: those of the nearer side, or of both.
+void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& mean) {
+  if (!weighted_) {
+    const double* y = out.data.data();
+    return hull.set(y, y + out.stride, y + 2 * out.stride, alive_, out.trust);
+  }
+  double* to[3] = {hull_.data(), hull_.data() + slot_stride_, hull_.data() + 2 * slot_stride_};
+  const double* from[3] = {px_.data(), py_.data(), pz_.data()};
+  Vec3 middle = mean;
+  if (near) {
+    double total = 0;
+    middle.setZero();
+    for (std::size_t s = 0; s < slots_; ++s) {
+      if (!slot_[s].alive) continue;
+      total += slot_[s].sample.near;
+      for (std::size_t d = 0; d < 3; ++d) middle[Eigen::Index(d)] += slot_[s].sample.near * from[d][s];
+    }
+    middle = total > 0 ? Vec3(middle / total) : mean;
+  }
+  std::size_t n = 0;
+  for (std::size_t s = 0; s < slots_; ++s) {
+    if (!slot_[s].alive) continue;
+    const double w = near ? slot_[s].sample.near : slot_array(share)[s];
+    for (std::size_t d = 0; d < 3; ++d) to[d][n] = w * from[d][s] + (1 - w) * middle[Eigen::Index(d)];
+    ++n;
+  }
+  hull.set(to[0], to[1], to[2], n, out.trust);
+}
+
+// Where not every stiffness is known: the force of a state and the slope of the sum there, never steeper than
+// what is known; the mean of those about as near as the nearest where the HIP is outside, where it may count.
+void RbfFit::write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest, double farthest) {
+  const Sample& base = slot_[first].sample;
   out.tangent_at = base.at;
   out.tangent_force = base.force;
   out.tangent_jacobian.setZero();
   if (out.power == 0) return;
-  const Vec3 y = scaled(base.at);
-  double f[3], j[9];
-  out.raw(y.data(), f, j);
-  for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) out.tangent_jacobian(c, d) = j[3 * c + d] * inverse_scale_;
-  const double norm = out.tangent_jacobian.norm();
-  if (norm <= out.largest_stiffness) return;
-  if (std::isfinite(norm))
-    out.tangent_jacobian *= out.largest_stiffness / norm;
-  else
-    out.tangent_jacobian.setZero();
+  const Vec3 y = scaled(hip);
+  double gradient[3];
+  const bool outside = y.allFinite() && out.hull.outside(y.data(), gradient) > 0;
+  const double behind = std::min(farthest - nearest, 1.5 * options_.length * inverse_scale_);
+  double total = 0;
+  Vec3 at = Vec3::Zero(), sum = Vec3::Zero();  // about the base
+  Mat3 jacobian = Mat3::Zero();
+  for (std::size_t s = 0; s < slots_; ++s) {
+    if (!slot_[s].alive || (!outside && s != first)) continue;
+    const double near = outside && behind > 0 ? 1 - (slot_array(away)[s] - nearest) / behind : s == first ? 1 : 0;
+    if (!(near > 0)) continue;
+    const double share_of = near * near * slot_array(share)[s];
+    const Mat3 slope = slope_of_sum(out, slot_[s].sample.at);
+    const Vec3 apart = slot_[s].sample.at - base.at;
+    total += share_of;
+    at += share_of * apart;
+    jacobian += share_of * slope;
+    sum += share_of * (slot_[s].sample.force - slope * apart);
+  }
+  if (!(total > 0)) return;
+  at /= total;
+  out.tangent_at = base.at + at;
+  out.tangent_jacobian = jacobian / total;
+  out.tangent_force = sum / total + out.tangent_jacobian * at;
 }
 
-void RbfFit::write(Model::Impl& out, const Vec3& hip) {
+Mat3 RbfFit::slope_of_sum(const Model::Impl& out, const Vec3& at) const {
+  const Vec3 y = scaled(at);
+  double f[3], j[9];
+  Mat3 slope;
+  out.raw(y.data(), f, j);
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) slope(c, d) = j[3 * c + d] * inverse_scale_;
+  const double norm = slope.norm();
+  if (!std::isfinite(norm)) return Mat3::Zero();
+  return norm > out.largest_stiffness ? Mat3(slope * (out.largest_stiffness / norm)) : slope;
+}
+
+void RbfFit::write(Model::Impl& out, const Vec3& hip, double bridge) {
   out.clear();
   if (alive_ == 0) return;
   out.reserve(alive_, level_.hermite);
@@ -183,11 +251,9 @@ void RbfFit::write(Model::Impl& out, const Vec3& hip) {
     gather();
     added_.assign(gathered_.begin(), gathered_.end());
     refit(added_);
-    return write(out, hip);
+    return write(out, hip, bridge);
   }
-  write_tangent(out, hip);
-  if (out.power != 0)
-    out.set_hull(out.data.data(), out.data.data() + out.stride, out.data.data() + 2 * out.stride, alive_);
+  write_tangent(out, hip, bridge);
   out.known = true;
 }
 

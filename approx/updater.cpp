@@ -19,8 +19,8 @@ void check(const ModelOptions& options) {
     throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");
 }
 
-Sample sample_of(StateId id, const State& state) {
-  Sample sample{id, state.at, state.force, state.stiffness};
+Sample sample_of(StateId id, const State& state, double weight = 1, double near = 1) {
+  Sample sample{id, state.at, state.force, state.stiffness, weight, near};
   if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
   return sample;
 }
@@ -32,15 +32,18 @@ struct ModelUpdater::Impl {
   ModelOptions options;
   RbfFit fit;
   NeighbourSelector selector;
+  std::vector<Neighbour> chosen, last_weighted;  // the second empty where all weights were 1
   std::vector<StateId> wanted, removed, missing;
   std::vector<Sample> added;
   std::uint64_t serial = 0;
   bool fresh = true;          // nothing may depend on earlier models
   bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
 
-  Impl(const StateSpace& known, ModelOptions chosen)
-      : space(known), options(chosen), fit(chosen, chosen.neighbours), selector(known, chosen) {
+  Impl(const StateSpace& known, ModelOptions wished)
+      : space(known), options(wished), fit(wished, wished.neighbours), selector(known, wished) {
     wanted.reserve(options.neighbours);
+    chosen.reserve(options.neighbours);
+    last_weighted.reserve(options.neighbours);
     removed.reserve(options.neighbours);
     missing.reserve(options.neighbours);
     added.reserve(options.neighbours);
@@ -57,7 +60,9 @@ ModelUpdater::ModelUpdater(ModelUpdater&&) noexcept = default;
 
 bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   Impl& m = *impl_;
-  const Label label = m.selector.select(hip, m.wanted);
+  const Label label = m.selector.select(hip, m.chosen);
+  m.wanted.clear();
+  for (const Neighbour& c : m.chosen) m.wanted.push_back(c.id);
   if (report != nullptr) *report = {.n = m.wanted.size(), .label = label};
   if (m.wanted.empty()) {
     out.impl().clear();
@@ -67,19 +72,31 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   m.fit.difference(m.wanted, m.removed, m.missing);
   m.added.clear();
   for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
+  // Weights move with the HIP, which changes nearly all of the matrix.
+  const auto partly = [](const Neighbour& c) { return c.weight < 1 || c.near < 1; };
+  const bool weighted = std::ranges::any_of(m.chosen, partly);
+  const bool same_set = m.removed.empty() && m.added.empty();
+  const bool same_weights = weighted ? std::ranges::equal(m.chosen, m.last_weighted,
+                                                          [](const Neighbour& a, const Neighbour& b) {
+                                                            return a.id == b.id && a.weight == b.weight &&
+                                                                   a.near == b.near;
+                                                          })
+                                     : m.last_weighted.empty();
   bool refit = false;
-  if (m.fresh && !(m.removed.empty() && m.added.empty() && m.from_scratch)) {
+  if (!same_weights || (m.fresh && !(same_set && m.from_scratch))) {
     m.added.clear();
-    for (const StateId id : m.wanted) m.added.push_back(sample_of(id, m.space[id]));
+    for (const Neighbour& c : m.chosen) m.added.push_back(sample_of(c.id, m.space[c.id], c.weight, c.near));
     m.fit.refit(m.added);
     refit = m.from_scratch = true;
-  } else if (!m.removed.empty() || !m.added.empty()) {
+  } else if (!same_set) {
     refit = m.fit.replace(m.removed, m.added);
     m.from_scratch = false;
   }
+  m.last_weighted.clear();
+  if (weighted) m.last_weighted.assign(m.chosen.begin(), m.chosen.end());
   m.fresh = false;
   out.reserve(m.options);
-  m.fit.write(out.impl(), hip);
+  m.fit.write(out.impl(), hip, m.selector.bridge());
   out.impl().serial = ++m.serial;
   if (report != nullptr) {
     report->replaced = m.added.size();

@@ -82,13 +82,16 @@ void measure(Row& row, const StateSpace& space, std::size_t rounds) {
   Model model, followed;
   model.reserve(row.model);
   followed.reserve(row.model);
+  std::vector<Neighbour> chosen;
   std::vector<StateId> ids;
   Vec3 sum = Vec3::Zero();
   double sink = 0;
   for (const Vec3& x : path) {
     double start = now_us();
-    selector.select(x, ids);
+    selector.select(x, chosen);
     const double select = now_us() - start;
+    ids.clear();
+    for (const Neighbour& c : chosen) ids.push_back(c.id);
     row.select.push_back(select);
     const std::vector<Sample> samples = samples_of(space, ids);
     if (lu && ids.size() == row.model.neighbours) {
