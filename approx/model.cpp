@@ -7,6 +7,7 @@
 #include "approx/kernel_sums.hpp"
 #include "approx/methods.hpp"
 #include "approx/model_data.hpp"
+#include "approx/neighbours.hpp"
 
 namespace forefeel {
 
@@ -280,7 +281,7 @@ double Model::hold_distance() const noexcept {
   return impl_->known ? impl_->hold : 0;
 }
 void Model::reserve(const ModelOptions& options) {
-  impl_->reserve(options.neighbours, options.data == Data::force_and_stiffness);
+  impl_->reserve(most_neighbours(options.neighbours), options.data == Data::force_and_stiffness);
 }
 
 }  // namespace forefeel

@@ -14,7 +14,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // In spacings:
 constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
-constexpr double pulled_to = 0.25;  // before the nearest state of a side
+constexpr double pulled_to = 0.25;  // before the nearest state of a side,
+constexpr double pulled_r = 2;      // and for r, which a layer or two suit well, before a single side
 constexpr double band = 0.4;        // of the key, over which a weight rises
 constexpr double farthest = 32;     // a far side
 constexpr double fading = 8;        // before that, over which it goes
@@ -34,13 +35,14 @@ double rise(double t) {
 }  // namespace
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
-    : space_(space), n_(options.neighbours), rule_(options.select), h_(space.options().spacing) {
+    : space_(space), n_(options.neighbours), most_(most_neighbours(n_)), rule_(options.select), h_(space.options().spacing),
+      pulled_(options.kernel == Kernel::linear ? pulled_r : pulled_to) {
   const std::size_t room = std::max(most_candidates, 2 * n_ + 16);
   found_.reserve(room);
   candidates_.reserve(room);
   keys_.reserve(room);
-  last_.reserve(n_);
-  chosen_.reserve(2 * n_ + 4);
+  last_.reserve(most_);
+  chosen_.reserve(2 * most_ + 4);
 }
 
 void NeighbourSelector::forget() {
@@ -153,10 +155,11 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   const double d1 = sides[1 - far].distance, d2 = sides[far].distance;
   if (d2 < limit && d1 > least_ratio * d2)
     bridge_ = (d1 / d2 - least_ratio) / (1 - least_ratio) * std::min(1.0, (limit - d2) / (fading * h_));
-  const double all = double(n_ > 1 ? n_ - 1 : 1), second = bridge_ * all * d1 / (d1 + d2);
+  const double all = double(most_ - 1), second = bridge_ * all * d1 / (d1 + d2);
+  const double pulled = pulled_ + bridge_ * (pulled_to - pulled_);
   for (const std::size_t s : {1 - far, far}) {
     const double count = bridge_ == 0 && s != far ? all : s == far ? second : all - second;
-    if (count > 0) weigh(s, hip + std::max(0.0, sides[s].distance - pulled_to * h_) * sides[s].towards, count);
+    if (count > 0) weigh(s, hip + std::max(0.0, sides[s].distance - pulled * h_) * sides[s].towards, count);
   }
   for (const Candidate& c : candidates_) {
     const std::size_t near = 1 - far;
@@ -180,7 +183,7 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
     take_sides(hip);
   }
   std::ranges::sort(chosen_, {}, &Neighbour::id);
-  if (chosen_.size() > n_) chosen_.resize(n_);
+  if (chosen_.size() > most_) chosen_.resize(most_);
   last_.clear();
   for (const Neighbour& member : chosen_) last_.push_back(member.id);
   out.assign(chosen_.begin(), chosen_.end());

@@ -9,7 +9,7 @@
 //               d_s, t_s   distance of a side's nearest state, mean direction to those about as near
 //               beta  rises from 0 at d_1 = d_2 / 10 to 1 at d_1 = d_2: how much of a bridge it is
 //               n_2 = beta n d_1 / (d_1 + d_2)
-//               key  distance from q_s = x + (d_s - h / 4) t_s: of a half ball of the boundary instead of a
+//               key  distance from q_s = x + (d_s - h / 4) t_s (for r: 2 h): of a half ball of the boundary instead of a
 //                    layer or two of it, whose polynomial would not be determined
 //               w  rises from 0 at the key of rank n_s (between ranks: in proportion) to 1 within band h
 //             So the far side of a gap enters when it hardly counts and leaves likewise; in a blank area side
@@ -27,10 +27,13 @@ struct Neighbour {
   double near = 1;    // its part in the side that is nearer to the HIP
 };
 
+constexpr std::size_t most_neighbours(std::size_t n) { return n + n / 6; }
+
 class NeighbourSelector {
  public:
   NeighbourSelector(const StateSpace& space, const ModelOptions& options);
-  // At most options.neighbours of them, ascending ids, into `out`; returns the label of the HIP.
+  // At most options.neighbours of them, or most_neighbours() where some count in part only, ascending ids, into
+  // `out`; returns the label of the HIP.
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
   // How much the last set counts as a bridge between two sides: 0 for one side, 1 in the middle.
   double bridge() const { return bridge_; }
@@ -57,9 +60,9 @@ class NeighbourSelector {
   void keep_first(std::size_t count);
 
   const StateSpace& space_;
-  std::size_t n_;
+  std::size_t n_, most_;  // of members that count in full, and in part
   Select rule_;
-  double h_;
+  double h_, pulled_;  // the second in spacings
   std::vector<StateId> found_, last_;
   std::vector<Candidate> candidates_;
   std::vector<Neighbour> chosen_;

@@ -43,6 +43,7 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
 
   const double per_row = out.power == 5 && !out.hermite ? 0.04 : 0.01;  // r^5 alone loses more
   const double allowed = lost * largest * std::max(1.0, per_row * double(factor_.rows()));
+  if (!updated_) watched_ = 0;
   for (std::size_t t = 0; t < std::min(watched_at_once, n); ++t) {  // some states in turn
     watched_ = watched_ + 1 < n ? watched_ + 1 : 0;
     const std::uint32_t s = living_[watched_];

@@ -40,13 +40,14 @@ struct ModelUpdater::Impl {
   bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
 
   Impl(const StateSpace& known, ModelOptions wished)
-      : space(known), options(wished), fit(wished, wished.neighbours), selector(known, wished) {
-    wanted.reserve(options.neighbours);
-    chosen.reserve(options.neighbours);
-    last_weighted.reserve(options.neighbours);
-    removed.reserve(options.neighbours);
-    missing.reserve(options.neighbours);
-    added.reserve(options.neighbours);
+      : space(known), options(wished), fit(wished, most_neighbours(wished.neighbours)), selector(known, wished) {
+    const std::size_t most = most_neighbours(options.neighbours);
+    wanted.reserve(most);
+    chosen.reserve(most);
+    last_weighted.reserve(most);
+    removed.reserve(most);
+    missing.reserve(most);
+    added.reserve(most);
   }
 };
 
