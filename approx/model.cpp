@@ -170,11 +170,11 @@ double Model::Impl::Hull::outside(const double y[3], double gradient[3]) const n
   return largest * root;
 }
 
-void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n, double trust) {
+void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n, double trusted) {
   sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
   for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
-  const double radius = nearest + trust / 1.4;  // 13^(1/8) < 1.4
+  const double radius = nearest + trusted / 1.4;  // 13^(1/8) < 1.4
   inner_squared = radius > 0 ? radius * radius : -1;
 }
 

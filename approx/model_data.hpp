@@ -48,7 +48,7 @@ struct Model::Impl {
   struct Hull {
     double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
     std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
-    void set(const double* px, const double* py, const double* pz, std::size_t n, double trust);
+    void set(const double* px, const double* py, const double* pz, std::size_t n, double trusted);
     double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
   };
   Hull hull, whole;   // of the states, in a gap those of the nearer side; of both

@@ -80,6 +80,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
   document["scene"] = laboratory.name();
   document["experiments"] = nlohmann::ordered_json::object();
   std::string sections;
+  bool all_met = true;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const Experiment& experiment = wanted[i];
     Progress progress(globals, experiment.name);
@@ -91,12 +92,14 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
     // What is done is on disk before the next begins.
     write_text(folder / "report.html", page(laboratory, sections));
     for (const std::string& line : found.lines) say(globals, experiment.name + ": " + line);
+    for (const std::string& line : found.unmet) warn(globals, experiment.name + ": " + line);
+    all_met = all_met && found.unmet.empty();
   }
   document["provenance"] = provenance(laboratory.scene().hash);
   write_text(folder / "summary.json", document.dump(2) + "\n");
   if (globals.json) print_json(document);
   say(globals, fmt::format("report: {}", (folder / "report.html").string()));
-  return 0;
+  return all_met ? 0 : 1;
 }
 
 }  // namespace
@@ -114,6 +117,9 @@ void add_reproduce(CLI::App& app, Commands& commands) {
       ->type_name("DIR/");
   sub.add_option("--depth", arguments->options.depth, "Length of the path in spacings")
       ->check(CLI::Range(4, 100))
+      ->capture_default_str();
+  sub.add_option("--gap", arguments->options.gap, "Width of the gap of `extrapolation` in spacings, at most depth - 2")
+      ->check(CLI::Range(2, 98))
       ->capture_default_str();
   sub.add_option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
       ->check(CLI::Range(0.05, 3600.0))

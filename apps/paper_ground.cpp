@@ -9,13 +9,13 @@
 
 namespace forefeel {
 
-PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show)
+PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap)
     : h_(laboratory.spacing()),
       frame_(lattice_frame(laboratory.scene().inward)),
       depth_(static_cast<double>(depth)) {
   beyond_ =
       static_cast<int>(depth);  // no farther: at 72 mm a liver is crushed to 3 % of its volume in places
-  gap_ = std::min(8, beyond_ - 2);
+  gap_ = std::min(static_cast<int>(gap), beyond_ - 2);
   const Vec3 low = frame_ * (h_ * Vec3(-layers_, -half_width_, -half_width_));
   const Vec3 high = frame_ * (h_ * Vec3(beyond_, half_width_, half_width_));
   const Vec3 slack = Vec3::Constant(1e-6 * h_);

@@ -3,7 +3,7 @@
 // and goes into the body, and what of it each situation knows (geometry/setups.hpp). The path runs along the
 // lattice axis nearest to the inward direction of the contact,
 //   x(s) = s a,  0 <= s <= depth,   a a signed unit axis
-// with the slab at s <= 0 and, in the situation `gap`, another one from 8 h on. Nothing lies beyond the end
+// with the slab at s <= 0 and, in the situation `gap`, another one from its width (8 h) on. Nothing lies beyond the end
 // of the path.
 
 #include <string>
@@ -17,8 +17,8 @@ namespace forefeel {
 
 class PaperGround {
  public:
-  // depth in spacings.
-  PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show);
+  // depth and width of the gap in spacings.
+  PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap = 8);
 
   double spacing() const { return h_; }
   double depth() const { return depth_ * h_; }           // of the path [m]
@@ -37,7 +37,7 @@ class PaperGround {
   Box box_;
   Mat3 frame_;
   double depth_;
-  int gap_ = 8;  // layers that the situation gap leaves out at most
+  int gap_;  // layers that the situation gap leaves out
   int layers_ = 5, half_width_ = 5;
   int beyond_;  // layers past the slab
   std::vector<State> complete_;

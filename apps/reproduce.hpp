@@ -13,6 +13,7 @@ namespace forefeel {
 
 struct ReproduceOptions {
   std::size_t depth = 10;   // length of the path in spacings (paper: 6 cm at 6 mm)
+  std::size_t gap = 8;      // width of the gap, at most depth - 2
   double interval = 10;     // between groups of states [s] (paper: 10 s)
   std::size_t rounds = 60;  // timed repetitions
 };
@@ -21,6 +22,7 @@ struct Findings {
   nlohmann::ordered_json summary;
   std::string html;                // paragraphs, tables, figures; without a heading
   std::vector<std::string> lines;  // for the terminal
+  std::vector<std::string> unmet;  // what should hold with our settings and does not: exit 1
 };
 
 struct Experiment {

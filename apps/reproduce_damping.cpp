@@ -365,6 +365,10 @@ Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& optio
                   paragraph("We found", found) + draw_into(folder, picture(runs, readings, script, tight)) +
                   table(runs, readings);
   findings.lines = {found};
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    if (runs[r].way.rule != SwitchRule::none && readings[r].over_bound > 0)
+      findings.unmet.push_back(fmt::format("{}: {} frames change by more than the rule's bound", runs[r].way.name,
+                                           readings[r].over_bound));
   return findings;
 }
 

@@ -318,7 +318,7 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
 Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions& options,
                                  const std::filesystem::path& folder, const ShowShare& show) {
   const PaperGround ground(laboratory, options.depth,
-                           [&](double share, const std::string& text) { show(0.6 * share, text); });
+                           [&](double share, const std::string& text) { show(0.6 * share, text); }, options.gap);
   const SessionOptions& session = laboratory.scene().session;
   const Judge judge{session.error_floor, session.switching.jnd_share, session.switching.jnd_floor};
   const Fig2 fig = run_all(laboratory, ground, judge,
@@ -328,6 +328,7 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
   Findings findings;
   findings.summary["path"] = {
       {"length", ground.depth()}, {"axis", ground.axis()}, {"spacing", ground.spacing()}};
+  findings.summary["gap"] = ground.far_side();
   findings.summary["states"] = ground.complete().size();
   findings.summary["unsolved"] = ground.unsolved();
   findings.summary["curves"] = nlohmann::ordered_json::array();
@@ -343,6 +344,9 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
                             "starting side leave it.") +
                   paragraph("We found", found) + draw_into(folder, picture(fig, ground)) + table(fig, judge);
   findings.lines = {found};
+  for (const Curve& curve : fig.curves)
+    if (const Jump most = largest(curve, judge); curve.method.ours && !(most.jnd <= 1))
+      findings.unmet.push_back(fmt::format("{}: {} jumps by {}", curve.setup, curve.method.name, shown(most)));
   return findings;
 }
 
