@@ -117,10 +117,11 @@ void DenseFactor::compact(std::span<const std::size_t> kept) {
   rows_ = kept.size();
 }
 
-double DenseFactor::largest_inverse() const {
-  double largest = 0;
-  for (std::size_t r = 0; r < rows_; ++r) largest = std::max(largest, inverse_diagonal_[r]);
-  return largest;
+std::pair<std::size_t, double> DenseFactor::weakest_row() const {
+  std::size_t row = 0;
+  for (std::size_t r = 1; r < rows_; ++r)
+    if (inverse_diagonal_[r] > inverse_diagonal_[row]) row = r;
+  return {row, inverse_diagonal_[row]};
 }
 
 void DenseFactor::solve(double* y, std::size_t stride) {

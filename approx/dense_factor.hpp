@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "approx/aligned.hpp"
@@ -45,8 +46,8 @@ class DenseFactor {
 
   // Y: row m has 16 entries.
   const double* border_row(std::size_t row) const { return border_.data() + row * border; }
-  // The largest 1 / L_rr, holes included (1).
-  double largest_inverse() const;
+  // The row of the largest 1 / L_rr (of holes: 1), and that.
+  std::pair<std::size_t, double> weakest_row() const;
   // Solves L z = y in place for three right-hand sides at y, y + stride and y + 2 stride, as above.
   void solve(double* y, std::size_t stride);
   // Solves L^T z = y in place for three right-hand sides of length rows(), padded by 8.

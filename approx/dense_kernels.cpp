@@ -145,41 +145,42 @@ void row_products(double* rows, std::size_t row_stride, std::size_t m, std::size
     }
 }
 
-// The reflection I - k u u^T, u = (-a, n), that takes (d, v) to (r, 0): n = v / |v|, a = |v| / (d + r),
-// k = (d + r) / r. Nothing cancels, and it tends to one that leaves d alone as v vanishes.
+// The reflection I - k u u^T, u = (-s, v), that takes (d, v) to (r, 0): with t = |v|^2
+//   s = t / (d + r),   k = (d + r) / (r t),   so that k s = 1 / r.
+// Nothing cancels, and it tends to one that leaves d alone as v vanishes. The three divisions do not wait for
+// each other.
 template <std::size_t G>
 struct Reflection {
-  double a, k, n[G];
+  double s, k, inverse, v[G];
 };
 
 template <std::size_t G>
 FOREFEEL_INLINE double reflection(double d, const double* v, std::size_t stride, Reflection<G>& h) {
-  double part[2] = {};
-  for (std::size_t g = 0; g < G; ++g) part[g % 2] += v[g * stride] * v[g * stride];
-  const double squared = part[0] + part[1];
-  if (!(squared > 1e-290)) {
+  double part[4] = {};
+  for (std::size_t g = 0; g < G; ++g) {
+    h.v[g] = v[g * stride];
+    part[g % 4] += h.v[g] * h.v[g];
+  }
+  const double t = (part[0] + part[1]) + (part[2] + part[3]);
+  if (!(t > 1e-290)) {
     h = {};
+    h.inverse = 1 / d;
     return d;
   }
-  const double r = __builtin_sqrt(d * d + squared), length = __builtin_sqrt(squared);
-  h.a = length / (d + r);
-  const double unit = 1 / length;
-  double square[2] = {h.a * h.a, 0};
-  for (std::size_t g = 0; g < G; ++g) {
-    h.n[g] = v[g * stride] * unit;
-    square[g % 2] += h.n[g] * h.n[g];
-  }
-  h.k = 2 / (square[0] + square[1]);  // (d + r) / r, but orthogonal also after rounding
+  const double r = __builtin_sqrt(d * d + t), sum = d + r;
+  h.inverse = 1 / r;
+  h.s = t / sum;
+  h.k = sum / (r * t);
   return r;
 }
 
 template <std::size_t G, class Value>
 FOREFEEL_INLINE void reflect(const Reflection<G>& h, Value& l, Value (&v)[G]) {
-  Value part[2] = {h.n[0] * v[0], -h.a * l};
-  for (std::size_t g = 1; g < G; ++g) part[g % 2] += h.n[g] * v[g];
-  const Value w = h.k * (part[0] + part[1]);
-  l += h.a * w;
-  for (std::size_t g = 0; g < G; ++g) v[g] -= h.n[g] * w;
+  Value part[2] = {h.v[0] * v[0], -h.s * l};
+  for (std::size_t g = 1; g < G; ++g) part[g % 2] += h.v[g] * v[g];
+  const Value w = part[0] + part[1], step = h.k * w;
+  l += h.inverse * w;
+  for (std::size_t g = 0; g < G; ++g) v[g] -= h.v[g] * step;
 }
 
 // C columns from `col` on by G vectors, which are read and written once for all of them.
@@ -192,7 +193,7 @@ FOREFEEL_INLINE void update_block(double* __restrict l, std::size_t stride, doub
     double* __restrict column = l + (col + t) * stride;
     const double r = reflection<G>(column[col + t], v + col + t, vs, h[t]);
     column[col + t] = r;
-    inverse[col + t] = 1 / r;
+    inverse[col + t] = h[t].inverse;
     for (std::size_t i = col + t + 1; i < col + C; ++i) {
       double x[G];
       for (std::size_t g = 0; g < G; ++g) x[g] = v[g * vs + i];
@@ -345,40 +346,108 @@ void columns_of(const double* y, std::size_t m, std::size_t count, double* out, 
     }
 }
 
-// along[t] = a . b_t, b_t := b_t - along[t] a for four vectors b_t at b[t * stride].
-FOREFEEL_INLINE void take_along(std::size_t m, const double* __restrict a, double* b, std::size_t stride,
-                                double along[4]) {
-  Pack sum[4] = {};
+// One step of modified Gram-Schmidt on a column c and the K after it, whose products with it (its own square
+// first) stand in `products`: takes it out of the others, normalises it, and leaves the products of the next
+// column with those after it. One sweep for all of them.
+template <std::size_t K>
+FOREFEEL_INLINE void take_out(std::size_t m, double* __restrict c, std::size_t stride, double* products) {
+  const double unit = 1 / __builtin_sqrt(products[0]), squared = 1 / products[0];
+  Pack share[K], sum[K] = {};
+  for (std::size_t t = 0; t < K; ++t) share[t] = same(products[t + 1] * squared);
+  for (std::size_t r = 0; r < m; r += width) {
+    const Pack x = load(c + r), next = load(c + stride + r) - share[0] * x;
+    store(c + r, x * unit);
+    store(c + stride + r, next);
+    sum[0] += next * next;
+    for (std::size_t t = 1; t < K; ++t) {
+      const Pack other = load(c + (t + 1) * stride + r) - share[t] * x;
+      store(c + (t + 1) * stride + r, other);
+      sum[t] += next * other;
+    }
+  }
+  for (std::size_t t = 0; t < K; ++t) products[t] = sum_of(sum[t]);
+}
+
+// Takes Q orthonormal columns out of three more once again; their components are added to right[c * q + j].
+template <std::size_t Q>
+FOREFEEL_INLINE void take_out_again(std::size_t q, std::size_t m, const double* __restrict columns,
+                                    std::size_t stride, double* __restrict rest, double* right) {
+  Pack sum[3][Q] = {};
+  for (std::size_t r = 0; r < m; r += width) {
+    const Pack x[3] = {load(rest + r), load(rest + stride + r), load(rest + 2 * stride + r)};
+    for (std::size_t j = 0; j < Q; ++j) {
+      const Pack unit = load(columns + j * stride + r);
+      for (std::size_t c = 0; c < 3; ++c) sum[c][j] += unit * x[c];
+    }
+  }
+  double along[3][Q];
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t j = 0; j < Q; ++j) right[c * q + j] += along[c][j] = sum_of(sum[c][j]);
   for (std::size_t r = 0; r < m; r += width)
-    for (std::size_t t = 0; t < 4; ++t) sum[t] += load(a + r) * load(b + t * stride + r);
-  sums_of(sum, along);
-  for (std::size_t r = 0; r < m; r += width)
-    for (std::size_t t = 0; t < 4; ++t)
-      store(b + t * stride + r, load(b + t * stride + r) - along[t] * load(a + r));
+    for (std::size_t c = 0; c < 3; ++c) {
+      Pack x = load(rest + c * stride + r);
+      for (std::size_t j = 0; j < Q; ++j) x -= along[c][j] * load(columns + j * stride + r);
+      store(rest + c * stride + r, x);
+    }
 }
 
 void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t stride, double* upper,
                    double* right) {
-  for (std::size_t j = 0; j < q + 4; ++j)
+  const std::size_t all = q + 3;
+  for (std::size_t j = 0; j < all + 1; ++j)
     for (std::size_t r = m; r < m + 8; ++r) columns[j * stride + r] = 0;
-  for (std::size_t j = 0; j < q; ++j) {
-    double* __restrict unit = columns + j * stride;
+  double products[16];
+  for (std::size_t k = 0; k < all; ++k) {
     Pack sum = {};
-    for (std::size_t r = 0; r < m; r += width) sum += load(unit + r) * load(unit + r);
-    const double length = __builtin_sqrt(sum_of(sum));
-    upper[j * q + j] = length;
-    for (std::size_t r = 0; r < m; r += width) store(unit + r, load(unit + r) / length);
-    for (std::size_t k = j + 1; k < q + 3; k += 4) {  // the last four may run into vectors that do not count
-      double along[4];
-      take_along(m, unit, columns + k * stride, stride, along);
-      for (std::size_t t = 0; t < 4 && k + t < q + 3; ++t)
-        (k + t < q ? upper[j * q + k + t] : right[(k + t - q) * q + j]) = along[t];
-    }
+    for (std::size_t r = 0; r < m; r += width) sum += load(columns + r) * load(columns + k * stride + r);
+    products[k] = sum_of(sum);
   }
   for (std::size_t j = 0; j < q; ++j) {
-    double along[4];
-    take_along(m, columns + j * stride, columns + q * stride, stride, along);
-    for (std::size_t c = 0; c < 3; ++c) right[c * q + j] += along[c];
+    const double length = __builtin_sqrt(products[0]);
+    upper[j * q + j] = length;
+    for (std::size_t k = j + 1; k < all; ++k)
+      (k < q ? upper[j * q + k] : right[(k - q) * q + j]) = products[k - j] / length;
+    double* c = columns + j * stride;
+    switch (all - j - 1) {
+      case 12:
+        take_out<12>(m, c, stride, products);
+        break;
+      case 11:
+        take_out<11>(m, c, stride, products);
+        break;
+      case 10:
+        take_out<10>(m, c, stride, products);
+        break;
+      case 9:
+        take_out<9>(m, c, stride, products);
+        break;
+      case 8:
+        take_out<8>(m, c, stride, products);
+        break;
+      case 7:
+        take_out<7>(m, c, stride, products);
+        break;
+      case 6:
+        take_out<6>(m, c, stride, products);
+        break;
+      case 5:
+        take_out<5>(m, c, stride, products);
+        break;
+      case 4:
+        take_out<4>(m, c, stride, products);
+        break;
+      default:
+        take_out<3>(m, c, stride, products);
+    }
+  }
+  double* rest = columns + q * stride;
+  if (q == 10) {
+    take_out_again<5>(q, m, columns, stride, rest, right);
+    take_out_again<5>(q, m, columns + 5 * stride, stride, rest, right + 5);
+  } else if (q == 4) {
+    take_out_again<4>(q, m, columns, stride, rest, right);
+  } else {
+    take_out_again<1>(q, m, columns, stride, rest, right);
   }
 }
 

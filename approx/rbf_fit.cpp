@@ -80,9 +80,33 @@ void RbfFit::set_frame(std::span<const Sample> samples) {
 
 namespace {
 
+// The last pivot of a pivoted Cholesky is at least det / (product of the other diagonal entries), and the
+// determinant needs no pivoting.
+bool surely_full_rank(std::size_t q, const double* gram) {
+  double l[max_terms][max_terms], correlation = 1, least = gram[0], most = gram[0];
+  for (std::size_t i = 0; i < q; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double value = gram[i * q + j];
+      for (std::size_t k = 0; k < j; ++k) value -= l[i][k] * l[j][k];
+      if (j < i) {
+        l[i][j] = value * l[j][j];  // 1 / L_jj stands on the diagonal
+        continue;
+      }
+      const double entry = gram[i * q + i];
+      if (!(value > 1e-9 * entry)) return false;  // rounding would count
+      least = std::min(least, entry);
+      most = std::max(most, entry);
+      correlation *= value / entry;
+      l[i][i] = 1 / std::sqrt(value);
+    }
+  }
+  return correlation * least > 10 * rank_tolerance * rank_tolerance * most;
+}
+
 // Pivoted Cholesky of the q x q Gram matrix (lower triangle, overwritten): its pivots are the squares of
 // those of a pivoted QR of P.
 bool full_rank(std::size_t q, double* gram) {
+  if (surely_full_rank(q, gram)) return true;
   const auto entry = [&](std::size_t i, std::size_t j) -> double& {
     return i > j ? gram[i * q + j] : gram[j * q + i];
   };

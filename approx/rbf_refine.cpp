@@ -23,7 +23,7 @@ constexpr double settled = 1e-8;  // last correction against the coefficients
 
 bool RbfFit::has_lost_digits(const Model::Impl& out) {
   const std::size_t n = living_.size(), q = terms_;
-  const double inverse = factor_.largest_inverse();
+  const auto [weakest, inverse] = factor_.weakest_row();
   double least = std::abs(upper_[0]), most = least;
   for (std::size_t j = 1; j < q; ++j) {
     least = std::min(least, std::abs(upper_[j * q + j]));
@@ -43,23 +43,29 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
 
   const double per_row = out.power == 5 && !out.hermite ? 0.04 : 0.01;  // r^5 alone loses more
   const double allowed = lost * largest * std::max(1.0, per_row * double(factor_.rows()));
-  if (!updated_) watched_ = 0;
-  for (std::size_t t = 0; t < std::min(watched_at_once, n); ++t) {  // some states in turn
-    watched_ = watched_ + 1 < n ? watched_ + 1 : 0;
-    const std::uint32_t s = living_[watched_];
-    if (slot_[s].dropped != 0) continue;
+  const auto missed = [&](std::size_t i) {
+    const std::uint32_t s = living_[i];
+    if (slot_[s].dropped != 0) return false;
     const double y[3] = {px_[s], py_[s], pz_[s]};
     double f[3];
     out.raw(y, f);
     for (std::size_t c = 0; c < 3; ++c) {
-      const double left =
-          slot_array(force + c)[s] - f[c] - sign_ * ridge(s, 0) * out.data[(3 + c) * out.stride + watched_];
-      if (std::abs(left) <= allowed) continue;
-      worn_ = updated_;
-      return true;
+      const double left = slot_array(force + c)[s] - f[c] - sign_ * ridge(s, 0) * out.data[(3 + c) * out.stride + i];
+      if (!(std::abs(left) <= allowed)) return true;
     }
+    return false;
+  };
+  // The state that is known least apart from the others, where errors gather first, and others in turn.
+  bool lost_some = false;
+  const auto at = std::ranges::lower_bound(living_, static_cast<std::uint32_t>(weakest / rows_per_slot_));
+  if (at != living_.end()) lost_some = missed(static_cast<std::size_t>(at - living_.begin()));
+  if (!updated_) watched_ = 0;
+  for (std::size_t t = 0; t < std::min(watched_at_once, n) && !lost_some; ++t) {
+    watched_ = watched_ + 1 < n ? watched_ + 1 : 0;
+    lost_some = missed(watched_);
   }
-  return false;
+  if (lost_some) worn_ = updated_;
+  return lost_some;
 }
 
 // What the model leaves, into misfit_ and, by rows of the factor, into correction_; its largest entry.
@@ -165,7 +171,8 @@ bool RbfFit::refine(Model::Impl& out) {
     }
     double size = 0;
     for (std::size_t i = 0; i < 3 * row_stride_; ++i) size = std::max(size, std::abs(z[i]));
-    if (!(size < 0.5 * last)) break;  // no longer converging, or not a number
+    // No longer converging, or not a number; the first rounds may mend one thing after the other.
+    if (!(size < (round < 3 ? 2 : 0.5) * last)) break;
     last = size;
     correct(out, 1);
     std::copy_n(correction_.data(), 3 * row_stride_, last_correction_.data());

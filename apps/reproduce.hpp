@@ -22,7 +22,7 @@ struct Findings {
   nlohmann::ordered_json summary;
   std::string html;                // paragraphs, tables, figures; without a heading
   std::vector<std::string> lines;  // for the terminal
-  std::vector<std::string> unmet;  // what should hold with our settings and does not: exit 1
+  std::vector<std::string> unmet = {};  // what should hold with our settings and does not: exit 1
 };
 
 struct Experiment {
