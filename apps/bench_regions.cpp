@@ -118,7 +118,7 @@ void report_agreement(const Globals& globals, nlohmann::ordered_json& out) {
         state.at = at;
         octree.insert(space.insert(std::move(state)).id, at);
       }
-      const Agreement agreement = compare_indexes(space, octree, setup.box, h / 2);
+      const Agreement agreement = compare_indexes(space, octree);
       out["agreement"].push_back({{"setup", name}, {"width", width}, {"share", agreement.share}, {"states", setup.states.size()}});
       say(globals, fmt::format("{:<10}{:>10.3g}{:>12.4f}", name, 1e3 * width, agreement.share));
     }

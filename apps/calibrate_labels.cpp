@@ -33,10 +33,7 @@ std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Prog
         scene.space.box, scene.space.spacing,
         [&](double share, const std::string& text) { progress.show(0.3 * share, text); });
   LoadedStates loaded = load_states(file);
-  for (const auto& [key, value] : loaded.header.identity)
-    if (const auto own = scene.identity.find(key); own != scene.identity.end() && own->second != value)
-      throw InputError(file, fmt::format("holds states of another body: its {} differs from that of {}", key,
-                                         laboratory.name()));
+  check_same_body(file, loaded.header.identity, scene.identity);
   std::erase_if(loaded.states, [](const State& s) { return !s.usable(); });
   if (loaded.states.size() < 4)
     throw InputError(file, fmt::format("holds {} usable states, expected at least 4", loaded.states.size()));

@@ -11,6 +11,7 @@
 #include "geometry/agreement.hpp"
 #include "geometry/octree_index.hpp"
 #include "geometry/regions.hpp"
+#include "geometry/state_file.hpp"
 #include "geometry/state_space.hpp"
 
 namespace forefeel {
@@ -45,10 +46,12 @@ struct Classified {
 
 constexpr double largest_spacing = 1e6;   // [m]; squares of more would overflow somewhere
 
-// What a set of states brings along: its spacing [m], NaN if it does not say, and a box where the states do not span it.
+// What a set of states brings along: its spacing [m], NaN if it does not say, a box where the states do not span it, and
+// the body they belong to.
 struct OwnFrame {
   double spacing = unknown;
   std::optional<Box> box = std::nullopt;
+  BodyIdentity identity = {};   // of a state file
 };
 struct StatesInFrame {
   std::vector<State> states;
@@ -63,6 +66,10 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
                           const OwnFrame& own, const Globals& globals);
 // Builds the index (spatially sorted) and the regions.
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes);
+
+// Keys volume, components, gaps, fill_distance, largest_hole of the contract.
+void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance, double fill_bound,
+                  const std::optional<LargestHole>& hole);
 
 int classify_run(const Globals& globals, const ClassifyArguments& arguments);     // RUN/ to a .pvd series
 int classify_diff(const Globals& globals, const ClassifyArguments& arguments);    // --diff A B

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <regex>
 
 #include "apps/classify.hpp"
 #include "apps/run_table.hpp"
@@ -114,6 +115,13 @@ Hip read_hip(const fs::path& folder) {
   return hip;
 }
 
+// Moments that an earlier, longer series left.
+void remove_parts(const fs::path& folder) {
+  static const std::regex ours("(regions|states|hip)_[0-9]{5}\\.vtu");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (std::regex_match(entry.path().filename().string(), ours)) fs::remove(entry.path());
+}
+
 }  // namespace
 
 int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
@@ -136,6 +144,7 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   check_writable(series);
   const fs::path parts = series.parent_path() / (series.stem().string() + "_series");
   fs::create_directories(parts);
+  remove_parts(parts);
   std::vector<SeriesEntry> entries;
   nlohmann::ordered_json history = nlohmann::ordered_json::array();
   Progress progress(globals, "classify");
@@ -164,8 +173,12 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   write_pvd(series, entries);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (globals.json) {
-    print_json({{"series", series.string()}, {"snapshots", history}, {"states", space.size()}, {"spacing", set.spacing},
-                {"volume", history.back()["volume"]}, {"seconds", seconds}, {"peak_bytes", peak_bytes()}});
+    nlohmann::ordered_json out{{"series", series.string()}, {"snapshots", history}, {"states", space.size()}, {"spacing", set.spacing}};
+    const double fill = space.regions().fill_distance();
+    regions_json(out, space.regions().summary(), fill, fill + 1e-3 * set.spacing, space.regions().largest_hole());
+    out["seconds"] = seconds;
+    out["peak_bytes"] = peak_bytes();
+    print_json(out);
   } else {
     say(globals, fmt::format("{}: {} moments, {} states at the end, {:.3g} s", series.string(), count, space.size(), seconds));
   }
@@ -180,6 +193,12 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
   both.insert(both.end(), loaded[1].states.begin(), loaded[1].states.end());
   ClassifyArguments common = arguments;
   OwnFrame own = loaded[0].own;
+  const double other = loaded[1].own.spacing;
+  if (!arguments.spacing && arguments.scene.empty() && std::isfinite(own.spacing) && std::isfinite(other) &&
+      std::abs(other - own.spacing) > 1e-9 * own.spacing)
+    throw InputError("--diff", fmt::format("{} has a spacing of {:.4g} m and {} one of {:.4g} m, expected --spacing for both",
+                                           arguments.diff[0], own.spacing, arguments.diff[1], other));
+  check_same_body(arguments.diff[1], loaded[1].own.identity, own.identity);
   if (own.box && loaded[1].own.box)
     own.box = Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
   const Classified frame = prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
@@ -189,7 +208,7 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
     common.box.clear();
     common.scene.clear();
     set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states), {frame.spacing, frame.box}, globals);
-    label_regions(set[i], common, globals, false);
+    label_regions(set[i], common, globals, i == 1);
   }
   std::vector<RegionChange> changed;
   std::array<std::array<double, 4>, 4> volume{};
@@ -234,11 +253,15 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (globals.json) {
-    print_json({{"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
-                {"states", {set[0].states.size(), set[1].states.size()}}, {"spacing", frame.spacing},
-                {"volume", by_label(set[1].regions.volume)}, {"seconds", seconds}, {"peak_bytes", peak_bytes()}});
+    nlohmann::ordered_json out{{"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
+                               {"states", {set[0].states.size(), set[1].states.size()}}, {"spacing", frame.spacing}};
+    regions_json(out, set[1].regions, set[1].fill_distance, set[1].fill_bound, set[1].hole);
+    out["seconds"] = seconds;
+    out["peak_bytes"] = peak_bytes();
+    print_json(out);
     return 0;
   }
+  say(globals, fmt::format("h = {:.4g} mm", 1e3 * frame.spacing));
   say(globals, "volume [cm3]  safe       sparse     gap        blank      (in B)");
   for (std::size_t a = 0; a < 4; ++a)
     say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(a)), 1e6 * volume[a][0],

@@ -50,8 +50,10 @@ Box parse_box(const std::string& text) {
   return box;
 }
 
-void take_scene(const ClassifyArguments& arguments, const Globals& globals, Classified& result) {
+void take_scene(const ClassifyArguments& arguments, const std::string& where, const OwnFrame& own, const Globals& globals,
+                Classified& result) {
   const Scene scene = load_scene(arguments.scene, globals.set);
+  check_same_body(where, own.identity, scene.identity);
   if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
   result.box = scene.space.box;
   // HIP coordinates count from the rest position of the contact.
@@ -153,7 +155,8 @@ void find_sides(const OctreeIndex& octree, const Classified& set, const Coverage
 
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
   result.octree = make_octree(result, arguments);
-  result.regions = sample_regions(result.box, result.spacing, [&](const Vec3& q) {
+  const double rim = rim_reach(arguments.coverage.sparse_distance, result.lattice ? result.lattice->coarsest() : result.spacing);
+  result.regions = sample_regions(result.box, result.spacing, rim, [&](const Vec3& q) {
     thread_local PathWalk walk;   // along the rows of voxels
     return result.octree->label(q, walk);
   });
@@ -183,7 +186,7 @@ Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments
       space->insert(std::move(light));
     }
   }
-  return compare_indexes(set.space ? *set.space : *space, set.octree ? *set.octree : *octree, set.box, set.spacing / 2);
+  return compare_indexes(set.space ? *set.space : *space, set.octree ? *set.octree : *octree);
 }
 
 nlohmann::ordered_json agreement_json(const Agreement& agreement) {
@@ -191,8 +194,10 @@ nlohmann::ordered_json agreement_json(const Agreement& agreement) {
   for (std::size_t d = 0; d < 4; ++d) table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
   out["share"] = agreement.share;
   out["volume_delaunay_octree"] = table;
-  out["worst"] = {{"at", vector3(agreement.worst)}, {"delaunay", std::string(name(agreement.worst_delaunay))},
-                  {"octree", std::string(name(agreement.worst_octree))}};
+  out["worst"] = nullptr;
+  if (const auto& worst = agreement.worst)
+    out["worst"] = {{"at", vector3(worst->at)}, {"delaunay", std::string(name(worst->delaunay))},
+                    {"octree", std::string(name(worst->octree))}};
   return out;
 }
 
@@ -204,10 +209,10 @@ void print_agreement(const Globals& globals, const Agreement& agreement) {
     say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)), 1e6 * v[0],
                              1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
   }
-  if (agreement.share < 1)
-    say(globals, fmt::format("farthest from a place of agreement along x: {:.4g}, {:.4g}, {:.4g} mm, {} against {}",
-                             1e3 * agreement.worst.x(), 1e3 * agreement.worst.y(), 1e3 * agreement.worst.z(),
-                             name(agreement.worst_delaunay), name(agreement.worst_octree)));
+  if (const auto& worst = agreement.worst)
+    say(globals, fmt::format("in the middle of the longest stretch that differs along x: {:.4g}, {:.4g}, {:.4g} mm, {} against {}",
+                             1e3 * worst->at.x(), 1e3 * worst->at.y(), 1e3 * worst->at.z(), name(worst->delaunay),
+                             name(worst->octree)));
 }
 
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
@@ -220,7 +225,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   result.spacing = arguments.spacing.value_or(unknown);
   bool have_box = !arguments.box.empty();
   if (!arguments.scene.empty()) {
-    take_scene(arguments, globals, result);
+    take_scene(arguments, where, own, globals, result);
     have_box = true;
   }
   if (!std::isfinite(result.spacing)) result.spacing = own.spacing;
@@ -282,7 +287,7 @@ StatesInFrame load_set(const std::string& file) {
   if (!file.starts_with("setup:")) {
     LoadedStates loaded = load_states(file);
     set.states = std::move(loaded.states);
-    set.own.spacing = loaded.header.spacing;
+    set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity};
     return set;
   }
   const SetupOptions options;
@@ -292,7 +297,7 @@ StatesInFrame load_set(const std::string& file) {
     state.at = at;
     set.states.push_back(std::move(state));
   }
-  set.own = {options.spacing, setup.box};
+  set.own = {options.spacing, setup.box, {}};
   return set;
 }
 

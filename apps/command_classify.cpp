@@ -20,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t most_gaps = 1000;   // in the document, largest first
+
 // X,Y,Z:X,Y,Z:N
 std::vector<Vec3> parse_line(const std::string& text) {
   const std::size_t first = text.find(':'), second = first == std::string::npos ? first : text.find(':', first + 1);
@@ -131,15 +133,35 @@ nlohmann::ordered_json sides_json(const std::vector<BridgeSide>& sides) {
   return out;
 }
 
-// Gaps and what they connect; the hundred largest.
+// Gaps and what they connect, largest first.
 nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
   nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
   for (const RegionComponent& c : regions.components)
-    if (c.label == Label::gap && gaps.size() < 100)
+    if (c.label == Label::gap && gaps.size() < most_gaps)
       gaps.push_back({{"volume", c.volume}, {"inner", vector3(c.inner)}, {"safe_components", c.safe_neighbours},
                       {"sides", sides_json(c.sides)}});
   return gaps;
 }
+
+}  // namespace
+
+void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance, double fill_bound,
+                  const std::optional<LargestHole>& hole) {
+  out["volume"] = by_label(regions.volume);
+  for (int i = 0; i < 4; ++i)
+    out["components"][std::string(name(static_cast<Label>(i)))] = regions.component_count[static_cast<std::size_t>(i)];
+  out["gaps"] = gaps_json(regions);
+  out["gaps_left_out"] = regions.component_count[static_cast<std::size_t>(Label::gap)] - out["gaps"].size();
+  out["fill_distance"] = number(fill_distance);
+  out["fill_distance_bound"] = number(fill_bound);
+  if (hole) {
+    out["largest_hole"] = {{"radius", hole->radius}, {"centre", vector3(hole->centre)}};
+  } else {
+    out["largest_hole"] = {{"radius", nullptr}, {"centre", nlohmann::ordered_json::array({nullptr, nullptr, nullptr})}};
+  }
+}
+
+namespace {
 
 nlohmann::ordered_json document_of(const Classified& set, const ClassifyArguments& arguments,
                                    const std::vector<Coverage>& found, const std::optional<Agreement>& agreement,
@@ -153,17 +175,7 @@ nlohmann::ordered_json document_of(const Classified& set, const ClassifyArgument
     out["delta"].push_back(number(c.delta));
     out["gamma_deg"].push_back(number(c.gamma_deg));
   }
-  out["volume"] = by_label(set.regions.volume);
-  for (int i = 0; i < 4; ++i)
-    out["components"][std::string(name(static_cast<Label>(i)))] = set.regions.component_count[static_cast<std::size_t>(i)];
-  out["gaps"] = gaps_json(set.regions);
-  out["fill_distance"] = number(set.fill_distance);
-  out["fill_distance_bound"] = number(set.fill_bound);
-  if (set.hole) {
-    out["largest_hole"] = {{"radius", set.hole->radius}, {"centre", vector3(set.hole->centre)}};
-  } else {
-    out["largest_hole"] = {{"radius", nullptr}, {"centre", nlohmann::ordered_json::array({nullptr, nullptr, nullptr})}};
-  }
+  regions_json(out, set.regions, set.fill_distance, set.fill_bound, set.hole);
   out["states"] = set.states.size();
   out["unusable"] = set.unusable;
   out["spacing"] = set.spacing;
@@ -257,6 +269,10 @@ void check_arguments(const Globals& globals, const ClassifyArguments& arguments)
   check_writable(arguments.output);
 }
 
+std::string at_most_90(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr) <= 90 ? "" : fmt::format("is {}, expected at most 90", text);
+}
+
 int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.calibrate.empty()) {
     if (!arguments.diff.empty() || !arguments.points.empty() || !arguments.line.empty() || arguments.grid)
@@ -272,6 +288,8 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.line.empty()) points = parse_line(arguments.line);
   const Classified set = classify_states(globals, arguments, arguments.states);
   if (arguments.grid) points = grid_points(set.box, *arguments.grid);
+  if (!arguments.through.empty() && !set.box.contains(parse_vector(arguments.through, "--through")))
+    throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it", arguments.through));
   const std::vector<Coverage> found = cover(set, points);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!arguments.output.empty()) write_output(set, arguments, points, found, globals);
@@ -304,7 +322,7 @@ void add_classify(CLI::App& app, Commands& commands) {
   sub.add_option("--points", arguments->points, "Label these positions (CSV x,y,z)")->type_name("Q.csv");
   sub.add_option("--line", arguments->line, "Label N positions along a line")->type_name("X,Y,Z:X,Y,Z:N");
   sub.add_option("--grid", arguments->grid, "Label a grid of this step over the box [m]")->type_name("H");
-  sub.add_option("-o,--output", arguments->output, ".vtu .csv .svg .png; .pvd for a run")->type_name("OUT");
+  sub.add_option("-o,--output", arguments->output, ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")->type_name("OUT");
   sub.add_option("--diff", arguments->diff, "Two sets of states: what changed from A to B")->expected(2)->type_name("A B");
   sub.add_flag("--agreement", arguments->agreement, "Compare both indexes by volume");
   sub.add_option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body")->type_name("SCENE");
@@ -321,7 +339,7 @@ void add_classify(CLI::App& app, Commands& commands) {
   };
   // Beyond 90 degrees a cone says that the states lie on one side: nothing is enclosed.
   const auto angle = [&](const char* option, double& value, const char* text) {
-    sub.add_option(option, value, text)->check(CLI::Range(0.1, 90.0))->group("Thresholds");
+    sub.add_option(option, value, text)->check(above_zero)->check(at_most_90)->group("Thresholds");
   };
   threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
   threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");

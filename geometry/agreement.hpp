@@ -3,6 +3,7 @@
 //   share = (volume where both agree, blank left out) / (volume that is not blank for both)
 
 #include <array>
+#include <optional>
 
 #include "geometry/octree_index.hpp"
 #include "geometry/state_space.hpp"
@@ -13,12 +14,15 @@ struct Agreement {
   // volume[d][o]: the triangulation says label d, the octree says label o [m^3]
   std::array<std::array<double, 4>, 4> volume{};
   double share = 1;
-  // The place in the middle of the longest run of samples that differ, and both labels there.
-  Vec3 worst = Vec3::Zero();
-  Label worst_delaunay = Label::blank, worst_octree = Label::blank;
+  // The place in the middle of the longest run of cubes along x that differ, and both labels there.
+  struct Difference {
+    Vec3 at;
+    Label delaunay, octree;
+  };
+  std::optional<Difference> worst;   // none where nothing differs
 };
 
-// Sampled at the centres of cubes of side `step` [m] over the box.
-Agreement compare_indexes(const StateSpace& space, const OctreeIndex& octree, const Box& box, double step);
+// By the cubes of h/4 that the regions of the space are made of (voxel_grid.hpp): the volumes are those of both regions.
+Agreement compare_indexes(const StateSpace& space, const OctreeIndex& octree);
 
 }  // namespace forefeel

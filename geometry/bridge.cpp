@@ -75,15 +75,14 @@ std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_
   return result;
 }
 
-void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside, std::vector<RegionComponent>& components) {
+double rim_reach(double sparse_distance, double spacing) { return (sparse_distance + 0.5) * spacing; }
+
+void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside, std::vector<std::set<std::uint32_t>>& near_safe,
+                          std::vector<RegionComponent>& components) {
   for (std::size_t c = 0; c < components.size(); ++c) {
-    std::set<std::uint32_t> safe;
-    for (const std::uint32_t next : beside[c]) {
+    std::set<std::uint32_t>& safe = near_safe[c];
+    for (const std::uint32_t next : beside[c])
       if (components[next].label == Label::safe) safe.insert(next);
-      if (components[next].label != Label::sparse || components[c].label == Label::safe) continue;
-      for (const std::uint32_t past : beside[next])
-        if (components[past].label == Label::safe) safe.insert(past);
-    }
     components[c].safe_neighbours.assign(safe.begin(), safe.end());
   }
 }

@@ -44,8 +44,51 @@ Voxels label_voxels(const Box& box, double spacing, const std::function<Label(co
   return voxels;
 }
 
+// The steps to the voxels no farther than `rim` from a voxel, cube to cube.
+std::vector<std::array<std::int64_t, 3>> steps_within(double rim, double side) {
+  std::vector<std::array<std::int64_t, 3>> steps;
+  const auto most = static_cast<std::int64_t>(std::floor(rim / side)) + 1;
+  const auto apart = [&](std::int64_t d) { return side * static_cast<double>(std::max<std::int64_t>(0, std::abs(d) - 1)); };
+  for (std::int64_t k = -most; k <= most; ++k)
+    for (std::int64_t j = -most; j <= most; ++j)
+      for (std::int64_t i = -most; i <= most; ++i)
+        if (Vec3(apart(i), apart(j), apart(k)).squaredNorm() <= rim * rim) steps.push_back({i, j, k});
+  return steps;
+}
+
+void find_safe_neighbours(const Voxels& voxels, const std::vector<std::uint32_t>& component, double rim, RegionSummary& result) {
+  const auto& n = voxels.count;
+  const std::array<std::int64_t, 3> step{1, n[0], n[0] * n[1]};
+  std::vector<std::set<std::uint32_t>> beside(result.components.size()), near_safe(result.components.size());
+  std::vector<bool> edge(voxels.label.size());
+  const auto for_each = [&](auto&& visit) {
+    for (std::int64_t k = 0; k < n[2]; ++k)
+      for (std::int64_t j = 0; j < n[1]; ++j)
+        for (std::int64_t i = 0; i < n[0]; ++i) visit(std::array{i, j, k}, static_cast<std::size_t>(voxels.index(i, j, k)));
+  };
+  for_each([&](const std::array<std::int64_t, 3>& at, std::size_t here) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 >= n[axis]) continue;
+      const std::size_t next = here + static_cast<std::size_t>(step[axis]);
+      const std::uint32_t a = component[here], b = component[next];
+      if (a != b) beside[a].insert(b), beside[b].insert(a), edge[here] = edge[next] = true;
+    }
+  });
+  const std::vector<std::array<std::int64_t, 3>> steps = steps_within(rim, voxels.grid.side);
+  for_each([&](const std::array<std::int64_t, 3>& at, std::size_t here) {
+    if (voxels.label[here] != Label::gap || !edge[here]) return;
+    for (const auto& d : steps) {
+      const std::int64_t i = at[0] + d[0], j = at[1] + d[1], k = at[2] + d[2];
+      if (i < 0 || j < 0 || k < 0 || i >= n[0] || j >= n[1] || k >= n[2]) continue;
+      const auto there = static_cast<std::size_t>(voxels.index(i, j, k));
+      if (voxels.label[there] == Label::safe) near_safe[component[here]].insert(component[there]);
+    }
+  });
+  name_safe_neighbours(beside, near_safe, result.components);
+}
+
 // Component number per voxel, numbered by label, then falling volume.
-std::vector<std::uint32_t> components_of(const Voxels& voxels, RegionSummary& result) {
+std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, RegionSummary& result) {
   const auto& n = voxels.count;
   std::vector<std::uint32_t> parent(voxels.label.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -90,16 +133,7 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, RegionSummary& re
     result.components.push_back(std::move(found[order[i]]));
   }
   for (std::uint32_t i = 0; i < parent.size(); ++i) component[i] = rank[number[find(i)]];
-  std::vector<std::set<std::uint32_t>> beside(result.components.size());
-  for_each([&](std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t here) {
-    const std::array<std::int64_t, 3> at{i, j, k};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (at[axis] + 1 >= n[axis]) continue;
-      const std::uint32_t a = component[here], b = component[here + static_cast<std::uint32_t>(step[axis])];
-      if (a != b) beside[a].insert(b), beside[b].insert(a);
-    }
-  });
-  name_safe_neighbours(beside, result.components);
+  find_safe_neighbours(voxels, component, rim, result);
   return component;
 }
 
@@ -131,10 +165,10 @@ bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component, 
 
 }  // namespace
 
-RegionSummary sample_regions(const Box& box, double spacing, const std::function<Label(const Vec3&)>& label) {
+RegionSummary sample_regions(const Box& box, double spacing, double rim, const std::function<Label(const Vec3&)>& label) {
   const Voxels voxels = label_voxels(box, spacing, label);
   RegionSummary result;
-  const std::vector<std::uint32_t> component = components_of(voxels, result);
+  const std::vector<std::uint32_t> component = components_of(voxels, rim, result);
   constexpr std::int64_t root = 32;
   for (std::int64_t k = 0; k < voxels.count[2]; k += root)
     for (std::int64_t j = 0; j < voxels.count[1]; j += root)

@@ -8,7 +8,8 @@
 
 namespace forefeel {
 
-// label must be safe to call from several threads at once. InputError beyond 4e8 voxels.
-RegionSummary sample_regions(const Box& box, double spacing, const std::function<Label(const Vec3&)>& label);
+// label must be safe to call from several threads at once; rim: how far from a gap its safe neighbours may lie
+// (rim_reach() of bridge.hpp) [m]. InputError beyond 4e8 voxels.
+RegionSummary sample_regions(const Box& box, double spacing, double rim, const std::function<Label(const Vec3&)>& label);
 
 }  // namespace forefeel

@@ -67,9 +67,13 @@ Vec3 RegionTree::centre(const RegionNode& node) const {
   return grid_.low_of(node.low) + Vec3::Constant(0.5 * voxel_ * node.width());
 }
 
-// Voxels that the box cuts off have their places nearer to the middle: the bound holds for them, too.
 double RegionTree::reach(const RegionNode& node) const {
-  return 0.5 * (node.width() - 1) * voxel_ * std::numbers::sqrt3;
+  const double whole = 0.5 * (node.width() - 1) * voxel_ * std::numbers::sqrt3;
+  if (node.level == 0) return whole;
+  // Where the box cuts a voxel off, its place is up to half a voxel from the middle of the voxel on each axis.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (node.low[axis] == 0 || node.low[axis] + node.width() >= voxels_[axis]) return whole + 0.5 * voxel_ * std::numbers::sqrt3;
+  return whole;
 }
 
 bool RegionTree::outside(const RegionNode& node) const {
@@ -98,6 +102,10 @@ Label RegionTree::label_of(const Vec3& q, PathWalk& walk) {
 
 double RegionTree::gap_radius(const Vec3& q) const {
   return limits_.gap_radius * (lattice_ ? lattice_->spacing_at(q) / spacing_ : 1);
+}
+
+double RegionTree::rim(const Vec3& q) const {
+  return rim_reach(limits_.sparse_distance / spacing_, lattice_ ? lattice_->spacing_at(q) : spacing_);
 }
 
 const Thresholds* RegionTree::limits_over(const RegionNode& node) {

@@ -66,6 +66,12 @@ class RegionTree {
   const CoverageQuery& query() const { return query_; }
   Label label_of(const Vec3& q, PathWalk& walk);   // by the indexes, not the leaves
   double gap_radius(const Vec3& q) const;          // [m]
+  double rim(const Vec3& q) const;                 // rim_reach() at q [m]
+  // visit(leaf) for every safe leaf within `reach` [m] of `around`; after settle().
+  template <class Visit>
+  void for_each_safe_near(const Box& around, double reach, Visit&& visit) const {
+    for (std::size_t root = 0; root < roots_; ++root) visit_safe_near(static_cast<std::int32_t>(root), around, reach * reach, visit);
+  }
   double link_deg() const { return link_deg_; }
   // Leaves marked and insertions not yet passed on since the last settle().
   std::size_t pending() const { return pending_ + waiting_.size() - free_waiting_.size(); }
@@ -79,6 +85,17 @@ class RegionTree {
       for (int child = 0; child < 8; ++child) visit_leaves(here.children + child, visit);
   }
 
+  template <class Visit>
+  void visit_safe_near(std::int32_t index, const Box& around, double squared, Visit& visit) const {
+    const RegionNode& here = node(index);
+    if (here.kind == RegionNode::Kind::outside || here.kind == RegionNode::Kind::unresolved) return;
+    if (here.kind == RegionNode::Kind::branch && !(here.below & 1u << static_cast<unsigned>(Label::safe))) return;
+    const Box mine = box_of(here);
+    if ((around.low - mine.high).cwiseMax(mine.low - around.high).cwiseMax(0.0).squaredNorm() > squared) return;
+    if (here.kind == RegionNode::Kind::leaf && here.label == Label::safe) visit(index);
+    if (here.kind == RegionNode::Kind::branch)
+      for (int child = 0; child < 8; ++child) visit_safe_near(here.children + child, around, squared, visit);
+  }
   std::int32_t root_of(const std::array<std::int32_t, 3>& voxel) const;
   Vec3 centre(const RegionNode& node) const;
   double reach(const RegionNode& node) const;      // from its centre to its farthest voxel centre

@@ -133,21 +133,31 @@ std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTab
   return component;
 }
 
-// Which safe components a component touches, directly or through the sparse rim that separates them.
+// Which safe components a component touches, a gap through the sparse rim that separates them.
 void find_safe_neighbours(const RegionTree& tree, const LeafTable& table, const std::vector<std::uint32_t>& component,
                           std::vector<RegionComponent>& components) {
-  std::vector<std::set<std::uint32_t>> beside(components.size());
+  std::vector<std::set<std::uint32_t>> beside(components.size()), near_safe(components.size());
+  std::vector<bool> rim(table.node.size());
   for (std::size_t i = 0; i < table.node.size(); ++i) {
     const RegionNode& leaf = tree.node(table.node[i]);
     for (std::size_t axis = 0; axis < 3; ++axis)
       across(tree, leaf, axis, [&](std::int32_t found, const RegionNode& other) {
         if (other.label == leaf.label) return;
-        const std::uint32_t here = component[i], there = component[table.leaf[static_cast<std::size_t>(found)]];
-        beside[here].insert(there);
-        beside[there].insert(here);
+        const std::uint32_t past = table.leaf[static_cast<std::size_t>(found)];
+        rim[i] = rim[past] = true;
+        beside[component[i]].insert(component[past]);
+        beside[component[past]].insert(component[i]);
       });
   }
-  name_safe_neighbours(beside, components);
+  for (std::size_t i = 0; i < table.node.size(); ++i) {
+    const RegionNode& leaf = tree.node(table.node[i]);
+    if (leaf.label != Label::gap || !rim[i]) continue;
+    const Box box = tree.box_of(leaf);
+    tree.for_each_safe_near(box, tree.rim(box.centre()), [&](std::int32_t safe) {
+      near_safe[component[i]].insert(component[table.leaf[static_cast<std::size_t>(safe)]]);
+    });
+  }
+  name_safe_neighbours(beside, near_safe, components);
 }
 
 // What each gap bridges, seen from its inner place.
@@ -213,6 +223,11 @@ double Regions::fill_distance() const {
   double largest = 0;
   for (const DelaunayIndex::Ball& ball : tree.query().delaunay().circumballs())
     if (tree.box().contains(ball.centre)) largest = std::max(largest, ball.radius);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at((corner & 1 ? tree.box().high : tree.box().low).x(), (corner & 2 ? tree.box().high : tree.box().low).y(),
+                  (corner & 4 ? tree.box().high : tree.box().low).z());
+    largest = std::max(largest, std::sqrt(points.nearest(at).squared));
+  }
   for (int axis = 0; axis < 3; ++axis)
     for (const bool upper : {false, true}) {
       Box face = tree.box();

@@ -51,8 +51,8 @@ struct RegionComponent {
   std::size_t leaves = 0;
   Box bounds;                    // [m]
   Vec3 inner = Vec3::Zero();     // centre of its largest leaf [m]
-  std::vector<std::uint32_t> safe_neighbours;   // safe components that share a facet with it, or with the sparse rim
-                                                // around it (a gap is never next to safe: sparse lies between)
+  std::vector<std::uint32_t> safe_neighbours;   // safe components that share a facet with it; of a gap, which sparse
+                                                // always surrounds, those within (kappa_p + 1/2) h of it
   std::vector<BridgeSide> sides;                // of a gap, nearest first; only of the 1000 largest
 };
 

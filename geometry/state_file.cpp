@@ -196,7 +196,9 @@ std::string shown(const BodyIdentity& identity, const std::string& key) {
   return digest && found->second.size() > 24 ? found->second.substr(0, 24) + "…" : found->second;
 }
 
-void check_identity(const std::string& where, const BodyIdentity& in_file, const BodyIdentity& ours) {
+}  // namespace
+
+void check_same_body(const std::string& where, const BodyIdentity& in_file, const BodyIdentity& ours) {
   if (ours.empty() || in_file.empty()) return;
   BodyIdentity keys = in_file;
   keys.insert(ours.begin(), ours.end());
@@ -208,6 +210,8 @@ void check_identity(const std::string& where, const BodyIdentity& in_file, const
   }
   if (!differs.empty()) throw InputError(where, fmt::format("belongs to another body, different: {}", differs));
 }
+
+namespace {
 
 State read_row(Statement& row, const std::string& where) {
   State state;
@@ -282,7 +286,7 @@ StateFile StateFile::open_or_create(const fs::path& file, const StateFileHeader&
   impl->database = open_database(impl->where, impl->where, SQLITE_OPEN_READWRITE);
   check_schema(impl->database.get(), impl->where);
   impl->header = read_header(impl->database.get(), impl->where);
-  check_identity(impl->where, impl->header.identity, header.identity);
+  check_same_body(impl->where, impl->header.identity, header.identity);
   execute(impl->database.get(), impl->where, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
   // Labels are measured in the spacing that the states are to fill: the finest that anybody asked for.
   if (header.spacing < impl->header.spacing) {

@@ -96,4 +96,7 @@ struct LoadedStates {
 };
 LoadedStates load_states(const std::filesystem::path& file);
 
+// InputError naming `where` and what differs, if both identities are known and are not those of one body.
+void check_same_body(const std::string& where, const BodyIdentity& in_file, const BodyIdentity& ours);
+
 }  // namespace forefeel

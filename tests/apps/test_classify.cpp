@@ -245,6 +245,38 @@ TEST_CASE("built-in sets bring their boxes: blank is blank beyond its slab, hole
   }
 }
 
+TEST_CASE("the agreement is that of both regions, and nothing is worst where nothing differs", "[classify]") {
+  const Workshop shop;
+  for (const std::string name : {"sparse", "full"}) {
+    const json report = shop.forefeel("classify setup:" + name + " --agreement --json").json();
+    const json other = shop.forefeel("classify setup:" + name + " --index octree --json").json();
+    for (const char* d : {"safe", "sparse", "gap", "blank"}) {
+      double delaunay = 0, octree = 0;
+      for (const char* o : {"safe", "sparse", "gap", "blank"}) {
+        delaunay += report["agreement"]["volume_delaunay_octree"][d][o].get<double>();
+        octree += report["agreement"]["volume_delaunay_octree"][o][d].get<double>();
+      }
+      CHECK(delaunay == Approx(report["volume"][d].get<double>()).margin(1e-12));
+      CHECK(octree == Approx(other["volume"][d].get<double>()).margin(1e-12));
+    }
+    CHECK(report["agreement"]["worst"].is_null() == (name == "full"));
+    CHECK(report["agreement"]["share"].get<double>() >= 0.95);
+    CHECK(report["gaps"].size() + report["gaps_left_out"].get<std::size_t>() == report["components"]["gap"].get<std::size_t>());
+    // Small gaps in a thinned area meet the safe parts beside them, not all there are.
+    for (const json& gap : report["gaps"]) CHECK(gap["safe_components"].size() < report["components"]["safe"].get<std::size_t>());
+  }
+}
+
+TEST_CASE("states of another body, or of another spacing, are not compared silently", "[classify]") {
+  const Workshop shop;
+  const std::string scene = FOREFEEL_SOURCE_DIR "/apps/scenes/liver.toml";
+  REQUIRE(shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o run").code == 0);
+  CHECK(shop.forefeel("classify run/session.states --scene " + scene + " --quiet").code == 0);
+  refused(shop, "run/session.states --scene " + scene + " --set material.young=6000", {"session.states", "another body", "material"});
+  CHECK(shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o wide --set state_space.spacing=0.012").code == 0);
+  refused(shop, "--diff run/session.states wide/session.states", {"--diff", "--spacing"});
+}
+
 TEST_CASE("options that would have no effect, and values that mean nothing, are refused", "[classify]") {
   const Workshop shop;
   shop.write("gap.csv", setup_csv("gap"));
@@ -254,6 +286,9 @@ TEST_CASE("options that would have no effect, and values that mean nothing, are 
   refused(shop, "gap.csv --through 0,0,0 -o out.csv", {"--through", "picture"});
   refused(shop, "gap.csv --box 0,0,0:1,1,0", {"--box", "no volume"});
   refused(shop, "gap.csv --safe-angle 120", {"--safe-angle", "90"});
+  refused(shop, "gap.csv --safe-angle nan", {"--safe-angle"});
+  refused(shop, "gap.csv --gap-angle nan", {"--gap-angle"});
+  refused(shop, "gap.csv --through 1,0,0 -o out.svg", {"--through", "outside"});
   refused(shop, "gap.csv --spacing 1e153", {"--spacing"});
   refused(shop, "--diff gap.csv gap.csv --grid 0.01", {"--grid"});
 }

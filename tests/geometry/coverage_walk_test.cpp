@@ -153,7 +153,7 @@ TEST_CASE("on an adaptive lattice labels and regions use h(q), and regions follo
     if (i % 60 == 0) space.regions().settle();
     if (i % 90 != 0 && i + 1 != points.size()) continue;
     const RegionSummary grown = space.regions().summary();
-    const RegionSummary sampled = sample_regions(box, h, [&](const Vec3& q) { return space.label(q); });
+    const RegionSummary sampled = sample_regions(box, h, 2 * h, [&](const Vec3& q) { return space.label(q); });
     for (std::size_t label = 0; label < 4; ++label) REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-15));
   }
   CHECK(space.spacing_at({-h, -h, -h}) == Approx(2 * h));

@@ -30,7 +30,7 @@ TEST_CASE("octree and Delaunay labels agree on 95 % of the volume of every built
       state.at = p;
       octree.insert(space.insert(state).id, p);
     }
-    const Agreement agreement = compare_indexes(space, octree, setup.box, h / 2);
+    const Agreement agreement = compare_indexes(space, octree);
     INFO(name << ": " << agreement.share);
     CHECK(agreement.share >= 0.95);
     double all = 0;

@@ -61,7 +61,7 @@ TEST_CASE("regions that grew with the states equal regions made at once, voxel b
       REQUIRE(same_leaves(a, b));
       REQUIRE(grown.regions().pending() == 0);
       // The same leaves by labelling every voxel, without bounds or history.
-      const RegionSummary sampled = sample_regions(box, h, [&](const Vec3& q) { return fresh.label(q); });
+      const RegionSummary sampled = sample_regions(box, h, 2 * h, [&](const Vec3& q) { return fresh.label(q); });
       REQUIRE(same_leaves(a, sampled));
       for (std::size_t i = 0; i < 4; ++i) {
         REQUIRE(a.volume[i] == Approx(sampled.volume[i]).margin(1e-15));
