@@ -1,4 +1,4 @@
-// forefeel reproduce timing|extrapolation|damping|energy|all [SCENE] -o DIR/: the paper's table and figures,
+// forefeel reproduce timing|extrapolation|damping|energy|speed|all [SCENE] -o DIR/: the paper's table and figures,
 // ours beside them: CSV, pictures, a page that says what the paper found and what was found here.
 
 #include <fmt/format.h>
@@ -110,7 +110,7 @@ void add_reproduce(CLI::App& app, Commands& commands) {
                               [&commands, arguments] { return run_reproduce(commands.globals, *arguments); });
   std::string names;
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
-  sub.add_option("WHAT", arguments->what, names + "or all (without speed, which takes hours)")->required();
+  sub.add_option("WHAT", arguments->what, names + "or all (without speed: hundreds of sessions, half an hour or more)")->required();
   sub.add_option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
   sub.add_option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
       ->required()

@@ -1,7 +1,7 @@
 // Sustained HIP speed against workers: the highest speed at which 95 % of the frames that visit a cell of 6 mm for the
 // first time are within 7 % of the reference, from an empty start, on lines all over the box and a little beyond,
-// layer by layer. From the paper's predecessor (nearest states first, polynomials on the lattice, at each of three
-// spacings) through the seed paper to the default, one change at a time: the cells of a study, so that a run that was
+// layer by layer. From the paper's predecessor (nearest states first, polynomials on the lattice, at the spacings
+// that suit them) through the seed paper to the default, one change at a time: the cells of a study, so that a run that was
 // cut goes on where it was.
 
 #include <fmt/format.h>
@@ -33,11 +33,14 @@ std::vector<Step> steps() {
   const std::string predecessor =
       "policy = \"nearest\"\nselect = \"nearest\"\nswitch = \"none\"\n\"session.preempt\" = false\n"
       "\"model.kernel\" = \"cubic\"\n\"model.data\" = \"force\"\n\"model.neighbours\" = 100\n";
-  for (const std::string method : {"trilinear", "tricubic"})
-    for (const int mm : {6, 12, 18})
-      all.push_back({fmt::format("predecessor, {} {} mm", method, mm),
-                     fmt::format("{}\"session.method\" = \"{}\"\n\"state_space.spacing\" = {}\n",
-                                 all.empty() ? predecessor : "", method, 0.001 * mm)});
+  const auto before = [&](const std::string& method, int mm) {
+    all.push_back({fmt::format("predecessor, {} {} mm", method, mm),
+                   fmt::format("{}\"session.method\" = \"{}\"\n\"state_space.spacing\" = {}\n",
+                               all.empty() ? predecessor : "", method, 0.001 * mm)});
+  };
+  before("trilinear", 12);   // at 6 mm slower, at 18 mm never within 7 %
+  before("tricubic", 12);
+  before("tricubic", 18);
   all.push_back({"seed paper: r3 n=100, 6 mm", "\"session.method\" = \"rbf\"\n\"state_space.spacing\" = 0.006\nswitch = \"paper\"\n"});
   all.push_back({"+ smooth switch", "switch = \"smooth\"\n"});
   all.push_back({"+ neighbours by label", "select = \"label\"\n"});
@@ -45,10 +48,11 @@ std::vector<Step> steps() {
                  "\"model.kernel\" = \"quintic\"\n\"model.data\" = \"force+stiffness\"\n\"model.neighbours\" = 25\n"});
   all.push_back({"+ policy coverage", "policy = \"coverage\"\n"});
   all.push_back({"+ preemption (default)", "\"session.preempt\" = true\n"});
+  all.push_back({"default without the damped switch", "switch = \"none\"\n"});
   return all;
 }
 
-constexpr std::size_t predecessors = 6, seed_paper = 6;
+constexpr std::size_t predecessors = 3, seed_paper = 3;
 
 // What --set gives is not given by the study as well.
 bool is_set(const Globals& globals, const std::string& key) {
@@ -58,11 +62,11 @@ bool is_set(const Globals& globals, const std::string& key) {
 std::string study_text(const Laboratory& laboratory) {
   std::string scene = fs::absolute(laboratory.scene().file).string(), escaped;
   for (const char c : scene) escaped += c == '\\' || c == '"' ? std::string{'\\', c} : std::string(1, c);
-  std::string text = fmt::format("scene = \"{}\"\nseeds = [1, 2]\n\n[session]\n", escaped);
+  std::string text = fmt::format("scene = \"{}\"\nseeds = [1]\n\n[session]\n", escaped);
   if (!is_set(laboratory.globals(), "session.device")) text += "device = \"path:raster\"\n";
   if (!is_set(laboratory.globals(), "session.cost")) text += "cost = \"paper\"\n";
   text += "reference_step = 0.05   # m; first visits are sampled anyway\nvisit_cell = 0.006       # m\n";
-  text += fmt::format("\n[sustained]\ntravel = {}\nshare = 0.95\ntolerance = 0.07\nlow = 0.008\nhigh = 2.0\n", travel);
+  text += fmt::format("\n[sustained]\ntravel = {}\nshare = 0.95\ntolerance = 0.07\nlow = 0.015625\nhigh = 2.0\n", travel);
   for (const Step& step : steps()) text += fmt::format("\n[[step]]\nname = \"{}\"\n{}", step.name, step.changes);
   text += "\n[vary]\nworkers = [";
   for (const int workers : worker_counts) text += fmt::format("{}{}", workers == worker_counts.front() ? "" : ", ", workers);
@@ -90,7 +94,7 @@ std::vector<double> best_predecessor(const Speeds& speeds) {
   return best;
 }
 
-std::string shown(double speed) { return speed > 0 ? fmt::format("{:.3g}", 1e3 * speed) : "below 8"; }
+std::string shown(double speed) { return speed > 0 ? fmt::format("{:.3g}", 1e3 * speed) : "below 15.6"; }
 std::string ratio(double a, double b) { return a > 0 && b > 0 ? fmt::format("×{:.3g}", a / b) : "–"; }
 
 Picture picture_of(const std::vector<std::pair<std::string, std::vector<double>>>& curves) {
@@ -126,7 +130,7 @@ void write_csv(const fs::path& folder, const Speeds& speeds, const std::vector<d
 nlohmann::ordered_json summary_of(const Speeds& speeds, const std::vector<double>& before) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (std::size_t w = 0; w < worker_counts.size(); ++w) {
-    const double ours = speeds.back()[w], paper = speeds[seed_paper][w];
+    const double ours = speeds[speeds.size() - 2][w], paper = speeds[seed_paper][w];
     rows.push_back({{"workers", worker_counts[w]},
                     {"speed", ours},
                     {"predecessor", before[w]},
@@ -160,13 +164,15 @@ Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions&, const 
   }
   for (std::size_t w = 0; w < worker_counts.size(); ++w)
     found.lines.push_back(fmt::format("{} workers: {} mm/s; predecessor at its best {}, {}; seed paper {}, {}", worker_counts[w],
-                                      shown(speeds.back()[w]), shown(before[w]), ratio(speeds.back()[w], before[w]),
-                                      shown(speeds[seed_paper][w]), ratio(speeds.back()[w], speeds[seed_paper][w])));
+                                      shown(speeds[speeds.size() - 2][w]), shown(before[w]), ratio(speeds[speeds.size() - 2][w], before[w]),
+                                      shown(speeds[seed_paper][w]), ratio(speeds[speeds.size() - 2][w], speeds[seed_paper][w])));
   found.html = paragraph("Sustained speed",
                          "The highest speed at which 95 % of the frames that visit a cell of 6 mm for the first time are within 7 % of "
                          "the reference. Each run starts empty and goes 5 m along lines that cross the box, layer by layer; speeds up to "
                          "2 m/s are tried. In brackets: over the predecessor (nearest states first, polynomials on the lattice) at the "
-                         "spacing and degree that suit it best for that number of workers. Geometric mean of two draws of solve times.");
+                         "spacing and degree that suit it best for that number of workers, which has no damped switch. The first model fades in "
+                         "from zero at the rate of the switch; of a run at v that is a share of about 0.4 s v / 5 m of all visits, whatever "
+                         "is solved: the last row, without the switch, shows what that costs.");
   found.html += html_table(table) + draw_into(folder, picture_of(curves));
   for (const std::string& line : found.lines) found.html += paragraph("Found", line);
   return found;

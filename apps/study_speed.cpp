@@ -12,18 +12,14 @@ SustainedSpeed sustained_speed(const SustainedOptions& options,
     ++found.trials;
     return share_at(speed) >= options.share;
   };
-  double failed = 0;  // the lowest speed above found.speed that did not hold; 0: none yet
-  int failures = 0;
-  for (double speed = options.low; failures < 2; speed = std::min(2 * speed, options.high)) {
+  double failed = 0;  // the lowest speed above found.speed that did not hold; 0: none
+  for (double speed = options.high;; speed = std::max(0.5 * speed, options.low)) {
     if (holds(speed)) {
       found.speed = speed;
-      failed = 0;
-      failures = 0;
-    } else {
-      failed = failed > 0 ? failed : speed;
-      ++failures;
+      break;
     }
-    if (speed >= options.high) break;
+    failed = speed;
+    if (speed <= options.low) break;
   }
   found.capped = found.speed >= options.high;
   if (found.speed == 0 || found.capped) return found;

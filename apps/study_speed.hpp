@@ -2,8 +2,9 @@
 // The highest speed that a session sustains: the largest v in [low, high] at which at least `share` of the
 // frames that visit a lattice cell for the first time are within `tolerance` of the reference, |F - f| <=
 // tolerance |f| with the floor F_abs of the JND. Each trial runs the same way, `travel` [m], in travel / v
-// seconds. A coarse scan upward by a factor of 2 ends at the second failure in a row; bisection in log v
-// between the last speed that held and the next that did not then narrows it to 5 %.
+// seconds. A coarse scan downward from `high` by factors of 2 ends at the first speed that holds: fast runs are short,
+// so that most of the scan costs little. Bisection in log v up to the one above then narrows it to 5 %. The speeds
+// tried lie on one grid whatever is found, so that cells share their reference solves.
 
 #include <functional>
 

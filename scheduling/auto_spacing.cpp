@@ -7,21 +7,13 @@
 #include <cmath>
 #include <optional>
 
+#include "scheduling/halton.hpp"
+
 namespace forefeel {
 namespace {
 
 constexpr int divisions[] = {2, 3, 4, 6, 8, 12, 16, 24};
 constexpr double reference_steps = 24;  // of the continuation, over the longest side
-
-// Element i of the van der Corput sequence to a base.
-double van_der_corput(std::size_t i, std::size_t base) {
-  double value = 0, share = 1;
-  for (; i > 0; i /= base) {
-    share /= static_cast<double>(base);
-    value += share * static_cast<double>(i % base);
-  }
-  return value;
-}
 
 // Tight solves at the positions, each at its first use.
 class References {
@@ -109,13 +101,8 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
 AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpacingOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const double longest = options.box.size().maxCoeff();
-  std::vector<Vec3> positions;
-  for (std::size_t i = 1; i <= options.positions; ++i)
-    positions.push_back(options.box.low +
-                        options.box.size().cwiseProduct(
-                            Vec3(van_der_corput(i, 2), van_der_corput(i, 3), van_der_corput(i, 5))));
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  References references(body, std::move(positions), longest / reference_steps, threads);
+  References references(body, halton_points(options.box, options.positions), longest / reference_steps, threads);
   AutoSpacingReport report;
   for (const int division : divisions) {
     report.spacing = longest / division;

@@ -2,24 +2,49 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "geometry/simd.hpp"
 #include "scheduling/random.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr double reach = 1.5;                              // of a state, in spacings H
+constexpr double reach = 2;                                // of a state, in spacings H
 constexpr double surely = 2;                               // spacings: the path is as good as its deviation is below
 constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};   // H / h
 
 double lack(Label label, int scale) {
   switch (label) {
     case Label::blank: return 1;
-    case Label::gap: return 0.4;
+    case Label::gap: return 0.25;
     case Label::sparse: return scale == 0 ? 0.0 : 0.1;     // at 4 h the spacings below say it better
     case Label::safe: return 0;
   }
   return 0;
+}
+
+// A hand that leaves the box turns back: what the motion straight on predicts outside is expected on the way back.
+Vec3 mirrored(const Vec3& x, const Box& box) {
+  const Vec3 inside = x.cwiseMax(box.low).cwiseMin(box.high);
+  return (2 * inside - x).cwiseMax(box.low).cwiseMin(box.high);
+}
+
+// out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+; xyz: 3 x #candidates, a coordinate a row.
+FOREFEEL_CLONES
+void add_worth(std::size_t count, const double* __restrict xyz, const double* q, const double* need,
+               const double* inverse, double* __restrict out) {
+  const double* __restrict x = xyz;
+  const double* __restrict y = xyz + count;
+  const double* __restrict z = xyz + 2 * count;
+  const double qx = q[0], qy = q[1], qz = q[2];
+  const double n0 = need[0], n1 = need[1], n2 = need[2], i0 = inverse[0], i1 = inverse[1], i2 = inverse[2];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double dx = x[i] - qx, dy = y[i] - qy, dz = z[i] - qz;
+    const double d2 = dx * dx + dy * dy + dz * dz;
+    const double m0 = 1 - d2 * i0, m1 = 1 - d2 * i1, m2 = 1 - d2 * i2;
+    out[i] += n0 * (m0 > 0 ? m0 : 0.0) + n1 * (m1 > 0 ? m1 : 0.0) + n2 * (m2 > 0 ? m2 : 0.0);
+  }
 }
 
 }  // namespace
@@ -30,6 +55,7 @@ CoverageNeed::~CoverageNeed() = default;
 void CoverageNeed::begin(const StateSpace& space) {
   space_ = &space;
   known_ = 0;
+  missed_ = seen_ = {};
   box_.clear();
   StateSpaceOptions options = space.options();
   const double h = options.spacing;
@@ -51,50 +77,79 @@ void CoverageNeed::begin(const StateSpace& space) {
       }
 }
 
-void CoverageNeed::relabel(Place& place) const {
-  for (std::size_t s = 0; s < scales; ++s)
-    if (place.label[s] != Label::safe) place.label[s] = spaces_[s]->label(place.at);
+void CoverageNeed::relabel(Place& place, std::size_t s) const {
+  if (place.label[s] != Label::safe) place.label[s] = spaces_[s]->label(place.at);
 }
 
-// Labels never get worse, so what is safe at a spacing is not asked again.
-void CoverageNeed::learn(const StateSpace& space) {
-  if (known_ == space.size()) return;
-  for (; known_ < space.size(); ++known_)
+// Labels never get worse, so what is safe at a spacing is not asked again, nor what a state is too far away to change:
+// of a sparse place or a gap those within 2 H decide, of a blank one those within 8 H.
+void CoverageNeed::learn(const StateSpace& space, std::span<const float> surprises) {
+  const double h = space.options().spacing;
+  for (; known_ < space.size(); ++known_) {
+    const State& state = space[StateId{static_cast<std::uint32_t>(known_)}];
+    if (known_ < surprises.size() && std::isfinite(surprises[known_])) teach(state.at, surprises[known_]);
     for (auto& index : spaces_) {
-      State bare = space[StateId{static_cast<std::uint32_t>(known_)}];
+      State bare = state;
       bare.displacements.reset();
       index->insert(std::move(bare));
     }
-  for (Place& place : box_) relabel(place);
+    for (Place& place : box_) {
+      const double near = (place.at - state.at).norm() / h;
+      for (std::size_t s = 0; s < scales; ++s)
+        if (near <= (place.label[s] == Label::blank ? 8 : 2) * multiples[s]) place.due[s] = true;
+    }
+  }
+  for (Place& place : box_)
+    for (std::size_t s = 0; s < scales; ++s)
+      if (std::exchange(place.due[s], false)) relabel(place, s);
+}
+
+// The coarsest spacing at which the place lay in the blank or a gap before its state came.
+void CoverageNeed::teach(const Vec3& at, double surprise) {
+  for (std::size_t s = 0; s < scales; ++s) {
+    const Label label = spaces_[s]->label(at);
+    if (label == Label::safe || label == Label::sparse) continue;
+    seen_[s] += 1;
+    missed_[s] += surprise > 1 ? 1 : 0;
+    return;
+  }
+}
+
+// Shares of misses by Laplace's rule with a prior; what a fine spacing misses a coarser one misses too.
+void CoverageNeed::weigh_scales(bool with_stiffness) {
+  constexpr double strength = 4;   // states that the prior counts as
+  const std::array<double, scales> prior = with_stiffness ? std::array{0.9, 0.5, 0.15} : std::array{0.9, 0.7, 0.4};
+  for (std::size_t s = scales; s-- > 0;) {
+    importance_[s] = (missed_[s] + strength * prior[s]) / (seen_[s] + strength);
+    if (s + 1 < scales) importance_[s] = std::max(importance_[s], importance_[s + 1]);
+  }
 }
 
 // A state asked for now is there after T. Where the hand will be at about that time counts most; what it passes
-// before is helped less, what it reaches later can wait. A path that is uncertain or leaves the box says less, and what
-// it says less the box says more.
+// before is helped less, what it reaches later can wait. A path that is uncertain says less, and what it says less the
+// box says more.
 void CoverageNeed::weigh(const PlannerView& view) {
   const double solve = std::max(view.solve_seconds, 1e-3);
-  const auto urgency = [&](double t, bool certain) {
+  const auto urgency = [&](double t) {
     const double late = (solve - t) / solve;
-    if (late > 0) return certain ? 0.0 : 1 / (1 + late * late);
-    return 1 / (1 - late);
+    return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
   };
   places_.clear();
   double on_path = 0, in_box = 0;
   const Box& box = view.space.options().box;
   const double h = view.space.options().spacing;
   for (const Prediction& p : view.predicted) {
-    const double outside = (p.at - p.at.cwiseMax(box.low).cwiseMin(box.high)).norm();
-    const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2) + std::pow(outside / h, 2));
-    const double weight = urgency(p.horizon, options_.know_path);
-    Place place{.at = p.at, .weight = weight * sure};
-    relabel(place);
+    const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2));
+    const double weight = urgency(p.horizon);
+    Place place{.at = mirrored(p.at, box), .weight = weight * sure};
+    for (std::size_t s = 0; s < scales; ++s) relabel(place, s);
     on_path += weight;
     places_.push_back(place);
   }
   const std::size_t path = places_.size();
   places_.insert(places_.end(), box_.begin(), box_.end());
   for (std::size_t i = path; i < places_.size(); ++i) {
-    places_[i].weight = urgency(time_to_reach(places_[i].at, view), false);
+    places_[i].weight = urgency(time_to_reach(places_[i].at, view));
     in_box += places_[i].weight;
   }
   for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -113,8 +168,8 @@ void CoverageNeed::shuffle_labels() {
 
 void CoverageNeed::look(const PlannerView& view) {
   if (space_ != &view.space || known_ > view.space.size()) begin(view.space);
-  learn(view.space);
-  importance_ = view.with_stiffness ? std::array{1.0, 1.0, 0.01} : std::array{0.3, 1.0, 0.3};
+  learn(view.space, view.surprises);
+  weigh_scales(view.with_stiffness);
   weigh(view);
   if (options_.shuffle) shuffle_labels();
 }
@@ -123,16 +178,25 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<const 
                          std::span<double> out) const {
   std::ranges::fill(out, 0.0);
   const double h = space_ ? space_->options().spacing : 1.0;
-  for (const Place& place : places_)
+  const std::size_t count = candidates.size();
+  std::vector<double> xyz(3 * count);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) xyz[k * count + i] = candidates[i].at[static_cast<Eigen::Index>(k)];
+  for (const Place& place : places_) {
+    double needs[scales] = {}, inverses[scales] = {};
+    bool any = false;
     for (int s = 0; s < scales; ++s) {
       const double inverse = 1 / std::pow(reach * multiples[s] * h, 2);
       double need = place.weight * importance_[static_cast<std::size_t>(s)] *
                     lack(place.label[static_cast<std::size_t>(s)], s);
       for (const Vec3& p : pending) need *= 1 - std::max(0.0, 1 - (place.at - p).squaredNorm() * inverse);
       if (!(need > 1e-15)) continue;
-      for (std::size_t i = 0; i < candidates.size(); ++i)
-        out[i] += need * std::max(0.0, 1 - (place.at - candidates[i].at).squaredNorm() * inverse);
+      needs[s] = need;
+      inverses[s] = inverse;
+      any = true;
     }
+    if (any) add_worth(count, xyz.data(), place.at.data(), needs, inverses, out.data());
+  }
 }
 
 }  // namespace forefeel

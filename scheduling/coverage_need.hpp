@@ -3,12 +3,14 @@
 //
 // A place q lacks, at three spacings H = 4 h, 2 h, h,
 //   n_H(q) = N_H lack(label of q at spacing H)                    lack: blank > gap > sparse > safe
-// where the label at H is that of coverage.hpp with H for h: as scale-free as labels are. Coarse spacings count most:
-// a model of forces and stiffnesses is good long before the lattice is full, a model of forces alone less so. A state
-// at c mends the places within its reach 1.5 H of them, the radius within which a state makes a place sparse:
-//   V(c) = sum_q w(q) sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (1.5 H)^2)_+
+// where the label at H is that of coverage.hpp with H for h: as scale-free as labels are. N_H, how much a lack at H
+// counts, is learnt from the states that come: the share of those in the blank or a gap at H, but not at 2 H, whose
+// force the model had missed by more than the JND (with a prior of a few states). A smooth body soon asks for coarse
+// spacings alone, a harder one for fine ones. A state
+// at c mends the places within its reach 2 H of them, a little beyond where it makes a place sparse:
+//   V(c) = sum_q w(q) sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (2 H)^2)_+
 // over the states p that are being solved. w(q) is how soon the hand may be at q. The places are points of the path
-// ahead, as predicted or as known, and one in each cube of 2 h of the box.
+// ahead, as predicted or as known, mirrored into the box where it leaves it, and one in each cube of 2 h of the box.
 
 #include <array>
 #include <cstdint>
@@ -21,8 +23,7 @@
 namespace forefeel {
 
 struct NeedOptions {
-  double path_share = 0.6;           // of the weight: on the path ahead; the rest on the box
-  bool know_path = false;            // the path ahead is certain: a state that comes too late for it is worth nothing
+  double path_share = 0.75;          // of the weight: on the path ahead; the rest on the box
   bool shuffle = false;              // labels permuted among all places: the placebo
   std::uint64_t seed = 0;            // of the permutation
 };
@@ -43,17 +44,21 @@ class CoverageNeed {
     Vec3 at;
     double weight = 0;
     std::array<Label, scales> label{Label::blank, Label::blank, Label::blank};
+    std::array<bool, scales> due{};   // to be labelled anew
   };
   void begin(const StateSpace& space);
-  void learn(const StateSpace& space);
-  void relabel(Place& place) const;
+  void learn(const StateSpace& space, std::span<const float> surprises);
+  void teach(const Vec3& at, double surprise);
+  void relabel(Place& place, std::size_t scale) const;
+  void weigh_scales(bool with_stiffness);
   void weigh(const PlannerView& view);
   void shuffle_labels();
 
   NeedOptions options_;
   const StateSpace* space_ = nullptr;
   std::array<std::unique_ptr<StateSpace>, scales> spaces_;   // the same states at 4 h, 2 h, h
-  std::array<double, scales> importance_{};
+  std::array<double, scales> importance_{};                  // N_H
+  std::array<double, scales> missed_{}, seen_{};             // states that came into a lack at H, and the model's misses
   std::size_t known_ = 0;
   std::vector<Place> box_;           // fixed; labels kept up to date
   std::vector<Place> places_;        // of this step: the path ahead, then the box

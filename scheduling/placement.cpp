@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scheduling/halton.hpp"
 #include "scheduling/random.hpp"
 
 namespace forefeel {
@@ -14,16 +15,7 @@ namespace {
 
 constexpr double start_share = 0.75;  // of the half box: where the first eight corners lie
 constexpr double grid_shares[] = {-1, -0.75, -0.4, 0, 0.4, 0.75, 1};
-constexpr std::size_t halton_points = 512;
-
-double radical_inverse(std::size_t i, std::size_t base) {
-  double value = 0, digit = 1;
-  for (; i > 0; i /= base) {
-    digit /= static_cast<double>(base);
-    value += digit * static_cast<double>(i % base);
-  }
-  return value;
-}
+constexpr std::size_t uniform_points = 512;
 
 // Where the error is estimated: first a uniform sample of the box, for quantiles; then a grid up to its
 // faces.
@@ -32,10 +24,7 @@ struct EstimatePoints {
   std::size_t uniform = 0;
 
   explicit EstimatePoints(const Box& box) {
-    for (std::size_t i = 1; i <= halton_points; ++i) {
-      const Vec3 share(radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5));
-      at.push_back(box.low + box.size().cwiseProduct(share));
-    }
+    at = halton_points(box, uniform_points);
     uniform = at.size();
     const Vec3 centre = box.centre(), half = 0.5 * box.size();
     for (const double x : grid_shares)

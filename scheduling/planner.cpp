@@ -40,11 +40,25 @@ Planner::Planner(const SessionInput& input, const SessionOptions& options, Gener
   policy_ = make_policy(options.policy, {.seed = options.seed});
   predictor_ = make_predictor(options.predictor);
   updater_ = std::make_unique<SessionModel>(space_, options);
+  if (policy_->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, options);
   // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
   start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
 }
 
+// All of the first states, later one in eight: what they teach changes little then.
+void Planner::note_surprise(const State& state) {
+  constexpr std::size_t all = 64, every = 8;
+  if (!judge_ || space_.empty() || space_.find(state.at).valid()) return;
+  if (space_.size() > all && space_.size() % every != 0) return;
+  judge_->forget();
+  const Vec3 error = judge_->model_at(state.at).force(state.at) - state.force;
+  const SwitchOptions& jnd = options_.switching;
+  surprises_.resize(space_.size(), std::numeric_limits<float>::quiet_NaN());
+  surprises_.push_back(static_cast<float>(error.norm() / std::max(jnd.jnd_share * state.force.norm(), jnd.jnd_floor)));
+}
+
 bool Planner::insert(const State& state, std::int64_t dispatch) {
+  note_surprise(state);
   if (!space_.insert(state).is_new) return false;
   dispatch_of_.push_back(dispatch);
   candidates_->learn(state.at);
@@ -136,9 +150,8 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
 
 void Planner::predict(double now) {
   const bool truth = hooks_.future && knows_the_future(options_.policy);
-  const double longest = truth ? std::clamp(1 + 8 * solve_seconds_, 1.0, 10.0)
-                               : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
-  const int steps = truth ? 64 : 8;
+  const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0) : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
+  const int steps = truth ? 24 : 8;
   predicted_.clear();
   for (int i = 0; i <= steps; ++i) {
     const double horizon = longest * i / steps;
@@ -158,7 +171,8 @@ PlannerView Planner::view(double now) const {
           .solve_seconds = solve_seconds_ + 2 * options_.latency,
           .workers = generator_.workers(),
           .pending = pending_,
-          .with_stiffness = options_.model.data == Data::force_and_stiffness};
+          .with_stiffness = options_.model.data == Data::force_and_stiffness,
+          .surprises = surprises_};
 }
 
 void Planner::gather_pending(const Slot* but) {

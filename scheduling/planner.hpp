@@ -68,6 +68,7 @@ class Planner {
   const Start* nearest_start(const Vec3& x) const;
   void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
   void note_cost(double seconds);
+  void note_surprise(const State& state);            // before it is inserted
   void mark_used(const Model& model, double now);
   Model* free_model();
 
@@ -81,6 +82,8 @@ class Planner {
   std::unique_ptr<Policy> policy_;
   std::unique_ptr<Predictor> predictor_;
   std::unique_ptr<SessionModel> updater_;
+  std::unique_ptr<SessionModel> judge_;              // models at states that come; null unless the policy asks
+  std::vector<float> surprises_;                     // by state id
 
   std::vector<std::unique_ptr<Model>> models_;
   std::vector<Model*> free_;

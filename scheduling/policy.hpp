@@ -37,6 +37,9 @@ struct PlannerView {
   int workers = 1;
   std::span<const Vec3> pending;                 // where states are being solved [m]
   bool with_stiffness = true;                    // the model uses the stiffness of states: each reaches farther
+  // By state id, for policies that ask: how far the model of the states before it was from the state when it came,
+  // over the JND of its force; NaN where nobody looked. May be shorter than the space.
+  std::span<const float> surprises = {};
 };
 
 struct Candidate {
@@ -57,6 +60,8 @@ class Policy {
   virtual void look(const PlannerView&) {}
   // Whether Candidate::region is asked for; keeping the labels of all candidates costs more than ranking them.
   virtual bool reads_regions() const { return true; }
+  // Whether PlannerView::surprises is asked for; each costs a fit.
+  virtual bool reads_surprises() const { return false; }
   // The worth of solving the candidate next: finite, not negative, larger is sooner. Preemption compares ratios.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
   // All candidates of a planning step at once; override where they share work. Writes #candidates values.

@@ -16,6 +16,7 @@ class CoveragePolicy final : public Policy {
   CoveragePolicy(std::string_view name, NeedOptions options) : name_(name), need_(options) {}
   std::string_view name() const override { return name_; }
   bool reads_regions() const override { return false; }
+  bool reads_surprises() const override { return true; }
   void look(const PlannerView& view) override { need_.look(view); }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     double worth = 0;
@@ -26,7 +27,7 @@ class CoveragePolicy final : public Policy {
     need_.worth(candidates, view.pending, out);
     const double h = view.space.options().spacing;
     for (std::size_t i = 0; i < candidates.size(); ++i)
-      out[i] += 1e-9 * h / (h + distance_to_path(candidates[i].at, view));
+      if (out[i] < 1e-9) out[i] += 1e-9 * h / (h + distance_to_path(candidates[i].at, view));
   }
 
  private:
@@ -41,7 +42,7 @@ std::unique_ptr<Policy> make_coverage(const PolicyOptions&) {
 }
 
 std::unique_ptr<Policy> make_clairvoyant(const PolicyOptions&) {
-  return std::make_unique<CoveragePolicy>("clairvoyant", NeedOptions{.path_share = 0.98, .know_path = true});
+  return std::make_unique<CoveragePolicy>("clairvoyant", NeedOptions{.path_share = 0.95});
 }
 
 std::unique_ptr<Policy> make_shuffled(const PolicyOptions& options) {

@@ -153,6 +153,54 @@ TEST_CASE("planner: preempts what no longer matters, no candidate more than twic
   }
 }
 
+TEST_CASE("planner: tells a policy that asks by how much the model missed each state that came, and no other") {
+  static std::vector<float> seen;
+  class Curious final : public Policy {
+   public:
+    explicit Curious(bool asks) : asks_(asks) {}
+    std::string_view name() const override { return "curious"; }
+    bool reads_surprises() const override { return asks_; }
+    void look(const PlannerView& view) override { seen.assign(view.surprises.begin(), view.surprises.end()); }
+    double priority(const Candidate& c, const PlannerView&) const override { return 1.0 / (1 + c.order); }
+
+   private:
+    bool asks_;
+  };
+  for (const bool asks : {false, true}) {
+    CAPTURE(asks);
+    register_policy("curious", [asks](const PolicyOptions&) { return std::make_unique<Curious>(asks); });
+    SessionOptions options = testing::virtual_options();
+    options.policy = "curious";
+    seen.clear();
+    Bench b(options, 1);
+    double now = 0;
+    for (int i = 0; i < 12; ++i) {
+      now += 0.02;
+      b.planner.observe({.t = now, .at = Vec3::Zero(), .velocity = Vec3::Zero()});
+      b.planner.plan(now);
+      b.planner.receive(b.generator.end(0, now), now);
+    }
+    b.planner.plan(now + 0.01);
+    REQUIRE(b.planner.space().size() == 12);
+    if (!asks) {
+      CHECK(seen.empty());
+      continue;
+    }
+    REQUIRE(seen.size() == 12);
+    CHECK(std::isnan(seen[0]));   // before the first state there was no model
+    StateSpace before(b.input.space);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const State& state = b.planner.space()[StateId{static_cast<std::uint32_t>(i)}];
+      if (i > 0) {
+        const Vec3 model = ModelUpdater(before, options.model).model_at(state.at).force(state.at);
+        const double jnd = std::max(0.07 * state.force.norm(), 0.01);
+        CHECK(seen[i] == Approx((model - state.force).norm() / jnd).margin(1e-4));
+      }
+      before.insert(state);
+    }
+  }
+}
+
 TEST_CASE("planner: publishes when states or travel call for it, and only then") {
   Bench b(testing::virtual_options(), 1);
   const auto taken = [&] {

@@ -116,6 +116,47 @@ TEST_CASE("coverage: what is known or under way ahead is worth less") {
   CHECK(worth(known, ahead, {}) < 0.5 * alone);   // its places have turned sparse
 }
 
+TEST_CASE("coverage: which spacing counts is learnt from what the states that came were missed by") {
+  StateSpaceOptions options = testing::small_input().space;
+  options.box = {Vec3::Constant(-0.048), Vec3::Constant(0.048)};
+  StateSpace space(options);
+  std::vector<float> surprises;
+  for (const Vec3& x : lattice({Vec3::Constant(-0.048), Vec3(0, 0.048, 0.048)}, 0.024)) {
+    space.insert(spring(x));
+    surprises.push_back(0);
+  }
+  // One candidate in the middle of a coarse cell that is known, one where nothing is.
+  const std::vector<Candidate> candidates{{.at = Vec3(-0.024, 0.012, 0.012)}, {.at = Vec3(0.048, 0.012, 0.012)}};
+  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(-0.036, 0.012, 0.012)}, {.horizon = 0.1, .at = Vec3(-0.024, 0.012, 0.012)}};
+  const auto fine_over_far = [&](float surprise) {
+    std::ranges::fill(surprises, surprise);
+    const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.1, 0, 0)}, .predicted = path,
+                           .solve_seconds = 0.05, .workers = 1, .pending = {}, .with_stiffness = true, .surprises = surprises};
+    const auto policy = make_policy("coverage", {});
+    policy->look(view);
+    double worth[2];
+    policy->prioritise(candidates, view, worth);
+    return worth[0] / worth[1];
+  };
+  const double untold = fine_over_far(std::numeric_limits<float>::quiet_NaN()), smooth = fine_over_far(0.01F), hard = fine_over_far(20);
+  CHECK(smooth < untold);
+  CHECK(untold < hard);
+}
+
+TEST_CASE("coverage: motion straight out of the box is expected back") {
+  StateSpace space(testing::small_input().space);   // 12 mm each way
+  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(0.01, 0, 0)}, {.horizon = 0.1, .at = Vec3(0.02, 0.01, 0)}};
+  const std::vector<Candidate> candidates{{.at = Vec3(0.006, 0.012, 0)}, {.at = Vec3(0.006, -0.012, 0)}, {.at = Vec3(-0.012, -0.012, 0)}};
+  const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.1, 0.1, 0)}, .predicted = path,
+                         .solve_seconds = 0.1, .workers = 1, .pending = {}};
+  const auto policy = make_policy("coverage", {});
+  policy->look(view);
+  double worth[3];
+  policy->prioritise(candidates, view, worth);
+  CHECK(worth[0] > worth[1]);
+  CHECK(worth[1] > worth[2]);
+}
+
 TEST_CASE("the placebo permutes labels among the places and nothing else") {
   StateSpaceOptions options = testing::small_input().space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
