@@ -68,7 +68,7 @@ class Solved {
 struct History {
   std::vector<State> start;
   std::vector<Arrival> arrivals;
-  double spacing = unknown;   // [m]
+  OwnFrame own;
 };
 
 History read_history(const ClassifyArguments& arguments, const fs::path& folder) {
@@ -79,14 +79,20 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
   if (!arguments.known.empty()) {
     StatesInFrame loaded = load_set(arguments.known);
     history.start = std::move(loaded.states);
-    history.spacing = loaded.own.spacing;
+    history.own = loaded.own;
   } else {
     // All states at the end, those of the start first.
     history.start.assign(solved.begin(), solved.end() - std::ptrdiff_t(std::min(solved.size(), history.arrivals.size())));
   }
   if (fs::exists(folder / "session.states")) {
     LoadedStates loaded = load_states(folder / "session.states");
-    if (!std::isfinite(history.spacing)) history.spacing = loaded.header.spacing;
+    const double other = history.own.spacing, own = loaded.header.spacing;
+    if (!arguments.spacing && std::isfinite(other) && std::isfinite(own) && std::abs(other - own) > 1e-9 * own)
+      throw InputError("--known", fmt::format("{} has a spacing of {:.4g} m and the run one of {:.4g} m, expected --spacing for both",
+                                              arguments.known, other, own));
+    check_same_body(arguments.known, history.own.identity, loaded.header.identity);
+    if (std::isfinite(own)) history.own.spacing = own;
+    history.own.identity = loaded.header.identity;
     solved = std::move(loaded.states);
   }
   const Solved table(std::move(solved));
@@ -132,7 +138,7 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   const Hip hip = read_hip(folder);
   std::vector<State> all = past.start;
   for (const Arrival& a : arrivals) all.push_back(a.state);
-  Classified set = prepare_states(arguments, folder.string(), std::move(all), {past.spacing}, globals);
+  Classified set = prepare_states(arguments, folder.string(), std::move(all), past.own, globals);
   StateSpace space({.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
   std::vector<State> so_far;
   const auto add = [&](const State& state) {
@@ -173,7 +179,8 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   write_pvd(series, entries);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (globals.json) {
-    nlohmann::ordered_json out{{"series", series.string()}, {"snapshots", history}, {"states", space.size()}, {"spacing", set.spacing}};
+    nlohmann::ordered_json out{{"series", series.string()}, {"snapshots", history}, {"states", space.size()}, {"spacing", set.spacing},
+                               {"box", {vector3(set.box.low), vector3(set.box.high)}}};
     const double fill = space.regions().fill_distance();
     regions_json(out, space.regions().summary(), fill, fill + 1e-3 * set.spacing, space.regions().largest_hole());
     out["seconds"] = seconds;

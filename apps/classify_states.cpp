@@ -11,8 +11,6 @@
 #include "apps/scene.hpp"
 #include "geometry/bridge.hpp"
 #include "geometry/error.hpp"
-#include "geometry/fill_distance.hpp"
-#include "geometry/local_spread.hpp"
 #include "geometry/point_octree.hpp"
 #include "geometry/region_sampling.hpp"
 #include "geometry/setups.hpp"
@@ -85,34 +83,6 @@ std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const 
   return order;
 }
 
-// The largest ball without a state whose centre lies in the box and, for a hole, in the hull of the states: best of
-// the leaves' centres, then a compass search.
-std::optional<LargestHole> search_hole(const OctreeIndex& octree, const Classified& set, bool beyond_hull) {
-  std::vector<Vec3> offsets(set.states.size());
-  const auto accepted = [&](const Vec3& q) {
-    if (beyond_hull) return true;
-    for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = set.states[i].at - q;
-    return std::isfinite(least_spread(offsets, set.box.size().norm() + set.spacing).spread);
-  };
-  std::vector<std::pair<double, Vec3>> places;
-  for (const RegionLeaf& leaf : set.regions.leaves) places.emplace_back(octree.delta(leaf.box.centre()), leaf.box.centre());
-  std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  const auto first = std::find_if(places.begin(), places.end(), [&](const auto& place) { return accepted(place.second); });
-  if (first == places.end()) return std::nullopt;
-  LargestHole best{first->first, first->second};
-  for (double step = set.spacing; step > 1e-4 * set.spacing;) {
-    const LargestHole before = best;
-    for (int direction = 0; direction < 26; ++direction) {
-      const int k = direction < 13 ? direction : direction + 1;
-      const Vec3 aside = step * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-      const Vec3 q = (before.centre + aside).cwiseMax(set.box.low).cwiseMin(set.box.high);
-      if (const double r = octree.delta(q); r > best.radius * (1 + 1e-12) && accepted(q)) best = {r, q};
-    }
-    if (best.radius == before.radius) step /= 2;
-  }
-  return best;
-}
-
 // Regions are made of cubes of h/4: a box that holds absurdly many is refused before any memory is taken.
 void check_extent(const Classified& set, const std::string& where) {
   double voxels = 1, points = 0;
@@ -153,6 +123,28 @@ void find_sides(const OctreeIndex& octree, const Classified& set, const Coverage
   }
 }
 
+// The states under the triangulation, without their displacements.
+std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArguments& arguments,
+                                       const std::function<void(double)>& progress) {
+  auto space = std::make_unique<StateSpace>(StateSpaceOptions{
+      .spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
+  std::size_t done = 0;
+  for (const std::uint32_t i : morton_order(set.states, set.box, set.spacing)) {
+    State light = set.states[i];
+    light.displacements.reset();
+    space->insert(std::move(light));
+    if (++done % 1024 == 0) progress(double(done) / double(set.states.size()));
+  }
+  return space;
+}
+
+// Facts about the states and the box, whatever the index that labels them.
+void measure_holes(Classified& result, const StateSpace& space) {
+  result.fill_distance = space.regions().fill_distance();
+  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
+  result.hole = space.regions().largest_hole();
+}
+
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
   result.octree = make_octree(result, arguments);
   const double rim = rim_reach(arguments.coverage.sparse_distance, result.lattice ? result.lattice->coarsest() : result.spacing);
@@ -161,14 +153,9 @@ void label_octree(Classified& result, const ClassifyArguments& arguments, bool w
     return result.octree->label(q, walk);
   });
   find_sides(*result.octree, result, arguments.coverage, result.regions.components);
-  if (!with_holes || result.states.empty()) return;
-  result.hole = search_hole(*result.octree, result, false);
-  // Branch and bound, as far as some seconds reach; what is left between the two numbers is reported.
-  const auto any = search_hole(*result.octree, result, true);
-  const FillDistance fill = largest_distance([&](const Vec3& q) { return result.octree->delta(q); }, result.box,
-                                             any ? any->radius : 0, 1e-3 * result.spacing, 3'000'000);
-  result.fill_distance = fill.reached;
-  result.fill_bound = fill.bound;
+  if (!with_holes) return;
+  const std::unique_ptr<StateSpace> space = make_space(result, arguments, [](double) {});
+  measure_holes(result, *space);
 }
 
 }  // namespace
@@ -178,13 +165,7 @@ Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments
   std::unique_ptr<StateSpace> space;
   if (!set.octree) octree = make_octree(set, arguments);
   if (!set.space) {
-    space = std::make_unique<StateSpace>(StateSpaceOptions{
-        .spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
-    for (const std::uint32_t i : morton_order(set.states, set.box, set.spacing)) {
-      State light;
-      light.at = set.states[i].at;
-      space->insert(std::move(light));
-    }
+    space = make_space(set, arguments, [](double) {});
   }
   return compare_indexes(set.space ? *set.space : *space, set.octree ? *set.octree : *octree);
 }
@@ -262,24 +243,12 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
 
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes) {
   if (arguments.index == "octree") return label_octree(result, arguments, with_holes);
-  result.space = std::make_unique<StateSpace>(
-      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.coverage, .lattice = result.lattice});
   Progress progress(globals, "classify");
-  std::size_t done = 0;
-  for (const std::uint32_t i : morton_order(result.states, result.box, result.spacing)) {
-    State light = result.states[i];
-    light.displacements.reset();
-    result.space->insert(std::move(light));
-    if (++done % 1024 == 0)
-      progress.show(0.5 * double(done) / double(result.states.size()), fmt::format("{} states", done));
-  }
+  result.space = make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
   result.space->regions().settle(static_cast<std::size_t>(-1),
                                  [&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
   result.regions = result.space->regions().summary();
-  if (!with_holes) return;
-  result.fill_distance = result.space->regions().fill_distance();
-  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
-  result.hole = result.space->regions().largest_hole();
+  if (with_holes) measure_holes(result, *result.space);
 }
 
 StatesInFrame load_set(const std::string& file) {

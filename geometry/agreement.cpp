@@ -25,7 +25,8 @@ Agreement compare_indexes(const StateSpace& space, const OctreeIndex& octree) {
         run = d == o ? 0 : run + 1;
         if (run <= longest) continue;
         longest = run;
-        result.worst = {q - 0.5 * (run - 1) * grid.side * Vec3::UnitX(), d, o};
+        const Vec3 middle = grid.centre({i - (run - 1) / 2, j, k});
+        result.worst = {middle, regions.label_at(middle), octree.label(middle)};
       }
   if (known > 0) result.share = same / known;
   return result;

@@ -14,7 +14,7 @@ struct Agreement {
   // volume[d][o]: the triangulation says label d, the octree says label o [m^3]
   std::array<std::array<double, 4>, 4> volume{};
   double share = 1;
-  // The place in the middle of the longest run of cubes along x that differ, and both labels there.
+  // The cube in the middle of the longest run of cubes along x that differ, and both its labels.
   struct Difference {
     Vec3 at;
     Label delaunay, octree;

@@ -5,7 +5,8 @@
 // are sums over leaves.
 //
 //   fill distance   sup over the box of delta(q)                        [m]
-//   largest hole    the largest ball without a state whose centre lies in the box and in the hull of the states
+//   largest hole    the largest ball that holds no state and is held by states all round, its centre in the box and in
+//                   their hull: the largest circumscribed ball of a Delaunay cell. None where no cell has its centre there
 //
 // Nothing is rebuilt: a state that is added is left with the cubes in its reach, and the leaves whose label it may
 // change are found and worked out when they are looked at (label_at: one path from the root) or when somebody settles

@@ -260,6 +260,9 @@ TEST_CASE("the agreement is that of both regions, and nothing is worst where not
       CHECK(octree == Approx(other["volume"][d].get<double>()).margin(1e-12));
     }
     CHECK(report["agreement"]["worst"].is_null() == (name == "full"));
+    if (const json& worst = report["agreement"]["worst"]; !worst.is_null()) CHECK(worst["delaunay"] != worst["octree"]);
+    CHECK(report["largest_hole"] == other["largest_hole"]);
+    CHECK(report["fill_distance"] == other["fill_distance"]);
     CHECK(report["agreement"]["share"].get<double>() >= 0.95);
     CHECK(report["gaps"].size() + report["gaps_left_out"].get<std::size_t>() == report["components"]["gap"].get<std::size_t>());
     // Small gaps in a thinned area meet the safe parts beside them, not all there are.
@@ -273,8 +276,10 @@ TEST_CASE("states of another body, or of another spacing, are not compared silen
   REQUIRE(shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o run").code == 0);
   CHECK(shop.forefeel("classify run/session.states --scene " + scene + " --quiet").code == 0);
   refused(shop, "run/session.states --scene " + scene + " --set material.young=6000", {"session.states", "another body", "material"});
+  refused(shop, "run --scene " + scene + " --set material.young=6000", {"run", "another body", "material"});
   CHECK(shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o wide --set state_space.spacing=0.012").code == 0);
   refused(shop, "--diff run/session.states wide/session.states", {"--diff", "--spacing"});
+  refused(shop, "run --known wide/session.states", {"--known", "--spacing"});
 }
 
 TEST_CASE("options that would have no effect, and values that mean nothing, are refused", "[classify]") {
