@@ -228,7 +228,7 @@ void add_session(CLI::App& app, Commands& commands) {
                               [&commands, given] { return run_session_command(commands.globals, *given); });
   sub.add_option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults")->required();
   sub.add_option("--states", given->states, "States known at the start; new ones are appended (.states)")->type_name("S");
-  sub.add_option("--device", given->device, "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] or trace:FILE[,scale=…,offset=x/y/z]");
+  sub.add_option("--device", given->device, "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
   sub.add_option("--clock", given->clock, "real or virtual");
   sub.add_option("--seconds", given->seconds, "Length [s]");
   sub.add_option("--workers", given->workers, "Workers that solve");

@@ -10,6 +10,7 @@
 
 #include "geometry/error.hpp"
 #include "scheduling/csv_table.hpp"
+#include "scheduling/hand_device.hpp"
 #include "scheduling/path_shapes.hpp"
 #include "scheduling/random.hpp"
 
@@ -191,14 +192,14 @@ std::string take_name(std::string arguments, const std::string& spec, Settings& 
   return name;
 }
 
-std::unique_ptr<Device> make_path(const std::string& spec, const std::string& name, Settings settings,
+// Takes its settings out and leaves the rest.
+std::unique_ptr<Device> take_path(const std::string& spec, const std::string& name, Settings& settings,
                                   const DeviceContext& context) {
   PathShape shape = path_shape(name, context);
   const double speed = take_number(settings, spec, "speed", 0.06, 1e-6);
   const double amplitude = take_number(settings, spec, "amplitude", 0, 1e-6);
   const double tremor = take_number(settings, spec, "tremor", 0, 0);
   const double noise = take_number(settings, spec, "noise", 0, 0);
-  reject_rest(settings, spec, "speed, amplitude, tremor, noise");
   if (amplitude > 0) {
     double farthest = 0;
     for (const auto* part : {&shape.lead, &shape.loop})
@@ -207,6 +208,44 @@ std::unique_ptr<Device> make_path(const std::string& spec, const std::string& na
       for (Vec3& p : *part) p *= amplitude / farthest;
   }
   return std::make_unique<PathDevice>(shape, speed, Disturbance(tremor, noise, context.seed));
+}
+
+std::unique_ptr<Device> make_path(const std::string& spec, const std::string& name, Settings settings,
+                                  const DeviceContext& context) {
+  auto device = take_path(spec, name, settings, context);
+  reject_rest(settings, spec, "speed, amplitude, tremor, noise");
+  return device;
+}
+
+double take_grip(Settings& settings, const std::string& spec) {
+  constexpr std::pair<const char*, double> words[] = {{"light", 100}, {"medium", 300}, {"firm", 800}};
+  const auto found = settings.find("grip");
+  if (found == settings.end()) return HandOptions{}.grip;
+  for (const auto& [word, stiffness] : words)
+    if (found->second == word) {
+      settings.erase(found);
+      return stiffness;
+    }
+  if (found->second.find_first_not_of("0123456789.e+-") != std::string::npos)
+    throw InputError("device " + spec, fmt::format("grip is '{}', expected light, medium, firm or a stiffness [N/m]", found->second));
+  return take_number(settings, spec, "grip", 0, 1);
+}
+
+std::unique_ptr<Device> make_hand(const std::string& spec, const std::string& name, Settings settings,
+                                  const DeviceContext& context) {
+  const HandProfile* profile = find_hand_profile(name);
+  if (!profile)
+    throw InputError("device " + spec, fmt::format("unknown profile '{}', expected one of {}", name,
+                                                   fmt::join(hand_profile_names(), ", ")));
+  std::string target = "press";
+  if (const auto found = settings.find("target"); found != settings.end()) {
+    target = found->second;
+    settings.erase(found);
+  }
+  const double grip = take_grip(settings, spec);
+  auto path = take_path(spec, target, settings, context);
+  reject_rest(settings, spec, "target, grip, speed, amplitude, tremor, noise");
+  return make_hand_device(*profile, std::move(path), {.grip = grip});
 }
 
 Vec3 parse_offset(const std::string& spec, std::string text) {
@@ -245,10 +284,11 @@ std::unique_ptr<Device> make_trace(const std::string& spec, const std::string& n
 std::unique_ptr<Device> make_device(const std::string& spec, const DeviceContext& context) {
   const std::size_t colon = spec.find(':');
   const std::string kind = spec.substr(0, colon);
-  if (kind != "path" && kind != "trace")
-    throw InputError("device " + spec, fmt::format("unknown kind '{}', expected path:NAME or trace:FILE", kind));
+  if (kind != "path" && kind != "trace" && kind != "hand")
+    throw InputError("device " + spec, fmt::format("unknown kind '{}', expected path:NAME, trace:FILE or hand:PROFILE", kind));
   Settings settings;
   const std::string name = take_name(colon == std::string::npos ? "" : spec.substr(colon + 1), spec, settings);
+  if (kind == "hand") return make_hand(spec, name, std::move(settings), context);
   return kind == "path" ? make_path(spec, name, std::move(settings), context)
                         : make_trace(spec, name, std::move(settings), context);
 }

@@ -6,10 +6,14 @@
 //     hand is; it starts at rest, x(0) = 0, and repeats for ever.
 //   trace:FILE[,scale=F][,offset=X/Y/Z]
 //     rows t,x,y,z; x(t) = F row + offset by cubic interpolation, held after the end.
+//   hand:PROFILE[,target=NAME][,grip=K][,speed=0.06][,amplitude=A][,tremor=S][,noise=S]
+//     PROFILE: touch premium omega falcon. A hand that follows path NAME (default press) through a grip of stiffness K
+//     [N/m], or light (100), medium (300, the default) or firm (800), and yields to the force: hand_device.hpp.
 // tremor [m RMS per axis, 8 to 12 Hz] and noise [m RMS per axis, white] are seeded.
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,12 +22,20 @@
 
 namespace forefeel {
 
+struct DeviceLimits {
+  double force = std::numeric_limits<double>::infinity();       // [N]
+  double stiffness = std::numeric_limits<double>::infinity();   // highest that it renders [N/m]
+};
+
 class Device {
  public:
   virtual ~Device() = default;
-  // HIP position at frame time t [s]; force is what was rendered in the last frame. Real-time: no allocation, no lock.
+  // HIP position at frame time t [s]; force is what was rendered in the last frame. A time before the last one starts
+  // the motion anew. Real-time: no allocation, no lock.
   virtual Vec3 position(double t, const Vec3& force) noexcept = 0;
   virtual double duration() const = 0;     // [s]; infinite for endless paths
+  virtual bool answers_force() const { return false; }   // whether the motion depends on the force
+  virtual DeviceLimits limits() const { return {}; }
 };
 
 struct DeviceContext {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -80,6 +81,10 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   plan.frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   expect(plan.frames >= 1, "seconds", "is shorter than a frame");
   check_motion(plan);
+  plan.options.force_limit = std::min(options.force_limit, plan.device->limits().force);
+  if (knows_the_future(options.policy) && plan.device->answers_force())
+    throw InputError("session.policy", fmt::format("'{}' knows the motion beforehand, but that of device {} depends on the force; "
+                                                   "expected path:NAME or trace:FILE", options.policy, options.device));
   if (knows_the_future(options.policy))
     for (std::size_t k = 0; k < plan.frames; ++k)
       plan.motion.push_back(plan.device->position(frame_time(k, options.frame), Vec3::Zero()));
@@ -90,6 +95,16 @@ void check_known(const SessionInput& input) {
   for (const State& state : input.known)
     if (state.usable() && (!state.at.allFinite() || !state.force.allFinite()))
       throw InputError("states", "a known state is not finite, expected finite positions and forces");
+}
+
+// What the device cannot render, a real one would shake at.
+void note_stiffness(const DeviceLimits& limits, const std::string& device, SessionResult& result) {
+  double stiffest = 0;
+  for (const State& state : result.states)
+    if (state.usable() && state.stiffness.allFinite()) stiffest = std::max(stiffest, state.stiffness.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+  if (stiffest > limits.stiffness)
+    result.notes.push_back(fmt::format("the body is as stiff as {:.0f} N/m, device {} renders {:.0f} N/m", stiffest, device,
+                                       limits.stiffness));
 }
 
 }  // namespace
@@ -184,6 +199,7 @@ SessionResult run_session(const SessionInput& input, const SessionOptions& optio
     run_virtual(plan, references, result, show);
   else
     run_real(plan, references, result, show);
+  note_stiffness(plan.device->limits(), options.device, result);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   analyse(input, options, references, result, show);
   return result;

@@ -49,7 +49,7 @@ struct SessionOptions {
   double error_floor = 0.05;               // f0 [N]
   double reference_step = 0.002;           // HIP travel between reference samples [m]
   double visit_cell = 0;                   // side of the cells whose first visits are sampled [m]; 0: the spacing
-  double force_limit = 12;                 // safety clamp [N]: that of an omega.3; paths have no device profile
+  double force_limit = 12;                 // safety clamp [N]: that of an omega.3; a device with a profile lowers it to its own
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up
   const std::atomic<bool>* interrupted = nullptr;   // once true, the session ends after that frame

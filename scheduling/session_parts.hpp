@@ -25,7 +25,7 @@ struct SessionPlan {
   SessionPlan(const SessionInput& given, const SessionOptions& chosen) : input(given), options(chosen) {}
 
   const SessionInput& input;
-  const SessionOptions& options;
+  SessionOptions options;               // the force limit that of the device where that is lower
   std::size_t frames = 0;
   std::unique_ptr<Device> device;
   std::vector<Vec3> motion;             // by frame, for a policy that knows it; else empty

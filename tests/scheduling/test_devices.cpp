@@ -4,6 +4,7 @@
 
 #include "geometry/error.hpp"
 #include "scheduling/device.hpp"
+#include "scheduling/hand_device.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;
@@ -146,4 +147,58 @@ TEST_CASE("unknown devices are refused in one line") {
     CHECK(text.find('\n') == std::string::npos);
   }
   CHECK_THAT(message("path:spiral"), Catch::Contains("press"));
+}
+
+TEST_CASE("a hand obeys its equation of motion: exact solutions with a held force and against a spring") {
+  const auto hand = make_hand_device(*find_hand_profile("omega"), make_trace_device({0, 1}, {Vec3::Zero(), Vec3::Zero()}),
+                                     {.grip = 200, .mass = 0.1, .damping_ratio = 0.5});
+  const Vec3 force(0.3, -0.1, 0);
+  const double omega = std::sqrt(200 / 0.1), damped = omega * std::sqrt(0.75);
+  CHECK(hand->answers_force());
+  for (int k = 0; k <= 400; ++k) {
+    const double t = k * 1e-3;
+    const Vec3 x = hand->position(t, force);
+    // Step response of a damped oscillator.
+    const double share = 1 - std::exp(-0.5 * omega * t) * (std::cos(damped * t) + 0.5 * omega / damped * std::sin(damped * t));
+    CHECK((x - share * force / 200).norm() <= 1e-5);   // the encoder's steps
+  }
+  CHECK(hand->position(0, force) == Vec3::Zero());     // an earlier time starts anew
+}
+
+TEST_CASE("a hand that follows a line ends where grip and body balance, and behind its target in between") {
+  const double grip = 300, body = 200;
+  const auto hand = make_hand_device(*find_hand_profile("touch"), make_trace_device({0, 1, 3}, {Vec3::Zero(), Vec3(0.02, 0, 0), Vec3(0.02, 0, 0)}),
+                                     {.grip = grip});
+  Vec3 x = Vec3::Zero();
+  for (int k = 0; k <= 3000; ++k) {
+    x = hand->position(k * 1e-3, -body * x);
+    REQUIRE(x.allFinite());
+    if (k == 900) CHECK(x[0] < 0.018);
+  }
+  CHECK(x[0] == Approx(0.02 * grip / (grip + body)).margin(6e-5));
+  CHECK(x.tail<2>().norm() == 0);
+}
+
+TEST_CASE("hands: profiles, grips and settings, and what is wrong with others") {
+  for (const std::string& profile : hand_profile_names()) {
+    CAPTURE(profile);
+    const auto free = make_device("hand:" + profile + ",target=circle,speed=0.05,grip=firm", context);
+    const auto path = make_device("path:circle,speed=0.05", context);
+    double apart = 0;
+    for (int k = 0; k < 3000; ++k) {
+      const Vec3 target = path->position(k * 1e-3, Vec3::Zero()), x = free->position(k * 1e-3, Vec3::Zero());
+      apart = std::max(apart, (x - target).norm());
+    }
+    CHECK(apart > 0);
+    CHECK(apart < 1.5e-3);   // a free hand follows closely
+    CHECK(free->limits().force == find_hand_profile(profile)->force_limit);
+  }
+  CHECK(message("hand:touch").empty());
+  CHECK(message("hand:premium,grip=450,tremor=0.0001,noise=1e-5,amplitude=0.01").empty());
+  CHECK(message("hand:glove").find("expected one of touch, premium, omega, falcon") != std::string::npos);
+  CHECK(message("hand:touch,grip=strong").find("light, medium, firm") != std::string::npos);
+  CHECK(message("hand:touch,grip=0").find("at least 1") != std::string::npos);
+  CHECK(message("hand:touch,target=nowhere").find("unknown path 'nowhere'") != std::string::npos);
+  CHECK(message("hand:touch,weight=3").find("unknown setting 'weight'") != std::string::npos);
+  CHECK(message("hand:").find("expected a name") != std::string::npos);
 }

@@ -1,0 +1,38 @@
+#include <catch2/catch.hpp>
+
+#include "geometry/error.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+using testing::small_input;
+using testing::virtual_options;
+
+TEST_CASE("a session with a hand: the body holds it back, the profile clamps, and the run repeats to the bit") {
+  SessionOptions options = virtual_options(1.5);
+  options.cost = "constant:0.005";
+  options.workers = 4;
+  options.device = "path:press,speed=0.06";
+  const SessionResult free = run_session(small_input(), options);
+  options.device = "hand:touch,target=press,grip=light,speed=0.06";
+  const SessionResult held = run_session(small_input(), options);
+  const SessionResult again = run_session(small_input(), options);
+  REQUIRE(held.frames.size() == free.frames.size());
+  double reach_free = 0, reach_held = 0, most = 0;
+  for (std::size_t k = 0; k < held.frames.size(); ++k) {
+    REQUIRE(held.frames[k].at == again.frames[k].at);
+    REQUIRE(held.frames[k].force == again.frames[k].force);
+    reach_free = std::max(reach_free, free.frames[k].at.norm());
+    reach_held = std::max(reach_held, held.frames[k].at.norm());
+    most = std::max(most, held.frames[k].sent.norm());
+  }
+  CHECK(reach_held < 0.95 * reach_free);
+  CHECK(most > 0);
+  CHECK(most <= 3.3 * (1 + 1e-12));
+}
+
+TEST_CASE("a policy that knows the motion is refused where the motion answers the force") {
+  SessionOptions options = virtual_options(0.2);
+  options.policy = "clairvoyant";
+  options.device = "hand:omega";
+  CHECK_THROWS_WITH(check_session(small_input(), options), Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
+}
