@@ -24,10 +24,17 @@ double lack(Label label, int scale) {
   return 0;
 }
 
-// A hand that leaves the box turns back: what the motion straight on predicts outside is expected on the way back.
-Vec3 mirrored(const Vec3& x, const Box& box) {
-  const Vec3 inside = x.cwiseMax(box.low).cwiseMin(box.high);
-  return (2 * inside - x).cwiseMax(box.low).cwiseMin(box.high);
+// A hand that leaves the box turns back, as often as it takes: what the motion straight on predicts outside is
+// expected folded into the box, face by face.
+Vec3 folded(const Vec3& x, const Box& box) {
+  Vec3 inside = box.low;
+  for (int i = 0; i < 3; ++i) {
+    const double size = box.high[i] - box.low[i];
+    if (!(size > 0) || !std::isfinite(x[i])) continue;
+    const double place = std::fmod(std::abs(x[i] - box.low[i]), 2 * size);
+    inside[i] += std::min(place, 2 * size - place);
+  }
+  return inside;
 }
 
 // out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+; xyz: 3 x #candidates, a coordinate a row.
@@ -127,7 +134,7 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
 
 // A state asked for now is there after T. Where the hand will be at about that time counts most; what it passes
 // before is helped less, what it reaches later can wait. A path that is uncertain says less, and what it says less the
-// box says more.
+// box says more. Before the hand has moved at all there is no path: the first states spread over the box.
 void CoverageNeed::weigh(const PlannerView& view) {
   const double solve = std::max(view.solve_seconds, 1e-3);
   const auto urgency = [&](double t) {
@@ -141,7 +148,7 @@ void CoverageNeed::weigh(const PlannerView& view) {
   for (const Prediction& p : view.predicted) {
     const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2));
     const double weight = urgency(p.horizon);
-    Place place{.at = mirrored(p.at, box), .weight = weight * sure};
+    Place place{.at = folded(p.at, box), .weight = weight * sure};
     for (std::size_t s = 0; s < scales; ++s) relabel(place, s);
     on_path += weight;
     places_.push_back(place);
@@ -152,8 +159,11 @@ void CoverageNeed::weigh(const PlannerView& view) {
     places_[i].weight = urgency(time_to_reach(places_[i].at, view));
     in_box += places_[i].weight;
   }
+  const bool known = !view.predicted.empty() && view.predicted.back().deviation == 0;
+  const bool still = !known && view.space.empty() && !(view.hip.velocity.norm() > 0);
+  const double path_share = still ? 0.0 : options_.path_share;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const double sum = i < path ? on_path : in_box, share = i < path ? options_.path_share : 1 - options_.path_share;
+    const double sum = i < path ? on_path : in_box, share = i < path ? path_share : 1 - path_share;
     places_[i].weight *= sum > 0 ? share / sum : 0;
   }
 }

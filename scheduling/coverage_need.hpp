@@ -10,7 +10,7 @@
 // at c mends the places within its reach 2 H of them, a little beyond where it makes a place sparse:
 //   V(c) = sum_q w(q) sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (2 H)^2)_+
 // over the states p that are being solved. w(q) is how soon the hand may be at q. The places are points of the path
-// ahead, as predicted or as known, mirrored into the box where it leaves it, and one in each cube of 2 h of the box.
+// ahead, as predicted or as known, folded into the box where it leaves it, and one in each cube of 2 h of the box.
 
 #include <array>
 #include <cstdint>

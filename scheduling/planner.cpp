@@ -242,7 +242,8 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
   generator_.dispatch(worker, {.dispatch = record.id, .at = candidate.at, .start = start ? start->equilibrium : nullptr});
 }
 
-// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth five times as much.
+// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twenty times as much:
+// at high speed what is predicted changes faster than states are solved, and a lower bar cancels one after the other.
 // The two are compared as if neither were being solved. No candidate is cancelled more than twice, so that every one
 // is solved in the end.
 void Planner::consider_preemption(double now) {
@@ -253,7 +254,7 @@ void Planner::consider_preemption(double now) {
   rank(now);
   const Candidate waiting = candidates_->open()[best()];
   Slot* weakest = nullptr;
-  double least = 0.2;
+  double least = 0.05;
   for (Slot& slot : slots_) {
     const auto before = preemptions_.find(slot.candidate.order);
     if (slot.cancelling || (before != preemptions_.end() && before->second >= 2)) continue;
