@@ -18,34 +18,104 @@ DenseFactor::DenseFactor(std::size_t row_capacity) : row_capacity_(row_capacity)
   inverse_diagonal_.assign(row_capacity + slack, 0.0);
   cross_.assign(panel * panel_stride(), 0.0);
   cross_border_.assign(panel * border, 0.0);
-  removed_.assign(panel * stride_, 0.0);
-  removed_border_.assign(panel * border, 0.0);
+  vectors_.assign(most_vectors * stride_, 0.0);
+  vectors_border_.assign(most_vectors * border, 0.0);
+  starts_.reserve(most_vectors);
   runs_.reserve(row_capacity + 1);
+  fours_.reserve(row_capacity / 4 + 1);
 }
 
 void DenseFactor::remove(std::span<const std::size_t> removed) {
+  for (std::size_t done = 0; done < removed.size(); done += most_vectors) {
+    take_out(removed.subspan(done, std::min(most_vectors, removed.size() - done)));
+    update();
+  }
+}
+
+void DenseFactor::remove(std::span<const std::size_t> removed, std::span<const std::size_t> kept) {
+  const std::size_t last = std::min(most_vectors, removed.size());
+  remove(removed.first(removed.size() - last));
+  close_up(removed.last(last), kept);
+  update();
+}
+
+// The columns become vectors; row and column become a unit row.
+void DenseFactor::take_out(std::span<const std::size_t> removed) {
+  starts_.clear();
+  for (std::size_t t = 0; t < removed.size(); ++t) {
+    const std::size_t row = removed[t];
+    double* vector = vectors_.data() + t * stride_;
+    double* from = column(row);
+    std::copy_n(border_.data() + row * border, border, vectors_border_.data() + t * border);
+    std::fill_n(border_.data() + row * border, border, 0.0);
+    std::fill_n(vector, row + 1, 0.0);
+    std::copy(from + row + 1, from + rows_, vector + row + 1);
+    std::fill_n(vector + rows_, slack, 0.0);
+    std::fill(from + row + 1, from + rows_, 0.0);
+    from[row] = 1;
+    inverse_diagonal_[row] = 1;
+    for (std::size_t c = 0; c < row; ++c) column(c)[row] = 0;
+    for (std::size_t s = 0; s < t; ++s) vectors_[s * stride_ + row] = 0;
+    starts_.push_back(row + 1);
+  }
+}
+
+// The columns become vectors; what is kept moves together.
+void DenseFactor::close_up(std::span<const std::size_t> removed, std::span<const std::size_t> kept) {
   const dense::Loops& loops = dense::loops();
-  for (std::size_t done = 0; done < removed.size(); done += panel) {
-    const auto group = removed.subspan(done, std::min(panel, removed.size() - done));
-    // Take the columns out as vectors; row and column become a unit row.
-    for (std::size_t t = 0; t < group.size(); ++t) {
-      const std::size_t row = group[t];
-      double* vector = removed_.data() + t * stride_;
-      double* from = column(row);
-      std::copy_n(border_.data() + row * border, border, removed_border_.data() + t * border);
-      std::fill_n(border_.data() + row * border, border, 0.0);
-      std::copy(from + row + 1, from + rows_, vector + row + 1);
-      std::fill_n(vector + rows_, slack, 0.0);
-      std::fill(from + row + 1, from + rows_, 0.0);
-      from[row] = 1;
-      inverse_diagonal_[row] = 1;
-      for (std::size_t c = 0; c < row; ++c) column(c)[row] = 0;
-      for (std::size_t s = 0; s < t; ++s) removed_[s * stride_ + row] = 0;
-    }
-    for (std::size_t t = 0; t < group.size(); ++t) {
-      const std::size_t last = t + 1 < group.size() ? group[t + 1] : rows_;
-      loops.update_columns(column(0), stride_, inverse_diagonal_.data(), border_.data(), group[t] + 1, last,
-                           rows_, removed_.data(), stride_, removed_border_.data(), t + 1);
+  const dense::Kept stay = describe(kept);
+  starts_.clear();
+  std::size_t start = 0;  // rows kept before the one that is taken out
+  for (std::size_t t = 0; t < removed.size(); ++t) {
+    while (start < kept.size() && kept[start] < removed[t]) ++start;
+    double* vector = vectors_.data() + t * stride_;
+    loops.pick(column(removed[t]), stay, start, vector);
+    std::fill_n(vector + kept.size(), slack, 0.0);
+    std::copy_n(border_row(removed[t]), border, vectors_border_.data() + t * border);
+    starts_.push_back(start);
+  }
+  loops.compact(column(0), stride_, stay);
+  for (std::size_t k = 0; k + 1 < runs_.size(); ++k) {
+    const std::size_t to = runs_[k].to, from = runs_[k].from, count = runs_[k + 1].to - to;
+    if (to == from) continue;
+    std::copy_n(border_row(from), count * border, border_.data() + to * border);
+    std::copy_n(inverse_diagonal_.data() + from, count, inverse_diagonal_.data() + to);
+  }
+  rows_ = kept.size();
+}
+
+dense::Kept DenseFactor::describe(std::span<const std::size_t> kept) {
+  runs_.clear();
+  fours_.clear();
+  bool in_fours = kept.size() % 4 == 0;
+  for (std::size_t r = 0; r < kept.size(); ++r) {
+    const bool next = r > 0 && kept[r] == kept[r - 1] + 1;
+    if (!next) runs_.push_back({r, kept[r]});
+    if (r % 4 == 0)
+      fours_.push_back(kept[r]);
+    else
+      in_fours = in_fours && next;
+  }
+  runs_.push_back({kept.size(), 0});
+  return {kept.size(), runs_.data(), runs_.size(), in_fours ? fours_.data() : nullptr};
+}
+
+// The columns from a vector's start on change with it.
+void DenseFactor::update() {
+  const dense::Loops& loops = dense::loops();
+  const std::size_t all = starts_.size();
+  for (std::size_t t = all; t % 4 != 0; ++t) {
+    std::fill_n(vectors_.data() + t * stride_, rows_ + slack, 0.0);
+    std::fill_n(vectors_border_.data() + t * border, border, 0.0);
+  }
+  for (std::size_t done = 0; done < all; done += loops.most_together) {
+    const std::size_t end = std::min(all, done + loops.most_together);
+    for (std::size_t t = done; t < end; ++t) {
+      const std::size_t last = t + 1 < end ? starts_[t + 1] : rows_;
+      if (starts_[t] < last)
+        loops.update_columns(column(0), stride_, inverse_diagonal_.data(), border_.data(), starts_[t], last,
+                             rows_, vectors_.data() + done * stride_, stride_,
+                             vectors_border_.data() + done * border, t + 1 - done);
     }
   }
 }
@@ -101,20 +171,6 @@ std::uint32_t DenseFactor::append(std::size_t count, std::uint32_t skip, const d
   }
   rows_ += count;
   return taken;
-}
-
-void DenseFactor::compact(std::span<const std::size_t> kept) {
-  runs_.clear();
-  for (std::size_t r = 0; r < kept.size(); ++r)
-    if (r == 0 || kept[r] != kept[r - 1] + 1) runs_.push_back({r, kept[r]});
-  runs_.push_back({kept.size(), 0});
-  dense::loops().compact(column(0), stride_, runs_.data(), runs_.size());
-  for (std::size_t c = 0; c < kept.size(); ++c) {
-    if (kept[c] == c) continue;
-    std::copy_n(border_row(kept[c]), border, border_.data() + c * border);
-    inverse_diagonal_[c] = inverse_diagonal_[kept[c]];
-  }
-  rows_ = kept.size();
 }
 
 std::pair<std::size_t, double> DenseFactor::weakest_row() const {

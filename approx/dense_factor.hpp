@@ -1,10 +1,11 @@
 #pragma once
 // A Cholesky factor that grows and shrinks, with a border of right-hand sides that follows it:
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
-// remove() takes up to 8 rows and columns at a time out of A by one reflection a column (a positive update of
-// the trailing factor, which is stable; a downdate is never needed), append() adds up to 8 at the end by a
-// triangular solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole (a unit row)
-// until compact(). O(k m^2) for k rows. Nothing allocates after construction.
+// remove() takes rows and columns out of A: with those columns of L deleted, A = L L^T + V V^T of what stays, V
+// being the deleted columns, a positive update of the trailing factor by one reflection a column for many of
+// them together (which is stable; a downdate is never needed). append() adds up to 8 rows at the end by a
+// triangular solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole (a
+// unit row) until the factor closes up. O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
 #include <cstdint>
@@ -30,6 +31,9 @@ class DenseFactor {
 
   // Turns the rows (ascending) into holes.
   void remove(std::span<const std::size_t> removed);
+  // Takes the rows out and closes up: only the rows of `kept` (ascending) stay, all others not removed must be
+  // holes.
+  void remove(std::span<const std::size_t> removed, std::span<const std::size_t> kept);
 
   // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included,
   // and their rows of B. Row-major, stride panel_stride(); valid until the next append().
@@ -41,9 +45,6 @@ class DenseFactor {
   // for row r.
   std::uint32_t append(std::size_t count, std::uint32_t skip, const double* tolerance);
 
-  // Keeps only the given rows (ascending); every other row must be a hole.
-  void compact(std::span<const std::size_t> kept);
-
   // Y: row m has 16 entries.
   const double* border_row(std::size_t row) const { return border_.data() + row * border; }
   // The row of the largest 1 / L_rr (of holes: 1), and that.
@@ -54,6 +55,13 @@ class DenseFactor {
   void solve_transposed(double* y0, double* y1, double* y2) const;
 
  private:
+  static constexpr std::size_t most_vectors = 20;  // that wait for their update at a time
+
+  void take_out(std::span<const std::size_t> removed);
+  void close_up(std::span<const std::size_t> removed, std::span<const std::size_t> kept);
+  dense::Kept describe(std::span<const std::size_t> kept);
+  void update();
+
   double* column(std::size_t c) { return columns_.data() + c * stride_; }
   const double* column(std::size_t c) const { return columns_.data() + c * stride_; }
 
@@ -61,8 +69,11 @@ class DenseFactor {
   AlignedArray columns_;  // L
   AlignedArray border_;   // Y
   AlignedArray inverse_diagonal_;
-  AlignedArray cross_, cross_border_, removed_, removed_border_;
-  std::vector<dense::Run> runs_;  // of compact()
+  AlignedArray cross_, cross_border_;
+  AlignedArray vectors_, vectors_border_;  // V and its part of Y
+  std::vector<std::size_t> starts_;        // first row of each vector
+  std::vector<dense::Run> runs_;           // of close_up()
+  std::vector<std::size_t> fours_;
 };
 
 }  // namespace forefeel

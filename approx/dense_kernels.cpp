@@ -9,6 +9,7 @@ namespace {
 using dense::border;
 using dense::most_rows;
 constexpr std::size_t block = 8;                           // columns that a solve takes at a time
+constexpr std::size_t most_together = width == 8 ? 20 : 8;  // vectors of an update that fit into registers
 constexpr std::size_t rows_together = width == 8 ? 4 : 2;  // rows whose factors fit into registers
 
 // S -= factors times rows of length `count` (a multiple of the width) at from[t * stride], t < C.
@@ -157,6 +158,7 @@ struct Reflection {
 template <std::size_t G>
 FOREFEEL_INLINE double reflection(double d, const double* v, std::size_t stride, Reflection<G>& h) {
   double part[4] = {};
+#pragma GCC unroll 20
   for (std::size_t g = 0; g < G; ++g) {
     h.v[g] = v[g * stride];
     part[g % 4] += h.v[g] * h.v[g];
@@ -176,79 +178,123 @@ FOREFEEL_INLINE double reflection(double d, const double* v, std::size_t stride,
 
 template <std::size_t G, class Value>
 FOREFEEL_INLINE void reflect(const Reflection<G>& h, Value& l, Value (&v)[G]) {
-  Value part[2] = {h.v[0] * v[0], -h.s * l};
-  for (std::size_t g = 1; g < G; ++g) part[g % 2] += h.v[g] * v[g];
-  const Value w = part[0] + part[1], step = h.k * w;
+  constexpr std::size_t chains = G > 8 ? 4 : 2;
+  Value part[4] = {h.v[0] * v[0], -h.s * l, Value{}, Value{}};
+#pragma GCC unroll 20
+  for (std::size_t g = 1; g < G; ++g) part[g % chains] += h.v[g] * v[g];
+  const Value w = (part[0] + part[1]) + (part[2] + part[3]), step = h.k * w;
   l += h.inverse * w;
+#pragma GCC unroll 20
   for (std::size_t g = 0; g < G; ++g) v[g] -= h.v[g] * step;
 }
 
-// C columns from `col` on by G vectors, which are read and written once for all of them.
+// The reflections of C columns and what they make of their diagonal block.
 template <std::size_t G, std::size_t C>
-FOREFEEL_INLINE void update_block(double* __restrict l, std::size_t stride, double* __restrict inverse,
-                                  double* __restrict y, std::size_t col, std::size_t m, double* __restrict v,
-                                  std::size_t vs, double* __restrict side) {
+struct Corner {
   Reflection<G> h[C];
+  double l[C][C];  // by column, from its diagonal on
+};
+
+template <std::size_t G, std::size_t C>
+FOREFEEL_INLINE void make_corner(const double* __restrict l, std::size_t stride, std::size_t col,
+                                 const double* __restrict v, std::size_t vs, Corner<G, C>& __restrict out) {
+  double x[C][G];
+#pragma GCC unroll 20
+  for (std::size_t g = 0; g < G; ++g)
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < C; ++i) x[i][g] = v[g * vs + col + i];
+#pragma GCC unroll 4
   for (std::size_t t = 0; t < C; ++t) {
-    double* __restrict column = l + (col + t) * stride;
-    const double r = reflection<G>(column[col + t], v + col + t, vs, h[t]);
-    column[col + t] = r;
-    inverse[col + t] = h[t].inverse;
-    for (std::size_t i = col + t + 1; i < col + C; ++i) {
-      double x[G];
-      for (std::size_t g = 0; g < G; ++g) x[g] = v[g * vs + i];
-      reflect<G>(h[t], column[i], x);
-      for (std::size_t g = 0; g < G; ++g) v[g * vs + i] = x[g];
+    const double* __restrict column = l + (col + t) * stride + col + t;
+    out.l[t][0] = reflection<G>(column[0], x[t], 1, out.h[t]);
+#pragma GCC unroll 4
+    for (std::size_t i = t + 1; i < C; ++i) {
+      double value = column[i - t];
+      reflect<G>(out.h[t], value, x[i]);
+      out.l[t][i - t] = value;
     }
   }
-  const auto sweep = [&](double* const* at, double* from, std::size_t from_stride) __attribute__((always_inline)) {
-    Pack x[G];
-    for (std::size_t g = 0; g < G; ++g) x[g] = load(from + g * from_stride);
-    for (std::size_t t = 0; t < C; ++t) {
-      Pack value = load(at[t]);
-      reflect<G>(h[t], value, x);
+}
+
+// A vector of rows of C columns at at[t] and of G vectors, which are read and written once for all of them; of
+// the columns only the lanes from `skip` on.
+template <std::size_t G, std::size_t C>
+FOREFEEL_INLINE void reflect_rows(const Reflection<G>* __restrict h, double* const* at, double* from,
+                                  std::size_t from_stride, std::size_t skip = 0) {
+  Pack x[G];
+#pragma GCC unroll 20
+  for (std::size_t g = 0; g < G; ++g) x[g] = load(from + g * from_stride);
+  for (std::size_t t = 0; t < C; ++t) {
+    Pack value = load(at[t]);
+    reflect<G>(h[t], value, x);
+    if (skip == 0)
       store(at[t], value);
+    else
+      store_from(at[t], value, skip);
+  }
+#pragma GCC unroll 20
+  for (std::size_t g = 0; g < G; ++g) store(from + g * from_stride, x[g]);
+}
+
+// The columns first <= c < last, C at a time. The reflections of the next columns are made as soon as their rows
+// are there: their roots and divisions take their time while the rest of the rows is reflected. What is stored
+// one by one is stored after the vectors around it have been read, which would have to wait for it.
+template <std::size_t G, std::size_t C>
+FOREFEEL_INLINE std::size_t update_by(double* __restrict l, std::size_t stride, double* __restrict inverse,
+                                      double* __restrict y, std::size_t first, std::size_t last, std::size_t m,
+                                      double* __restrict v, std::size_t vs, double* __restrict side) {
+  Corner<G, C> corners[2];
+  std::size_t col = first;
+  if (col + C <= last) make_corner<G, C>(l, stride, col, v, vs, corners[0]);
+  for (int turn = 0; col + C <= last; turn ^= 1) {
+    const Corner<G, C>& corner = corners[turn];
+    const std::size_t next = col + C;
+    double* at[C];
+    const auto reflect_at = [&](std::size_t i, std::size_t skip) __attribute__((always_inline)) {
+      for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
+      reflect_rows<G, C>(corner.h, at, v + i, vs, skip);
+    };
+    std::size_t i = next / width * width;
+    if (i < next && i < m) {
+      reflect_at(i, next - i);
+      i += width;
+    } else {
+      i = next;
     }
-    for (std::size_t g = 0; g < G; ++g) store(from + g * from_stride, x[g]);
-  };
-  double* at[C];
-  std::size_t i = (col + C) / width * width;
-  if (i < col + C && i < m) {  // the vector that holds row col + C: lanes before it stay
-    const auto below = lane >= static_cast<long long>(col + C - i);
-    Pack old_column[C], old_vector[G];
     for (std::size_t t = 0; t < C; ++t) {
-      at[t] = l + (col + t) * stride + i;
-      old_column[t] = load(at[t]);
+      for (std::size_t r = t; r < C; ++r) l[(col + t) * stride + col + r] = corner.l[t][r - t];
+      inverse[col + t] = corner.h[t].inverse;
     }
-    for (std::size_t g = 0; g < G; ++g) old_vector[g] = load(v + g * vs + i);
-    sweep(at, v + i, vs);
-    for (std::size_t t = 0; t < C; ++t) store(at[t], below ? load(at[t]) : old_column[t]);
-    for (std::size_t g = 0; g < G; ++g)
-      store(v + g * vs + i, below ? load(v + g * vs + i) : old_vector[g]);
-    i += width;
+    if (next + C <= last) {
+      for (; i < next + C; i += width) reflect_at(i, 0);
+      make_corner<G, C>(l, stride, next, v, vs, corners[turn ^ 1]);
+    }
+    for (; i < m; i += width) reflect_at(i, 0);
+    for (std::size_t j = 0; j < border; j += width) {
+      for (std::size_t t = 0; t < C; ++t) at[t] = y + (col + t) * border + j;
+      reflect_rows<G, C>(corner.h, at, side + j, border);
+    }
+    col = next;
   }
-  for (; i < m; i += width) {
-    for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
-    sweep(at, v + i, vs);
-  }
-  for (std::size_t j = 0; j < border; j += width) {
-    for (std::size_t t = 0; t < C; ++t) at[t] = y + (col + t) * border + j;
-    sweep(at, side + j, border);
-  }
+  return col;
 }
 
 template <std::size_t G>
 FOREFEEL_INLINE void update_by(double* l, std::size_t stride, double* inverse, double* y, std::size_t first,
                                std::size_t last, std::size_t m, double* v, std::size_t vs, double* side) {
   constexpr std::size_t C = G <= 4 ? 4 : 2;
-  std::size_t col = first;
-  for (; col + C <= last; col += C) update_block<G, C>(l, stride, inverse, y, col, m, v, vs, side);
-  for (; col < last; ++col) update_block<G, 1>(l, stride, inverse, y, col, m, v, vs, side);
+  first = update_by<G, C>(l, stride, inverse, y, first, last, m, v, vs, side);
+  update_by<G, 1>(l, stride, inverse, y, first, last, m, v, vs, side);
 }
 
 void update_columns(double* l, std::size_t stride, double* inverse, double* y, std::size_t first,
                     std::size_t last, std::size_t m, double* v, std::size_t vs, double* side,
                     std::size_t count) {
+  if constexpr (most_together > 8) {
+    if (count > 16) return update_by<20>(l, stride, inverse, y, first, last, m, v, vs, side);
+    if (count > 12) return update_by<16>(l, stride, inverse, y, first, last, m, v, vs, side);
+    if (count > 8) return update_by<12>(l, stride, inverse, y, first, last, m, v, vs, side);
+  }
   switch (count) {
     case 1:
       return update_by<1>(l, stride, inverse, y, first, last, m, v, vs, side);
@@ -269,18 +315,32 @@ void update_columns(double* l, std::size_t stride, double* inverse, double* y, s
   }
 }
 
-void compact(double* l, std::size_t stride, const dense::Run* runs, std::size_t count) {
-  for (std::size_t run = 0; run + 1 < count; ++run)
-    for (std::size_t c = runs[run].to; c < runs[run + 1].to; ++c) {
-      const double* from = l + (runs[run].from + c - runs[run].to) * stride;
-      double* to = l + c * stride;
-      for (std::size_t k = from == to ? run + 1 : run; k + 1 < count; ++k) {
-        std::size_t r = k == run ? c : runs[k].to;
-        const std::size_t shift = runs[k].from - runs[k].to, end = runs[k + 1].to;
-        for (; r + width <= end; r += width) store(to + r, load(from + r + shift));
-        for (; r < end; ++r) to[r] = from[r + shift];
-      }
-    }
+// Rows from `begin` on of one column.
+FOREFEEL_INLINE void move_rows(const double* from, double* to, const dense::Kept& kept, std::size_t begin) {
+  if (kept.fours != nullptr) {  // no branch that depends on which rows they are
+    for (std::size_t i = begin / 4; 4 * i < kept.size; ++i) move_four(to + 4 * i, from + kept.fours[i]);
+    return;
+  }
+  const dense::Run* runs = kept.runs;
+  for (std::size_t k = 0; k + 1 < kept.run_count; ++k) {
+    if (from == to && runs[k].from == runs[k].to) continue;
+    std::size_t r = begin > runs[k].to ? begin : runs[k].to;
+    const std::size_t end = runs[k + 1].to;
+    const double* source = from + (runs[k].from - runs[k].to);
+    for (; r + width <= end; r += width) store(to + r, load(source + r));
+    for (; r < end; ++r) to[r] = source[r];
+  }
+}
+
+void pick(const double* column, const dense::Kept& kept, std::size_t begin, double* to) {
+  move_rows(column, to, kept, begin);
+  for (std::size_t i = 0; i < begin; ++i) to[i] = 0;
+}
+
+void compact(double* l, std::size_t stride, const dense::Kept& kept) {
+  for (std::size_t run = 0; run + 1 < kept.run_count; ++run)
+    for (std::size_t c = kept.runs[run].to; c < kept.runs[run + 1].to; ++c)
+      move_rows(l + (kept.runs[run].from + c - kept.runs[run].to) * stride, l + c * stride, kept, c);
 }
 
 void solve_transposed3(const double* l, std::size_t stride, const double* inverse, std::size_t m, double* y0,
@@ -480,7 +540,7 @@ void dots3(std::size_t q, std::size_t m, const double* a, const double* v, std::
 }  // namespace
 
 extern const dense::Loops dense_loops;
-const dense::Loops dense_loops = {solve_rows,    row_products, update_columns, compact, solve_transposed3,
-                                  columns_of, orthogonalise, gram, dots3};
+const dense::Loops dense_loops = {most_together,     solve_rows,        row_products, update_columns, pick, compact,
+                                  solve_transposed3, columns_of,   orthogonalise,  gram, dots3};
 
 }  // namespace forefeel::FOREFEEL_ISA

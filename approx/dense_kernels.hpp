@@ -10,25 +10,35 @@ namespace forefeel::dense {
 constexpr std::size_t border = 16;  // columns of Y
 constexpr std::size_t most_rows = 8;
 
-// Rows from on move to rows to on, up to where the next run starts.
+// Which rows stay where others go: rows from on become rows to on, up to where the next run starts.
 struct Run {
   std::size_t to, from;
 };
+struct Kept {
+  std::size_t size;
+  const Run* runs;  // ascending, the last one holds the size
+  std::size_t run_count;
+  const std::size_t* fours;  // row 4 i was row fours[i], and so on for its next three; null where not so
+};
 
 struct Loops {
+  std::size_t most_together;  // vectors that update_columns takes
   // count <= 8 rows at rows[r * row_stride], each with 16 entries at side[16 * r]:
   //   X := X L^-T,  S := S - X Y
   void (*solve_rows)(const double* l, std::size_t stride, const double* inverse_diagonal, const double* y,
                      std::size_t m, double* rows, std::size_t row_stride, double* side, std::size_t count);
   // gram[8 * r + c] = x_r . x_c, c <= r; entries m to m + 7 of the rows become 0.
   void (*row_products)(double* rows, std::size_t row_stride, std::size_t m, std::size_t count, double* gram);
-  // Positive update L L^T := L L^T + V V^T of the columns first <= c < last by count <= 8 vectors at v[t *
-  // vector_stride] with borders at side[16 * t]; one reflection a column.
+  // Positive update L L^T := L L^T + V V^T of the columns first <= c < last by `count` vectors at v[t *
+  // vector_stride] with borders at side[16 * t]; one reflection a column. Where count > 8, as many vectors as
+  // make it a multiple of 4 are changed too: they must be zero in these columns.
   void (*update_columns)(double* l, std::size_t stride, double* inverse_diagonal, double* y, std::size_t first,
                          std::size_t last, std::size_t m, double* v, std::size_t vector_stride, double* side,
                          std::size_t count);
-  // The lower triangle moves up and left by runs (ascending, the last one holds the new size).
-  void (*compact)(double* l, std::size_t stride, const Run* runs, std::size_t count);
+  // to[i] = the i-th kept row of a column, i >= begin; 0 before.
+  void (*pick)(const double* column, const Kept& kept, std::size_t begin, double* to);
+  // The lower triangle moves up and left.
+  void (*compact)(double* l, std::size_t stride, const Kept& kept);
   // L^T z = y in place, three right-hand sides.
   void (*solve_transposed3)(const double* l, std::size_t stride, const double* inverse_diagonal,
                             std::size_t m, double* y0, double* y1, double* y2);

@@ -39,6 +39,14 @@ FOREFEEL_INLINE Pack load(const double* at) {
 FOREFEEL_INLINE void store(double* at, Pack value) {
   *reinterpret_cast<Loose*>(at) = value;
 }
+// The lanes from the given one on.
+FOREFEEL_INLINE void store_from(double* at, Pack value, std::size_t first) {
+#if defined(__AVX512F__)
+  _mm512_mask_storeu_pd(at, static_cast<__mmask8>(0xffu << first), reinterpret_cast<__m512d>(value));
+#else
+  store(at, lane >= static_cast<long long>(first) ? value : load(at));
+#endif
+}
 FOREFEEL_INLINE Pack same(double value) {
   return Pack{} + value;
 }
@@ -59,6 +67,14 @@ FOREFEEL_INLINE Pack load_four(const double* at) {
   return reinterpret_cast<Pack>(_mm512_zextpd256_pd512(_mm256_loadu_pd(at)));
 #else
   return load(at);
+#endif
+}
+
+FOREFEEL_INLINE void move_four(double* to, const double* from) {
+#if defined(__AVX2__)
+  _mm256_storeu_pd(to, _mm256_loadu_pd(from));
+#else
+  for (int t = 0; t < 4; t += 2) store(to + t, load(from + t));
 #endif
 }
 

@@ -64,6 +64,7 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   added_.reserve(2 * slot_capacity_);
   by_id_.reserve(slot_capacity_ + DenseFactor::panel);
   index_.reserve(factor_.row_capacity());
+  kept_rows_.reserve(factor_.row_capacity());
   moved_.reserve(slot_capacity_ + DenseFactor::panel);
 }
 
@@ -418,35 +419,42 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
       leave(s);
     }
   std::ranges::sort(index_);
-  factor_.remove(index_);
   std::erase_if(by_id_, [&](const Entry& e) { return slot_array(in_use)[e.slot] == 0; });
   added_.insert(added_.end(), added.begin(), added.end());
-  // Holes cost as much as rows: where four go with a state, moving the factor together soon pays.
-  if ((b == 4 && 8 * (slots_ - alive_) > alive_) || slots_ + added_.size() > slot_capacity_) compact();
+  // Holes cost as much as rows: where four go with a state, closing up soon pays.
+  if ((b == 4 && 8 * (slots_ - alive_) > alive_) || slots_ + added_.size() > slot_capacity_)
+    remove_and_close();
+  else
+    factor_.remove(index_);
   append(added_);
   if (drops_matter() || (mode_ == Mode::automatic && frame_expired())) return Outcome::stale;
   return level_still_fits() ? Outcome::done : Outcome::stale;
 }
 
-void RbfFit::compact() {
+// Takes the rows of index_ out and moves all arrays together.
+void RbfFit::remove_and_close() {
   const std::size_t b = rows_per_slot_;
   std::size_t first = 0;  // slots before it stay
   while (first < slots_ && slot_[first].alive) ++first;
-  index_.clear();
+  kept_rows_.clear();
   moved_.clear();
   for (std::size_t s = 0; s < slots_; ++s) {
-    moved_.push_back(static_cast<std::uint32_t>(index_.size() / b));
+    moved_.push_back(static_cast<std::uint32_t>(kept_rows_.size() / b));
     if (!slot_[s].alive) continue;
     if (s > first) slot_[moved_[s]] = slot_[s];
-    for (std::size_t t = 0; t < b; ++t) index_.push_back(s * b + t);
+    for (std::size_t t = 0; t < b; ++t) kept_rows_.push_back(s * b + t);
   }
-  const std::size_t kept = index_.size() / b;
+  const std::size_t kept = kept_rows_.size() / b;
   for (Entry& e : by_id_) e.slot = moved_[e.slot];
   const auto gather = [&](double* values, std::size_t step) {
-    if (step == b)
-      for (std::size_t i = first * b; i < kept * b; ++i) values[i] = values[index_[i]];
+    if (step == 4)
+      for (std::size_t i = first; i < kept; ++i) {
+        const double* from = values + kept_rows_[4 * i];
+        const double row[4] = {from[0], from[1], from[2], from[3]};
+        for (std::size_t t = 0; t < 4; ++t) values[4 * i + t] = row[t];
+      }
     else
-      for (std::size_t i = first; i < kept; ++i) values[i] = values[index_[4 * i] / 4];
+      for (std::size_t i = first; i < kept; ++i) values[i] = values[kept_rows_[b * i] / b];
   };
   for (AlignedArray* p : {&px_, &py_, &pz_}) gather(p->data(), 1);
   for (std::size_t which = 0; which < away; ++which) gather(slot_array(which), 1);
@@ -455,7 +463,7 @@ void RbfFit::compact() {
     gather(lagrange_.data() + j * row_stride_, b);
     gather(dual_.data() + j * row_stride_, b);
   }
-  factor_.compact(index_);
+  factor_.remove(index_, kept_rows_);
   for (const std::size_t which : {in_use, share})
     std::fill(slot_array(which) + kept, slot_array(which) + slots_, 0.0);
   slots_ = kept;

@@ -80,7 +80,7 @@ class RbfFit {
   enum class Outcome { refused, done, stale };  // stale: the set is right, the factor no longer suits it
   Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
   bool frame_expired();
-  void compact();
+  void remove_and_close();
   void enter(std::size_t slot);
   void gather();
   void solve();
@@ -133,8 +133,9 @@ class RbfFit {
   };
   std::vector<Entry> by_id_;  // living slots, ascending ids
   std::vector<Sample> gathered_, added_, sorted_;
-  std::vector<std::size_t> index_;
-  std::vector<std::uint32_t> moved_;  // of compact(): the new slot of each
+  std::vector<std::size_t> index_;      // rows to take out
+  std::vector<std::size_t> kept_rows_;  // of remove_and_close(), and the new slot of each
+  std::vector<std::uint32_t> moved_;
   double coefficient_[3][max_terms] = {};
   double upper_[max_terms * max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
   std::vector<std::uint32_t> living_;         // slots in the order of the model's centres
