@@ -103,13 +103,13 @@ dense::Kept DenseFactor::describe(std::span<const std::size_t> kept) {
 // The columns from a vector's start on change with it.
 void DenseFactor::update() {
   const dense::Loops& loops = dense::loops();
-  const std::size_t all = starts_.size();
-  for (std::size_t t = all; t % 4 != 0; ++t) {
+  const std::size_t all = starts_.size(), together = rows_ <= 128 ? loops.most_together : std::size_t{8};
+  for (std::size_t t = all; all > 8 && t % 4 != 0; ++t) {
     std::fill_n(vectors_.data() + t * stride_, rows_ + slack, 0.0);
     std::fill_n(vectors_border_.data() + t * border, border, 0.0);
   }
-  for (std::size_t done = 0; done < all; done += loops.most_together) {
-    const std::size_t end = std::min(all, done + loops.most_together);
+  for (std::size_t done = 0; done < all; done += together) {
+    const std::size_t end = std::min(all, done + together);
     for (std::size_t t = done; t < end; ++t) {
       const std::size_t last = t + 1 < end ? starts_[t + 1] : rows_;
       if (starts_[t] < last)

@@ -1,11 +1,11 @@
 #pragma once
 // A Cholesky factor that grows and shrinks, with a border of right-hand sides that follows it:
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
-// remove() takes rows and columns out of A: with those columns of L deleted, A = L L^T + V V^T of what stays, V
-// being the deleted columns, a positive update of the trailing factor by one reflection a column for many of
-// them together (which is stable; a downdate is never needed). append() adds up to 8 rows at the end by a
-// triangular solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole (a
-// unit row) until the factor closes up. O(k m^2) for k rows. Nothing allocates after construction.
+// remove() takes rows and columns out of A: with those columns of L deleted, A = L L^T + V V^T of what stays,
+// V being the deleted columns, a positive update of the trailing factor by one reflection a column for many
+// of them together (which is stable; a downdate is never needed). append() adds up to 8 rows at the end by a
+// triangular solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole
+// (a unit row) until the factor closes up. O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,8 +31,8 @@ class DenseFactor {
 
   // Turns the rows (ascending) into holes.
   void remove(std::span<const std::size_t> removed);
-  // Takes the rows out and closes up: only the rows of `kept` (ascending) stay, all others not removed must be
-  // holes.
+  // Takes the rows out and closes up: only the rows of `kept` (ascending) stay, all others not removed must
+  // be holes.
   void remove(std::span<const std::size_t> removed, std::span<const std::size_t> kept);
 
   // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included,
@@ -40,9 +40,9 @@ class DenseFactor {
   double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
   double* panel_border(std::size_t r) { return cross_border_.data() + r * border; }
   std::size_t panel_stride() const { return (row_capacity_ + 3 * panel - 1) / 8 * 8; }
-  // Appends `count` panel rows; holes on purpose are marked in skip. A row whose pivot falls below tolerance[r]
-  // times its diagonal entry carries nothing new and becomes a hole. Returns the rows that were taken, bit r
-  // for row r.
+  // Appends `count` panel rows; holes on purpose are marked in skip. A row whose pivot falls below
+  // tolerance[r] times its diagonal entry carries nothing new and becomes a hole. Returns the rows that were
+  // taken, bit r for row r.
   std::uint32_t append(std::size_t count, std::uint32_t skip, const double* tolerance);
 
   // Y: row m has 16 entries.

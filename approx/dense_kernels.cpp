@@ -179,10 +179,17 @@ FOREFEEL_INLINE double reflection(double d, const double* v, std::size_t stride,
 template <std::size_t G, class Value>
 FOREFEEL_INLINE void reflect(const Reflection<G>& h, Value& l, Value (&v)[G]) {
   constexpr std::size_t chains = G > 8 ? 4 : 2;
-  Value part[4] = {h.v[0] * v[0], -h.s * l, Value{}, Value{}};
+  Value part[chains] = {h.v[0] * v[0], -h.s * l};
+  if constexpr (chains == 4) {
+    part[2] = h.v[2] * v[2];
+    part[3] = h.v[3] * v[3];
+    part[1] += h.v[1] * v[1];
+  }
 #pragma GCC unroll 20
-  for (std::size_t g = 1; g < G; ++g) part[g % chains] += h.v[g] * v[g];
-  const Value w = (part[0] + part[1]) + (part[2] + part[3]), step = h.k * w;
+  for (std::size_t g = chains == 4 ? 4 : 1; g < G; ++g) part[g % chains] += h.v[g] * v[g];
+  Value w = part[0] + part[1];
+  if constexpr (chains == 4) w += part[2] + part[3];
+  const Value step = h.k * w;
   l += h.inverse * w;
 #pragma GCC unroll 20
   for (std::size_t g = 0; g < G; ++g) v[g] -= h.v[g] * step;
@@ -236,47 +243,65 @@ FOREFEEL_INLINE void reflect_rows(const Reflection<G>* __restrict h, double* con
   for (std::size_t g = 0; g < G; ++g) store(from + g * from_stride, x[g]);
 }
 
-// The columns first <= c < last, C at a time. The reflections of the next columns are made as soon as their rows
-// are there: their roots and divisions take their time while the rest of the rows is reflected. What is stored
-// one by one is stored after the vectors around it have been read, which would have to wait for it.
+// The columns col to col + C - 1 of L and Y.
 template <std::size_t G, std::size_t C>
-FOREFEEL_INLINE std::size_t update_by(double* __restrict l, std::size_t stride, double* __restrict inverse,
-                                      double* __restrict y, std::size_t first, std::size_t last, std::size_t m,
-                                      double* __restrict v, std::size_t vs, double* __restrict side) {
-  Corner<G, C> corners[2];
-  std::size_t col = first;
-  if (col + C <= last) make_corner<G, C>(l, stride, col, v, vs, corners[0]);
-  for (int turn = 0; col + C <= last; turn ^= 1) {
-    const Corner<G, C>& corner = corners[turn];
-    const std::size_t next = col + C;
+struct Columns {
+  double *l, *y, *v, *side;
+  std::size_t stride, vs, m, col;
+
+  inline __attribute__((always_inline)) void rows(const Corner<G, C>& corner, std::size_t i, std::size_t skip = 0) const {
     double* at[C];
-    const auto reflect_at = [&](std::size_t i, std::size_t skip) __attribute__((always_inline)) {
-      for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
-      reflect_rows<G, C>(corner.h, at, v + i, vs, skip);
-    };
-    std::size_t i = next / width * width;
-    if (i < next && i < m) {
-      reflect_at(i, next - i);
-      i += width;
-    } else {
-      i = next;
-    }
+    for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
+    reflect_rows<G, C>(corner.h, at, v + i, vs, skip);
+  }
+  // The vector that holds the first row below the corner, then the corner: what is stored one by one is stored
+  // after the vector around it has been read, which would have to wait for it. Returns the next row.
+  inline __attribute__((always_inline)) std::size_t begin(const Corner<G, C>& corner, double* inverse) const {
+    const std::size_t next = col + C, i = next / width * width;
+    if (i < next && i < m) rows(corner, i, next - i);
     for (std::size_t t = 0; t < C; ++t) {
       for (std::size_t r = t; r < C; ++r) l[(col + t) * stride + col + r] = corner.l[t][r - t];
       inverse[col + t] = corner.h[t].inverse;
     }
-    if (next + C <= last) {
-      for (; i < next + C; i += width) reflect_at(i, 0);
-      make_corner<G, C>(l, stride, next, v, vs, corners[turn ^ 1]);
-    }
-    for (; i < m; i += width) reflect_at(i, 0);
+    return i < next ? i + width : next;
+  }
+  inline __attribute__((always_inline)) void end(const Corner<G, C>& corner, std::size_t i) const {
+    for (; i < m; i += width) rows(corner, i);
+    double* at[C];
     for (std::size_t j = 0; j < border; j += width) {
       for (std::size_t t = 0; t < C; ++t) at[t] = y + (col + t) * border + j;
       reflect_rows<G, C>(corner.h, at, side + j, border);
     }
-    col = next;
   }
-  return col;
+};
+
+// The columns first <= c < last, C at a time. With many vectors the reflections of the next columns are made as
+// soon as their rows are there: their roots and divisions take their time while the rest of the rows is reflected.
+template <std::size_t G, std::size_t C>
+FOREFEEL_INLINE std::size_t update_by(double* __restrict l, std::size_t stride, double* __restrict inverse,
+                                      double* __restrict y, std::size_t first, std::size_t last, std::size_t m,
+                                      double* __restrict v, std::size_t vs, double* __restrict side) {
+  Columns<G, C> columns{l, y, v, side, stride, vs, m, first};
+  if constexpr (G <= 8) {
+    for (; columns.col + C <= last; columns.col += C) {
+      Corner<G, C> corner;
+      make_corner<G, C>(l, stride, columns.col, v, vs, corner);
+      columns.end(corner, columns.begin(corner, inverse));
+    }
+  } else {
+    Corner<G, C> corners[2];
+    if (first + C <= last) make_corner<G, C>(l, stride, first, v, vs, corners[0]);
+    for (int turn = 0; columns.col + C <= last; turn ^= 1, columns.col += C) {
+      const std::size_t next = columns.col + C;
+      std::size_t i = columns.begin(corners[turn], inverse);
+      if (next + C <= last) {
+        for (; i < next + C; i += width) columns.rows(corners[turn], i);
+        make_corner<G, C>(l, stride, next, v, vs, corners[turn ^ 1]);
+      }
+      columns.end(corners[turn], i);
+    }
+  }
+  return columns.col;
 }
 
 template <std::size_t G>

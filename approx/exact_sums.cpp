@@ -6,19 +6,6 @@
 namespace forefeel::FOREFEEL_ISA {
 namespace {
 
-FOREFEEL_INLINE Pack fused(Pack a, Pack b, Pack c) {
-#if defined(__AVX512F__)
-  return reinterpret_cast<Pack>(_mm512_fmadd_pd(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b),
-                                                reinterpret_cast<__m512d>(c)));
-#elif defined(__AVX2__)
-  return reinterpret_cast<Pack>(_mm256_fmadd_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b),
-                                                reinterpret_cast<__m256d>(c)));
-#else
-  for (std::size_t i = 0; i < width; ++i) c[i] = __builtin_fma(a[i], b[i], c[i]);
-  return c;
-#endif
-}
-
 // hi + lo, unevaluated: about 32 digits (Dekker 1971).
 struct Two {
   Pack hi, lo;
@@ -61,17 +48,17 @@ FOREFEEL_INLINE Two inverse(Two a) {  // 0 for 0
   return {a.hi > 0.0 ? r.hi : Pack{}, a.hi > 0.0 ? r.lo : Pack{}};
 }
 
-// A polynomial component and its gradient at y.
+// A polynomial component (of 10 x 4) and its gradient at y.
 FOREFEEL_INLINE void polynomial_at(const double* p, const Pack y[3], Two& value, Two gradient[3]) {
   constexpr int first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
   value = {same(p[0]), Pack{}};
   for (int d = 0; d < 3; ++d) {
-    const Two slope{same(p[1 + d]), Pack{}};
+    const Two slope{same(p[4 * (1 + d)]), Pack{}};
     gradient[d] = slope;
     value = value + slope * y[d];
   }
   for (int t = 0; t < 6; ++t) {
-    const Two c{same(p[4 + t]), Pack{}};
+    const Two c{same(p[4 * (4 + t)]), Pack{}};
     const Two by_first = c * y[first[t]], by_second = c * y[second[t]];
     value = value + by_first * y[second[t]];
     gradient[first[t]] = gradient[first[t]] + by_second;
@@ -85,7 +72,7 @@ void misfit_of(std::size_t n, const double* data, std::size_t stride, const doub
   for (std::size_t i = 0; i < n; i += width) {
     const Pack y[3] = {load(data + i), load(data + stride + i), load(data + 2 * stride + i)};
     Two value[3], gradient[3][3];
-    for (int c = 0; c < 3; ++c) polynomial_at(polynomial + 10 * c, y, value[c], gradient[c]);
+    for (int c = 0; c < 3; ++c) polynomial_at(polynomial + c, y, value[c], gradient[c]);
     for (std::size_t j = 0; j < n; ++j) {
       Two d[3];
       for (std::size_t e = 0; e < 3; ++e) d[e] = sum(y[e], -same(data[e * stride + j]));

@@ -10,7 +10,7 @@
 namespace forefeel::exact {
 
 struct Loops {
-  // data: n centres (a multiple of 8) as in kernel_sums.hpp; polynomial[10 * c + t] over the monomials of
+  // data: n centres (a multiple of 8) as in kernel_sums.hpp; polynomial[4 * t + c] over the monomials of
   // polynomial.hpp; given and misfit: 3 arrays, given_stride apart, for the values of the components and, with
   // stiffness data, 9 more for d g_c / dy_d at 3 + 3 c + d.
   void (*misfit)(int power, bool hermite, std::size_t n, const double* data, std::size_t stride,

@@ -21,15 +21,32 @@ FOREFEEL_INLINE Pack divided_root(Pack x) {
 #endif
 }
 
-// sqrt(x), x >= tiny. The divider is the narrowest unit of the processor, so of three vectors (`turn` counts
-// them) two take the estimate of AVX-512, of relative error below 2^-14, with the series of (1 - e)^(-1/2) to
-// e^3: right to an ulp.
+// g sqrt(x) / g for an estimate g of sqrt(x) and e = 1 - g^2 / x: the series of (1 - e)^(-1/2).
+FOREFEEL_INLINE Pack refined(Pack g, Pack e) {
+#if defined(__AVX512F__)
+  const Pack series = times_plus(same(0.3125), e, same(0.375));
+#else
+  const Pack series = times_plus(times_plus(same(0.2734375), e, same(0.3125)), e, same(0.375));
+#endif
+  return times_plus(g * e, times_plus(series, e, same(0.5)), g);
+}
+
+// sqrt(x), x >= tiny, to an ulp. The divider is the narrowest unit of the processor, so of three vectors
+// (`turn` counts them) some take the estimate that the processor has of 1 / sqrt(x): two that of AVX-512, of
+// relative error below 2^-14, with a series to e^3; one that of single precision, of 1.5 2^-12, to e^4.
 FOREFEEL_INLINE Pack root(Pack x, [[maybe_unused]] int turn) {
 #if defined(__AVX512F__)
   if (turn != 0) {
     const Pack y = reinterpret_cast<Pack>(_mm512_rsqrt14_pd(reinterpret_cast<__m512d>(x)));
-    const Pack g = x * y, e = 1.0 - g * y;
-    return g + (g * e) * (0.5 + e * (0.375 + 0.3125 * e));
+    const Pack g = x * y;
+    return refined(g, times_plus(-g, y, same(1)));
+  }
+#elif defined(__AVX2__)
+  if (turn == 2) {
+    x = x > 1e-30 ? x : same(1e-30);  // a single has no less; far below what counts in the unit ball
+    const __m128 narrow = _mm_rsqrt_ps(_mm256_cvtpd_ps(reinterpret_cast<__m256d>(x)));
+    const Pack y = reinterpret_cast<Pack>(_mm256_cvtps_pd(narrow)), g = x * y;
+    return refined(g, times_plus(-g, y, same(1)));
   }
 #endif
   return divided_root(x);
@@ -54,7 +71,7 @@ FOREFEEL_INLINE Distance distance(const double* data, std::size_t stride, std::s
   d.dx = y[0] - load(data + i);
   d.dy = y[1] - load(data + stride + i);
   d.dz = y[2] - load(data + 2 * stride + i);
-  d.r2 = d.dz * d.dz + (d.dy * d.dy + (d.dx * d.dx + tiny));
+  d.r2 = times_plus(d.dz, d.dz, times_plus(d.dy, d.dy, times_plus(d.dx, d.dx, same(tiny))));
   d.r = root(d.r2, turn);
   return d;
 }
@@ -64,30 +81,72 @@ FOREFEEL_INLINE void add_plain(const double* data, std::size_t stride, std::size
                                int turn, Pack s[3]) {
   const Distance d = distance(data, stride, i, y, turn);
   const Pack phi = power_of<K>(d.r2, d.r);
-  for (std::size_t c = 0; c < 3; ++c) s[c] += phi * load(data + (3 + c) * stride + i);
+  for (std::size_t c = 0; c < 3; ++c) s[c] = times_plus(phi, load(data + (3 + c) * stride + i), s[c]);
 }
 
 template <int K>
 FOREFEEL_INLINE void add_hermite(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
-                                 int turn, Pack s[3]) {
+                                 int turn, Pack s[3], Pack t[3]) {
   const Distance d = distance(data, stride, i, y, turn);
   const Pack low = power_of<K - 2>(d.r2, d.r);  // phi = low r^2
   const Pack phi = low * d.r2, slope = -double(K) * low;
   const Pack gx = slope * d.dx, gy = slope * d.dy, gz = slope * d.dz;
   for (std::size_t c = 0; c < 3; ++c) {
     const double* b = data + (6 + 3 * c) * stride + i;
-    s[c] += phi * load(data + (3 + c) * stride + i) + gx * load(b) + gy * load(b + stride) +
-            gz * load(b + 2 * stride);
+    s[c] = times_plus(phi, load(data + (3 + c) * stride + i), times_plus(gx, load(b), s[c]));
+    t[c] = times_plus(gy, load(b + stride), times_plus(gz, load(b + 2 * stride), t[c]));
   }
 }
 
+// A polynomial (10 x 4, see kernel_sums.hpp), quadratic for r^5 alone, and its gradient; p(t) is the t-th
+// coefficient of one component or of all.
+template <int K, class Coefficient>
+FOREFEEL_INLINE auto value_of(const Coefficient& p, const double* y) {
+  if constexpr (K < 5) return (p(0) + y[0] * p(1)) + (y[1] * p(2) + y[2] * p(3));
+  if constexpr (K == 5)
+    return (p(0) + y[0] * (p(1) + y[0] * p(4) + y[1] * p(7) + y[2] * p(8))) +
+           (y[1] * (p(2) + y[1] * p(5) + y[2] * p(9)) + y[2] * (p(3) + y[2] * p(6)));
+}
+template <int K, class Coefficient>
+FOREFEEL_INLINE double slope_of(const Coefficient& p, const double* y, int d) {
+  constexpr int cross[3][2] = {{7, 8}, {7, 9}, {8, 9}}, other[3][2] = {{1, 2}, {0, 2}, {0, 1}};
+  if constexpr (K < 5) return p(1 + d);
+  return p(1 + d) + 2 * y[d] * p(4 + d) + y[other[d][0]] * p(cross[d][0]) + y[other[d][1]] * p(cross[d][1]);
+}
+
+// The sums of three vectors and the polynomial.
+template <int K>
+FOREFEEL_INLINE void finish(const Pack s[4], const double* p, const double* y, double* f) {
+#if defined(__AVX2__)
+  const Four all =
+      sums_of(s) + value_of<K>(
+                       [&](int t) __attribute__((always_inline)) { return load_quad(p + 4 * t); }, y);
+  for (int c = 0; c < 3; ++c) f[c] = all[c];
+#else
+  for (int c = 0; c < 3; ++c)
+    f[c] = sum_of(s[c]) + value_of<K>(
+                              [&](int t) __attribute__((always_inline)) { return p[4 * t + c]; }, y);
+#endif
+}
+template <int K>
+FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, const double* y, double* f,
+                            double* j) {
+  finish<K>(s, p, y, f);
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d)
+      j[3 * c + d] = sum_of(t[3 * c + d]) +
+                     slope_of<K>(
+                         [&](int k) __attribute__((always_inline)) { return p[4 * k + c]; }, y, d);
+}
+
 template <int K, bool hermite>
-FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, const double* at, double* f) {
+FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, const double* polynomial,
+                         const double* at, double* f) {
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
-  Pack s[3] = {};
+  Pack s[4] = {}, t[3] = {};
   const auto add = [&](std::size_t i, int turn) __attribute__((always_inline)) {
     if constexpr (hermite)
-      add_hermite<K>(data, stride, i, y, turn, s);
+      add_hermite<K>(data, stride, i, y, turn, s, t);
     else
       add_plain<K>(data, stride, i, y, turn, s);
   };
@@ -98,15 +157,17 @@ FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, 
     add(i + width, 1);
     add(i + 2 * width, 2);
   }
-  for (; i < n; i += width) add(i, 1);
-  for (std::size_t c = 0; c < 3; ++c) f[c] += sum_of(s[c]);
+  for (int turn = 0; i < n; i += width, ++turn) add(i, turn);
+  if constexpr (hermite)
+    for (std::size_t c = 0; c < 3; ++c) s[c] += t[c];
+  finish<K>(s, polynomial, at, f);
 }
 
 template <int K>
 FOREFEEL_INLINE void plain_jacobian_of(std::size_t n, const double* data, std::size_t stride,
-                                       const double* at, double* f, double* j) {
+                                       const double* polynomial, const double* at, double* f, double* j) {
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
-  Pack s[3] = {}, t[9] = {};
+  Pack s[4] = {}, t[9] = {};
   for (std::size_t i = 0; i < (n & ~std::size_t{7}); i += width) {
     const Distance d = distance(data, stride, i, y, 1);
     const Pack phi = power_of<K>(d.r2, d.r), slope = double(K) * power_of<K - 2>(d.r2, d.r);
@@ -118,15 +179,14 @@ FOREFEEL_INLINE void plain_jacobian_of(std::size_t n, const double* data, std::s
       t[3 * c + 2] += w * d.dz;
     }
   }
-  for (std::size_t c = 0; c < 3; ++c) f[c] += sum_of(s[c]);
-  for (std::size_t c = 0; c < 9; ++c) j[c] += sum_of(t[c]);
+  finish<K>(s, t, polynomial, at, f, j);
 }
 
 template <int K>
 FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std::size_t stride,
-                                         const double* at, double* f, double* j) {
+                                         const double* polynomial, const double* at, double* f, double* j) {
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
-  Pack s[3] = {}, t[9] = {};
+  Pack s[4] = {}, t[9] = {};
   for (std::size_t i = 0; i < (n & ~std::size_t{7}); i += width) {
     const Distance d = distance(data, stride, i, y, 1);
     const Pack low = power_of<K - 2>(d.r2, d.r), lower = double(K - 2) * power_of<K - 4>(d.r2, d.r);
@@ -142,33 +202,33 @@ FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std:
       t[3 * c + 2] += radial * d.dz - step * bz;
     }
   }
-  for (std::size_t c = 0; c < 3; ++c) f[c] += sum_of(s[c]);
-  for (std::size_t c = 0; c < 9; ++c) j[c] += sum_of(t[c]);
+  finish<K>(s, t, polynomial, at, f, j);
 }
 
-void plain(int power, std::size_t n, const double* data, std::size_t stride, const double y[3], double f[3]) {
-  if (power == 1) return sum<1, false>(n, data, stride, y, f);
-  if (power == 3) return sum<3, false>(n, data, stride, y, f);
-  sum<5, false>(n, data, stride, y, f);
+void plain(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,
+           const double y[3], double f[3]) {
+  if (power == 1) return sum<1, false>(n, data, stride, polynomial, y, f);
+  if (power == 3) return sum<3, false>(n, data, stride, polynomial, y, f);
+  sum<5, false>(n, data, stride, polynomial, y, f);
 }
 
-void hermite(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-             double f[3]) {
-  if (power == 3) return sum<3, true>(n, data, stride, y, f);
-  sum<5, true>(n, data, stride, y, f);
+void hermite(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,
+             const double y[3], double f[3]) {
+  if (power == 3) return sum<3, true>(n, data, stride, polynomial, y, f);
+  sum<5, true>(n, data, stride, polynomial, y, f);
 }
 
-void plain_jacobian(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                    double f[3], double j[9]) {
-  if (power == 1) return plain_jacobian_of<1>(n, data, stride, y, f, j);
-  if (power == 3) return plain_jacobian_of<3>(n, data, stride, y, f, j);
-  plain_jacobian_of<5>(n, data, stride, y, f, j);
+void plain_jacobian(int power, std::size_t n, const double* data, std::size_t stride,
+                    const double* polynomial, const double y[3], double f[3], double j[9]) {
+  if (power == 1) return plain_jacobian_of<1>(n, data, stride, polynomial, y, f, j);
+  if (power == 3) return plain_jacobian_of<3>(n, data, stride, polynomial, y, f, j);
+  plain_jacobian_of<5>(n, data, stride, polynomial, y, f, j);
 }
 
-void hermite_jacobian(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                      double f[3], double j[9]) {
-  if (power == 3) return hermite_jacobian_of<3>(n, data, stride, y, f, j);
-  hermite_jacobian_of<5>(n, data, stride, y, f, j);
+void hermite_jacobian(int power, std::size_t n, const double* data, std::size_t stride,
+                      const double* polynomial, const double y[3], double f[3], double j[9]) {
+  if (power == 3) return hermite_jacobian_of<3>(n, data, stride, polynomial, y, f, j);
+  hermite_jacobian_of<5>(n, data, stride, polynomial, y, f, j);
 }
 
 void supports(std::size_t n, const double* px, const double* py, const double* pz, const double axes[13][3],
@@ -223,9 +283,8 @@ void distances(std::size_t n, const double* __restrict px, const double* __restr
 
 void tangent(std::size_t n, const double* __restrict px, const double* __restrict py,
              const double* __restrict pz, const double* __restrict weight, const double* __restrict data,
-             std::size_t stride,
-             const double* __restrict distance, double nearest, double farthest, const double base[3],
-             double out[19]) {
+             std::size_t stride, const double* __restrict distance, double nearest, double farthest,
+             const double base[3], double out[19]) {
   const double floor = 1e-6 * farthest + 1e-300, scale = nearest / (farthest + floor);
   Pack sum[19] = {};
   for (std::size_t i = 0; i < n; i += width) {  // arrays have room for a whole vector, of weight 0
@@ -252,7 +311,7 @@ void tangent(std::size_t n, const double* __restrict px, const double* __restric
 }  // namespace
 
 extern const sums::Loops sum_loops;
-const sums::Loops sum_loops = {plain,  hermite,   plain_jacobian, hermite_jacobian, supports,
-                               extent, distances, tangent};
+const sums::Loops sum_loops = {plain,    hermite, plain_jacobian, hermite_jacobian,
+                               supports, extent,  distances,      tangent};
 
 }  // namespace forefeel::FOREFEEL_ISA

@@ -1,25 +1,25 @@
 #pragma once
 // The inner loops of model evaluation (paper Eq. 1), three force components together, in one translation unit
-// with -ffast-math, compiled for several instruction sets (instruction_set.hpp). n is a multiple of 8; padding
-// carries zero coefficients.
-// Plain: f_c += sum_i a_ic r^k. Hermite: f_c += sum_i a_ic r^k - k r^(k-2) (b_ic . d), d = y - p_i.
-// data: arrays of length stride one after the other: x y z, a_0 a_1 a_2, then (Hermite) b_00 b_01 b_02 b_10 …
-// b_22.
+// with -ffast-math, compiled for several instruction sets (instruction_set.hpp). n is a multiple of 8;
+// padding carries zero coefficients. Plain: f_c = p_c(y) + sum_i a_ic r^k. Hermite: f_c = p_c(y) + sum_i a_ic
+// r^k - k r^(k-2) (b_ic . d), d = y - p_i. data: arrays of length stride one after the other: x y z, a_0 a_1
+// a_2, then (Hermite) b_00 b_01 b_02 b_10 … b_22. polynomial: 10 x 4, coefficients over 1 x y z xx yy zz xy
+// xz yz of the three components, and a zero.
 
 #include <cstddef>
 
 namespace forefeel::sums {
 
 struct Loops {
-  void (*plain)(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                double f[3]);
-  void (*hermite)(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                  double f[3]);
-  // with j[3 * c + d] += df_c/dy_d
-  void (*plain_jacobian)(int power, std::size_t n, const double* data, std::size_t stride, const double y[3],
-                         double f[3], double j[9]);
+  void (*plain)(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,
+                const double y[3], double f[3]);
+  void (*hermite)(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,
+                  const double y[3], double f[3]);
+  // with j[3 * c + d] = df_c/dy_d
+  void (*plain_jacobian)(int power, std::size_t n, const double* data, std::size_t stride,
+                         const double* polynomial, const double y[3], double f[3], double j[9]);
   void (*hermite_jacobian)(int power, std::size_t n, const double* data, std::size_t stride,
-                           const double y[3], double f[3], double j[9]);
+                           const double* polynomial, const double y[3], double f[3], double j[9]);
   // Least and largest of axis . p_i over n >= 1 points, for 13 axes.
   void (*supports)(std::size_t n, const double* px, const double* py, const double* pz,
                    const double axes[13][3], double low[13], double high[13]);
@@ -28,14 +28,14 @@ struct Loops {
   void (*extent)(std::size_t n, const double* px, const double* py, const double* pz, const double* weight,
                  double out[5]);
   // distance[i] = |p_i - y|; the least and the largest over the points that count.
-  void (*distances)(std::size_t n, const double* px, const double* py, const double* pz,
-                    const double* weight, const double y[3], double* distance, double out[2]);
+  void (*distances)(std::size_t n, const double* px, const double* py, const double* pz, const double* weight,
+                    const double y[3], double* distance, double out[2]);
   // Mean tangent (model_data.hpp): sums over the points that count of w, w d, w f, w K, w K d with d = p_i -
-  // base, w = weight ((farthest / distance - 1) / farthest)^2 nearest^2; data: at 3 on f (3) and K (9) of each
-  // point in arrays of length stride. out: 1, 3, 3, 9, 3 values.
+  // base, w = weight ((farthest / distance - 1) / farthest)^2 nearest^2; data: at 3 on f (3) and K (9) of
+  // each point in arrays of length stride. out: 1, 3, 3, 9, 3 values.
   void (*tangent)(std::size_t n, const double* px, const double* py, const double* pz, const double* weight,
-                  const double* data, std::size_t stride, const double* distance, double nearest, double farthest,
-                  const double base[3], double out[19]);
+                  const double* data, std::size_t stride, const double* distance, double nearest,
+                  double farthest, const double base[3], double out[19]);
 };
 
 const Loops& loops();  // those of approx_instruction_set()

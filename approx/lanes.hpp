@@ -50,6 +50,27 @@ FOREFEEL_INLINE void store_from(double* at, Pack value, std::size_t first) {
 FOREFEEL_INLINE Pack same(double value) {
   return Pack{} + value;
 }
+// a b + c, rounded once.
+FOREFEEL_INLINE Pack fused(Pack a, Pack b, Pack c) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<Pack>(_mm512_fmadd_pd(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b),
+                                                reinterpret_cast<__m512d>(c)));
+#elif defined(__AVX2__)
+  return reinterpret_cast<Pack>(_mm256_fmadd_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b),
+                                                reinterpret_cast<__m256d>(c)));
+#else
+  for (std::size_t i = 0; i < width; ++i) c[i] = __builtin_fma(a[i], b[i], c[i]);
+  return c;
+#endif
+}
+// The same where the rounding between does not matter: fused only where that is one instruction.
+FOREFEEL_INLINE Pack times_plus(Pack a, Pack b, Pack c) {
+#if defined(__AVX2__)
+  return fused(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
 FOREFEEL_INLINE double sum_of(Pack p) {
 #if defined(__AVX512F__)
   return ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
@@ -59,7 +80,6 @@ FOREFEEL_INLINE double sum_of(Pack p) {
   return p[0] + p[1];
 #endif
 }
-
 
 // The first four of a vector of eight, zeros after them.
 FOREFEEL_INLINE Pack load_four(const double* at) {
@@ -116,8 +136,15 @@ FOREFEEL_INLINE void transpose(Pack x[width]) {
 #endif
 }
 
+#if defined(__AVX2__)
+typedef double Four __attribute__((vector_size(32)));
+
+FOREFEEL_INLINE Four load_quad(const double* at) {
+  return reinterpret_cast<Four>(_mm256_loadu_pd(at));
+}
+
 // The sums of four vectors.
-FOREFEEL_INLINE void sums_of(const Pack p[4], double out[4]) {
+FOREFEEL_INLINE Four sums_of(const Pack p[4]) {
 #if defined(__AVX512F__)
   __m256d half[2];
   for (int t = 0; t < 2; ++t) {
@@ -125,13 +152,17 @@ FOREFEEL_INLINE void sums_of(const Pack p[4], double out[4]) {
     const __m512d pairs = _mm512_add_pd(_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
     half[t] = _mm256_add_pd(_mm512_castpd512_pd256(pairs), _mm512_extractf64x4_pd(pairs, 1));
   }
-  _mm256_storeu_pd(out, _mm256_add_pd(_mm256_permute2f128_pd(half[0], half[1], 0x20),
-                                      _mm256_permute2f128_pd(half[0], half[1], 0x31)));
-#elif defined(__AVX2__)
-  const __m256d a = _mm256_hadd_pd(reinterpret_cast<__m256d>(p[0]), reinterpret_cast<__m256d>(p[1]));
-  const __m256d b = _mm256_hadd_pd(reinterpret_cast<__m256d>(p[2]), reinterpret_cast<__m256d>(p[3]));
-  _mm256_storeu_pd(out,
-                   _mm256_add_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31)));
+#else
+  const __m256d half[2] = {_mm256_hadd_pd(reinterpret_cast<__m256d>(p[0]), reinterpret_cast<__m256d>(p[1])),
+                           _mm256_hadd_pd(reinterpret_cast<__m256d>(p[2]), reinterpret_cast<__m256d>(p[3]))};
+#endif
+  return reinterpret_cast<Four>(_mm256_add_pd(_mm256_permute2f128_pd(half[0], half[1], 0x20),
+                                              _mm256_permute2f128_pd(half[0], half[1], 0x31)));
+}
+#endif
+FOREFEEL_INLINE void sums_of(const Pack p[4], double out[4]) {
+#if defined(__AVX2__)
+  _mm256_storeu_pd(out, reinterpret_cast<__m256d>(sums_of(p)));
 #else
   for (int t = 0; t < 4; ++t) out[t] = sum_of(p[t]);
 #endif

@@ -107,43 +107,17 @@ void Model::Impl::clear() {
   hermite = false;
   known = false;
   bound = 0;
-  hull.inner_squared = -1;
+  hull.inner_squared = quick = -1;
   bridge = 0;
 }
 
 void Model::Impl::raw(const double y[3], double f[3]) const noexcept {
-  const double x0 = y[0], x1 = y[1], x2 = y[2];
-  for (int c = 0; c < 3; ++c) {
-    const auto& p = polynomial[c];
-    f[c] = p[0] + p[1] * x0 + p[2] * x1 + p[3] * x2;
-    if (degree == 2)
-      f[c] += x0 * (p[4] * x0 + p[7] * x1 + p[8] * x2) + x1 * (p[5] * x1 + p[9] * x2) + p[6] * x2 * x2;
-  }
-  if (hermite)
-    sums::loops().hermite(power, padded, data.data(), stride, y, f);
-  else
-    sums::loops().plain(power, padded, data.data(), stride, y, f);
+  (hermite ? loops->hermite : loops->plain)(power, padded, data.data(), stride, polynomial[0].data(), y, f);
 }
 
 void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcept {
-  const double x0 = y[0], x1 = y[1], x2 = y[2];
-  for (int c = 0; c < 3; ++c) {
-    const auto& p = polynomial[c];
-    f[c] = p[0] + p[1] * x0 + p[2] * x1 + p[3] * x2;
-    j[3 * c] = p[1];
-    j[3 * c + 1] = p[2];
-    j[3 * c + 2] = p[3];
-    if (degree == 2) {
-      f[c] += x0 * (p[4] * x0 + p[7] * x1 + p[8] * x2) + x1 * (p[5] * x1 + p[9] * x2) + p[6] * x2 * x2;
-      j[3 * c] += 2 * p[4] * x0 + p[7] * x1 + p[8] * x2;
-      j[3 * c + 1] += 2 * p[5] * x1 + p[7] * x0 + p[9] * x2;
-      j[3 * c + 2] += 2 * p[6] * x2 + p[8] * x0 + p[9] * x1;
-    }
-  }
-  if (hermite)
-    sums::loops().hermite_jacobian(power, padded, data.data(), stride, y, f, j);
-  else
-    sums::loops().plain_jacobian(power, padded, data.data(), stride, y, f, j);
+  (hermite ? loops->hermite_jacobian : loops->plain_jacobian)(power, padded, data.data(), stride,
+                                                              polynomial[0].data(), y, f, j);
 }
 
 // E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of
@@ -209,7 +183,7 @@ Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
     }
     return saturate(Vec3(f[0], f[1], f[2]), keep, m.bound, gradient);
   };
-  if (m.power != 0 && y2 <= m.hull.inner_squared && m.bridge == 0) return rbf(jacobian);
+  if (y2 <= m.quick) return rbf(jacobian);
 
   if (!x.allFinite()) return saturate(m.tangent_force, keep, m.bound, nullptr);
   double slope = 0, weight = 1, gradient[3] = {};
@@ -252,6 +226,14 @@ Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 
 Vec3 Model::force(const Vec3& x) const noexcept {
+  const Impl& m = *impl_;
+  const Vec3 y = (x - m.centre) * m.inverse_scale;
+  if (y.squaredNorm() <= m.quick) {  // nearly always: the sum alone, far below the bound
+    Vec3 f;
+    m.raw(y.data(), f.data());
+    const double keep = full_share * m.bound;
+    if (f.squaredNorm() <= keep * keep) return f;
+  }
   return bounded(*impl_, x, nullptr);
 }
 

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "approx/aligned.hpp"
+#include "approx/kernel_sums.hpp"
 #include "approx/model.hpp"
 
 namespace forefeel {
@@ -26,6 +27,7 @@ namespace forefeel {
 class LatticeField;  // methods.hpp
 
 struct Model::Impl {
+  const sums::Loops* loops = &sums::loops();
   std::vector<StateId> states;
   Kernel kernel = Kernel::linear;
   bool hermite = false;
@@ -34,7 +36,7 @@ struct Model::Impl {
   std::size_t padded = 0;  // centres, padded to a multiple of 8
   std::size_t stride = 0;
   AlignedArray data;                                   // see kernel_sums.hpp
-  std::array<std::array<double, 10>, 3> polynomial{};  // per component over 1 x y z xx yy zz xy xz yz
+  std::array<std::array<double, 4>, 10> polynomial{};  // over 1 x y z xx yy zz xy xz yz, per component (and 0)
   Vec3 centre = Vec3::Zero();
   double scale = 1, inverse_scale = 1;
 
@@ -51,6 +53,7 @@ struct Model::Impl {
     void set(const double* px, const double* py, const double* pz, std::size_t n, double trusted);
     double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
   };
+  double quick = -1;  // |y|^2 up to which f~ is the sum alone; < 0: nowhere
   Hull hull, whole;   // of the states, in a gap those of the nearer side; of both
   double bridge = 0;  // beta: how much the second counts
   double bound = 0;                      // B [N]

@@ -113,7 +113,7 @@ void RbfFit::correct(Model::Impl& out, double by) {
     for (std::size_t i = 0; i < living_.size(); ++i)
       for (std::size_t t = 0; t < b; ++t)
         out.data[(3 + (t == 0 ? c : 2 + 3 * c + t)) * out.stride + i] += by * sign_ * lambda[living_[i] * b + t];
-    for (std::size_t t = 0; t < max_terms; ++t) out.polynomial[c][t] += by * polynomial_correction_[c][t];
+    for (std::size_t t = 0; t < max_terms; ++t) out.polynomial[t][c] += by * polynomial_correction_[c][t];
   }
 }
 

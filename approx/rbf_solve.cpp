@@ -37,7 +37,9 @@ bool RbfFit::write_sum(Model::Impl& out) {
   for (std::size_t c = 0; c < 3; ++c) {
     double values[max_terms];
     for (std::size_t j = 0; j < terms_; ++j) values[j] = coefficient_[c][j] - sign_ * sums[c * terms_ + j];
-    to_monomials(level_.degree, values, out.polynomial[c].data());
+    double monomials[max_terms];
+    to_monomials(level_.degree, values, monomials);
+    for (std::size_t t = 0; t < max_terms; ++t) out.polynomial[t][c] = monomials[t];
   }
   std::size_t n = 0;
   const std::size_t stride = out.stride, b = rows_per_slot_;
@@ -128,6 +130,7 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge) {
   set_bound(out, first);
   out.bridge = bridge;
   if (out.power != 0) write_hull(out, out.hull, true, mean);
+  out.quick = out.power != 0 && bridge == 0 ? out.hull.inner_squared : -1;
   if (out.power != 0 && bridge > 0) write_hull(out, out.whole, false, mean);
 
   const double origin[3] = {px_[first], py_[first], pz_[first]};

@@ -299,7 +299,7 @@ class Bench {
         positions[3 * i + c] = data.data[c * data.stride + i];
         coefficients[3 * i + c] = data.data[(3 + c) * data.stride + i];
       }
-      for (std::size_t t = 0; t < 4; ++t) coefficients[3 * n + 4 * c + t] = data.polynomial[c][t];
+      for (std::size_t t = 0; t < 4; ++t) coefficients[3 * n + 4 * c + t] = data.polynomial[t][c];
     }
     const auto scalar = [&](const Vec3& x) {
       const Vec3 y = (x - data.centre) * data.inverse_scale;
