@@ -100,8 +100,8 @@ FOREFEEL_INLINE void add_hermite(const double* data, std::size_t stride, std::si
 
 // A polynomial (10 x 4, see kernel_sums.hpp), quadratic for r^5 alone, and its gradient; p(t) is the t-th
 // coefficient of one component or of all.
-template <int K, class Coefficient>
-FOREFEEL_INLINE auto value_of(const Coefficient& p, const double* y) {
+template <int K, class Coefficient, class Value>
+FOREFEEL_INLINE auto value_of(const Coefficient& p, const Value* y) {
   if constexpr (K < 5) return (p(0) + y[0] * p(1)) + (y[1] * p(2) + y[2] * p(3));
   if constexpr (K == 5)
     return (p(0) + y[0] * (p(1) + y[0] * p(4) + y[1] * p(7) + y[2] * p(8))) +
@@ -116,27 +116,29 @@ FOREFEEL_INLINE double slope_of(const Coefficient& p, const double* y, int d) {
 
 // The sums of three vectors and the polynomial.
 template <int K>
-FOREFEEL_INLINE void finish(const Pack s[4], const double* p, const double* y, double* f) {
+FOREFEEL_INLINE void finish(const Pack s[4], const double* p, const Pack y[3], double* f) {
 #if defined(__AVX2__)
-  const Four all =
-      sums_of(s) + value_of<K>(
-                       [&](int t) __attribute__((always_inline)) { return load_quad(p + 4 * t); }, y);
+  const Four at[3] = {first_four(y[0]), first_four(y[1]), first_four(y[2])};
+  const auto all_of = [&](int t) __attribute__((always_inline)) { return load_quad(p + 4 * t); };
+  const Four all = sums_of(s) + value_of<K>(all_of, at);
   for (int c = 0; c < 3; ++c) f[c] = all[c];
 #else
-  for (int c = 0; c < 3; ++c)
-    f[c] = sum_of(s[c]) + value_of<K>(
-                              [&](int t) __attribute__((always_inline)) { return p[4 * t + c]; }, y);
+  const double at[3] = {y[0][0], y[1][0], y[2][0]};
+  for (int c = 0; c < 3; ++c) {
+    const auto one_of = [&](int t) __attribute__((always_inline)) { return p[4 * t + c]; };
+    f[c] = sum_of(s[c]) + value_of<K>(one_of, at);
+  }
 #endif
 }
 template <int K>
-FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, const double* y, double* f,
+FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, const Pack y[3], double* f,
                             double* j) {
   finish<K>(s, p, y, f);
-  for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d)
-      j[3 * c + d] = sum_of(t[3 * c + d]) +
-                     slope_of<K>(
-                         [&](int k) __attribute__((always_inline)) { return p[4 * k + c]; }, y, d);
+  const double at[3] = {y[0][0], y[1][0], y[2][0]};
+  for (int c = 0; c < 3; ++c) {
+    const auto one_of = [&](int k) __attribute__((always_inline)) { return p[4 * k + c]; };
+    for (int d = 0; d < 3; ++d) j[3 * c + d] = sum_of(t[3 * c + d]) + slope_of<K>(one_of, at, d);
+  }
 }
 
 template <int K, bool hermite>
@@ -160,7 +162,7 @@ FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, 
   for (int turn = 0; i < n; i += width, ++turn) add(i, turn);
   if constexpr (hermite)
     for (std::size_t c = 0; c < 3; ++c) s[c] += t[c];
-  finish<K>(s, polynomial, at, f);
+  finish<K>(s, polynomial, y, f);
 }
 
 template <int K>
@@ -179,7 +181,7 @@ FOREFEEL_INLINE void plain_jacobian_of(std::size_t n, const double* data, std::s
       t[3 * c + 2] += w * d.dz;
     }
   }
-  finish<K>(s, t, polynomial, at, f, j);
+  finish<K>(s, t, polynomial, y, f, j);
 }
 
 template <int K>
@@ -202,7 +204,7 @@ FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std:
       t[3 * c + 2] += radial * d.dz - step * bz;
     }
   }
-  finish<K>(s, t, polynomial, at, f, j);
+  finish<K>(s, t, polynomial, y, f, j);
 }
 
 void plain(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,

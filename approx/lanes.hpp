@@ -143,6 +143,14 @@ FOREFEEL_INLINE Four load_quad(const double* at) {
   return reinterpret_cast<Four>(_mm256_loadu_pd(at));
 }
 
+FOREFEEL_INLINE Four first_four(Pack p) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<Four>(_mm512_castpd512_pd256(reinterpret_cast<__m512d>(p)));
+#else
+  return p;
+#endif
+}
+
 // The sums of four vectors.
 FOREFEEL_INLINE Four sums_of(const Pack p[4]) {
 #if defined(__AVX512F__)

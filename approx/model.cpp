@@ -41,7 +41,6 @@ struct Axes {
 };
 const Axes axes;
 
-constexpr double full_share = 0.8;  // of the bound, up to which a force is left as it is
 
 // h(a): a itself up to keep, then smoothly on to limit; with its derivative.
 double soften(double a, double keep, double limit, double& derivative) {
@@ -169,7 +168,7 @@ Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
   if (m.lattice) return on_lattice(*m.lattice, x, jacobian);
   if (jacobian != nullptr) jacobian->setZero();
   if (!m.known) return Vec3::Zero();
-  const double keep = full_share * m.bound;
+  const double keep = Model::Impl::full_share * m.bound;
   const Vec3 y = (x - m.centre) * m.inverse_scale;
   const double y2 = y.squaredNorm();
   const auto rbf = [&](Mat3* gradient) {
@@ -231,8 +230,7 @@ Vec3 Model::force(const Vec3& x) const noexcept {
   if (y.squaredNorm() <= m.quick) {  // nearly always: the sum alone, far below the bound
     Vec3 f;
     m.raw(y.data(), f.data());
-    const double keep = full_share * m.bound;
-    if (f.squaredNorm() <= keep * keep) return f;
+    if (f.squaredNorm() <= m.kept_squared) return f;
   }
   return bounded(*impl_, x, nullptr);
 }

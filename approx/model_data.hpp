@@ -27,6 +27,7 @@ namespace forefeel {
 class LatticeField;  // methods.hpp
 
 struct Model::Impl {
+  static constexpr double full_share = 0.8;  // of the bound, up to which a force is left as it is
   const sums::Loops* loops = &sums::loops();
   std::vector<StateId> states;
   Kernel kernel = Kernel::linear;
@@ -57,6 +58,7 @@ struct Model::Impl {
   Hull hull, whole;   // of the states, in a gap those of the nearer side; of both
   double bridge = 0;  // beta: how much the second counts
   double bound = 0;                      // B [N]
+  double kept_squared = 0;               // (B / 1.25)^2
   double largest_stiffness = 0;          // K [N/m]
   std::uint64_t serial = 0;
 

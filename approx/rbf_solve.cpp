@@ -88,7 +88,8 @@ void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
     }
   }
   out.largest_stiffness = largest;
-  out.bound = 1.25 * (largest_of(slot_array(force_norm), slots_) + largest * out.hold);
+  out.bound = (largest_of(slot_array(force_norm), slots_) + largest * out.hold) / Model::Impl::full_share;
+  out.kept_squared = std::pow(Model::Impl::full_share * out.bound, 2);
 }
 
 // Tangent, hold distance and bound (see model_data.hpp). Shares fall to zero at the farthest state and with a
