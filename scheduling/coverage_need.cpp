@@ -133,39 +133,42 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
 }
 
 // A state asked for now is there after T. Where the hand will be at about that time counts most; what it passes
-// before is helped less, what it reaches later can wait. A path that is uncertain says less, and what it says less the
-// box says more. Before the hand has moved at all there is no path: the first states spread over the box.
+// before is helped less, what it reaches later can wait.
+double CoverageNeed::urgency(double t, double solve) {
+  const double late = (solve - t) / solve;
+  return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
+}
+
+// A prediction with deviation s says where the hand will be as far as s is small against 2 h: that share of its weight
+// is on the predicted point, the rest on the box around it as a Gaussian of width s. What is left of the weight goes to
+// the whole box by the time to reach each place. Before the hand has moved at all there is no path: the first states
+// spread over the box.
 void CoverageNeed::weigh(const PlannerView& view) {
-  const double solve = std::max(view.solve_seconds, 1e-3);
-  const auto urgency = [&](double t) {
-    const double late = (solve - t) / solve;
-    return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
-  };
-  places_.clear();
-  double on_path = 0, in_box = 0;
+  const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
   const Box& box = view.space.options().box;
-  const double h = view.space.options().spacing;
+  const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;
+  const bool still = !truth && view.space.empty() && !(view.hip.velocity.norm() > 0);
+  const double path_share = still ? 0.0 : options_.path_share;
+  double on_path = 0, in_box = 0;
+  for (const Prediction& p : view.predicted) on_path += urgency(p.horizon, solve);
+  for (Place& place : box_) in_box += place.weight = urgency(time_to_reach(place.at, view), solve);
+  for (Place& place : box_) place.weight *= in_box > 0 ? (1 - path_share) / in_box : 0;
+
+  places_.clear();
+  std::vector<double> near(box_.size());
   for (const Prediction& p : view.predicted) {
-    const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2));
-    const double weight = urgency(p.horizon);
+    const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
+    const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2)), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     for (std::size_t s = 0; s < scales; ++s) relabel(place, s);
-    on_path += weight;
     places_.push_back(place);
+    if (!(weight > 0) || sure > 0.99) continue;
+    double sum = 0;
+    for (std::size_t i = 0; i < box_.size(); ++i)
+      sum += near[i] = std::exp(-0.5 * (box_[i].at - place.at).squaredNorm() / (width * width));
+    for (std::size_t i = 0; sum > 0 && i < box_.size(); ++i) box_[i].weight += weight * (1 - sure) * near[i] / sum;
   }
-  const std::size_t path = places_.size();
   places_.insert(places_.end(), box_.begin(), box_.end());
-  for (std::size_t i = path; i < places_.size(); ++i) {
-    places_[i].weight = urgency(time_to_reach(places_[i].at, view));
-    in_box += places_[i].weight;
-  }
-  const bool known = !view.predicted.empty() && view.predicted.back().deviation == 0;
-  const bool still = !known && view.space.empty() && !(view.hip.velocity.norm() > 0);
-  const double path_share = still ? 0.0 : options_.path_share;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const double sum = i < path ? on_path : in_box, share = i < path ? path_share : 1 - path_share;
-    places_[i].weight *= sum > 0 ? share / sum : 0;
-  }
 }
 
 void CoverageNeed::shuffle_labels() {

@@ -10,7 +10,8 @@
 // at c mends the places within its reach 2 H of them, a little beyond where it makes a place sparse:
 //   V(c) = sum_q w(q) sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (2 H)^2)_+
 // over the states p that are being solved. w(q) is how soon the hand may be at q. The places are points of the path
-// ahead, as predicted or as known, folded into the box where it leaves it, and one in each cube of 2 h of the box.
+// ahead, as predicted or as known, folded into the box where it leaves it, and one in each cube of 2 h of the box, which
+// take over what an uncertain prediction does not say.
 
 #include <array>
 #include <cstdint>
@@ -52,6 +53,7 @@ class CoverageNeed {
   void relabel(Place& place, std::size_t scale) const;
   void weigh_scales(bool with_stiffness);
   void weigh(const PlannerView& view);
+  static double urgency(double t, double solve);
   void shuffle_labels();
 
   NeedOptions options_;

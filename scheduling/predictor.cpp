@@ -49,7 +49,9 @@ class ConstantVelocity final : public Predictor {
   double error2_ = 1e-6;                 // mean square per axis over the probing horizon [m^2]
 };
 
-// One filter for the three axes: they share covariance and gain, which do not depend on the data.
+// One filter for the three axes: they share covariance and gain, which do not depend on the data. How long a velocity
+// lasts is learnt: of the way that it foretold over 0.4 s the share that was gone in the end. The deviation is the
+// filter's own times the ratio of measured to expected error over 0.1 s.
 class Kalman final : public Predictor {
  public:
   void observe(const HipSample& sample) override {
@@ -61,8 +63,8 @@ class Kalman final : public Predictor {
       const double dt = sample.t - t_;
       if (dt != step_) {   // frames come evenly: the matrices are made once
         step_ = dt;
-        transition_ = transition(dt);
-        process_ = process(dt);
+        transition_ = transition(dt, forever);
+        process_ = process(dt, forever);
       }
       mean_ = transition_ * mean_;
       covariance_ = transition_ * covariance_ * transition_.transpose() + process_;
@@ -70,36 +72,85 @@ class Kalman final : public Predictor {
       mean_ += gain * (sample.at.transpose() - mean_.row(0));
       covariance_ -= gain * covariance_.row(0).eval();
       covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+      compare(sample, dt);
+      persist(sample, dt);
     }
     t_ = sample.t;
     seen_ = true;
+    const Prediction p = unscaled(probe);
+    made_.push_back({.t = sample.t + probe, .at = p.at, .deviation = p.deviation});
+    gone_.push_back({.t = sample.t + long_probe, .at = sample.at, .velocity = mean_.row(1).transpose()});
   }
 
   Prediction predict(double horizon) const override {
-    const Mat3 f = transition(horizon);
-    const Mat3 p = f * covariance_ * f.transpose() + process(horizon);
-    return {.horizon = horizon, .at = (f.row(0) * mean_).transpose(), .deviation = std::sqrt(std::max(p(0, 0), 0.0))};
+    Prediction p = unscaled(horizon);
+    p.deviation *= std::sqrt(ratio2_);
+    return p;
   }
 
  private:
-  static constexpr double noise = 1e-4;    // of a position [m]: tremor
-  static constexpr double tau = 0.15;      // of the acceleration [s]: voluntary motion is below 2 Hz
-  static constexpr double spread = 0.5;    // standard deviation of the acceleration [m/s^2]
+  static constexpr double noise = 5e-4;    // of a position [m]: tremor, which is no white noise
+  static constexpr double tau = 0.1;       // of the acceleration [s]: voluntary motion is below 2 Hz
+  static constexpr double spread = 0.25;   // standard deviation of the acceleration [m/s^2]
+  static constexpr double probe = 0.1, long_probe = 0.4;   // [s]
+  static constexpr double forever = 1e6;   // [s]
+  struct Made {
+    double t;
+    Vec3 at;
+    double deviation;
+  };
 
-  static Mat3 transition(double s) {
-    const double e = std::exp(-s / tau);
+  // The predictions that were made for times up to this sample's, against it.
+  void compare(const HipSample& sample, double dt) {
+    for (; !made_.empty() && made_.front().t <= sample.t; made_.pop_front()) {
+      const double error2 = (made_.front().at - sample.at).squaredNorm() / 3;
+      const double seen2 = std::min(error2 / (made_.front().deviation * made_.front().deviation), 1e6);
+      ratio2_ = std::max(ratio2_ + (1 - std::exp(-dt / 0.5)) * (seen2 - ratio2_), 0.1);
+    }
+  }
+  // beta = way gone along v T / |v T| over T = 0.4 s, a mean over the last seconds; tau_v (1 - exp(-T / tau_v)) = beta T.
+  void persist(const HipSample& sample, double dt) {
+    constexpr double long_memory = 2;   // [s]
+    for (; !gone_.empty() && gone_.front().t <= sample.t; gone_.pop_front()) {
+      const Vec3 foretold = long_probe * gone_.front().velocity;
+      const double keep = std::exp(-dt / long_memory);
+      along_ = keep * along_ + (1 - keep) * foretold.dot(sample.at - gone_.front().at);
+      length2_ = keep * length2_ + (1 - keep) * foretold.squaredNorm();
+    }
+    const double beta = std::clamp(length2_ > 0 ? along_ / length2_ : 1.0, 0.05, 1.0);
+    if (beta > 1 - 1e-4) {
+      tau_v_ = forever;
+      return;
+    }
+    double u = beta < 0.5 ? 1 / beta : 4 * (1 - beta);   // T / tau_v: Newton's method from above, monotone
+    for (int i = 0; i < 8; ++i) {
+      const double e = std::exp(-u);
+      u -= (1 - e - beta * u) / (e - beta);
+    }
+    tau_v_ = long_probe / u;
+  }
+  Prediction unscaled(double horizon) const {
+    const Mat3 f = transition(horizon, tau_v_);
+    const Mat3 p = f * covariance_ * f.transpose() + process(horizon, tau_v_);
+    return {.horizon = horizon, .at = (f.row(0) * mean_).transpose(), .deviation = std::sqrt(std::max(p(0, 0), 0.0))};
+  }
+
+  // Of dx = v, dv = a - v / tau_v, da = -a / tau.
+  static Mat3 transition(double s, double tau_v) {
+    const double fast = std::exp(-s / tau), slow = std::exp(-s / tau_v), way = -tau_v * std::expm1(-s / tau_v);
+    const double both = 1 / (1 / tau_v - 1 / tau);
     Mat3 f;
-    f << 1, s, tau * (s - tau * (1 - e)), 0, 1, tau * (1 - e), 0, 0, e;
+    f << 1, way, both * (tau * (1 - fast) - way), 0, slow, both * (fast - slow), 0, 0, fast;
     return f;
   }
-  // Singer's covariance of the driven state, by 4-point Gauss-Legendre quadrature of F(s) q F(s)^T over the step.
-  static Mat3 process(double s) {
+  // Covariance of the driven state, by 4-point Gauss-Legendre quadrature of F(s) q F(s)^T over the step.
+  static Mat3 process(double s, double tau_v) {
     constexpr double place[4] = {0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558};
     constexpr double weight[4] = {0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
     const double q = 2 * spread * spread / tau;
     Mat3 sum = Mat3::Zero();
     for (int i = 0; i < 4; ++i) {
-      const Eigen::Vector3d column = transition(place[i] * s).col(2);
+      const Eigen::Vector3d column = transition(place[i] * s, tau_v).col(2);
       sum += weight[i] * s * q * column * column.transpose();
     }
     return sum;
@@ -109,6 +160,10 @@ class Kalman final : public Predictor {
   double t_ = 0, step_ = 0;
   Mat3 mean_ = Mat3::Zero();   // rows x, v, a; a column per axis
   Mat3 covariance_ = Mat3::Zero(), transition_ = Mat3::Identity(), process_ = Mat3::Zero();
+  std::deque<Made> made_;      // predictions, by the time they are for
+  std::deque<HipSample> gone_; // where it was and how fast, by the time at which to look how far it got
+  double ratio2_ = 1;          // mean square of measured over expected error
+  double along_ = 0, length2_ = 0, tau_v_ = forever;
 };
 
 }  // namespace

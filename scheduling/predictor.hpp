@@ -1,9 +1,10 @@
 #pragma once
 // Where the HIP will be. Per axis, after observing x at frame times:
 //   constant-velocity   x(t + s) = x + v s, v smoothed over 30 ms
-//   kalman              state (x, v, a) with a decaying over tau_a (Singer 1970): a(t + s) = a exp(-s / tau_a);
-//                       constant acceleration over short horizons, no runaway over long ones; the deviation is the
-//                       filter's own
+//   kalman              state (x, v, a) with a decaying over tau_a (Singer 1970): constant acceleration over short
+//                       horizons, no runaway over long ones. Predictions let v decay too, dv = a - v / tau_v, as
+//                       hands turn; tau_v is learnt from the motion, infinite as long as it is straight. The
+//                       deviation is the filter's own, scaled by what it was seen to miss.
 
 #include <memory>
 #include <span>
