@@ -206,6 +206,8 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.cost = table.text("cost").value_or(session.cost);
   session.latency = table.number("latency", not_negative()).value_or(session.latency);
   session.arrivals = file_beside(table, "arrivals", folder);
+  session.batch = static_cast<int>(table.integer("batch", 0, 8).value_or(session.batch));
+  session.batch_share = table.number("batch_share", positive()).value_or(session.batch_share);
   session.preempt = table.boolean("preempt").value_or(session.preempt);
   session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
   session.error_floor = table.number("error_floor", positive()).value_or(session.error_floor);
@@ -277,7 +279,7 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   const SceneTable session =
       root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select", "method",
                            "placement", "visit_cell",
-                           "update_travel", "cost", "latency", "arrivals", "preempt", "seed", "error_floor",
+                           "update_travel", "cost", "latency", "arrivals", "preempt", "batch", "batch_share", "seed", "error_floor",
                            "reference_step", "jnd", "limits"});
   const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),
                               root.sub("material", {"law", "young", "poisson"}),

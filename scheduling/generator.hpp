@@ -4,15 +4,21 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "solver/solver.hpp"
 
 namespace forefeel {
 
 struct Job {
+  struct Neighbour {
+    std::uint32_t dispatch = 0;
+    Vec3 at = Vec3::Zero();                      // [m]
+  };
   std::uint32_t dispatch = 0;                    // row of dispatch.csv
   Vec3 at = Vec3::Zero();                        // [m]
-  std::shared_ptr<const Equilibrium> start;      // nearest known solution; null: rest
+  std::shared_ptr<const Equilibrium> start;      // nearest known solution, or where a solve of this one was broken off; null: rest
+  std::vector<Neighbour> beside = {};            // solved after it, on its factor
 };
 
 struct JobResult {
@@ -21,14 +27,15 @@ struct JobResult {
   double started = unknown, finished = unknown;  // session time [s]
   State state;                                   // status cancelled: nothing but the worker is given back
   std::shared_ptr<const Equilibrium> equilibrium;
+  std::shared_ptr<const Equilibrium> partial = {};   // cancelled: where it stood
 };
 
 class Generator {
  public:
   virtual ~Generator() = default;
   virtual int workers() const = 0;               // ready to take jobs; may grow
-  virtual void dispatch(int worker, Job job) = 0;   // the worker is idle
-  virtual void cancel(int worker) = 0;           // its result still comes: cancelled, or solved if it was too late
+  virtual void dispatch(int worker, Job job) = 0;   // the worker is idle; a result comes for each state of the job
+  virtual void cancel(int worker) = 0;           // results still come: cancelled, or solved if it was too late
 };
 
 }  // namespace forefeel

@@ -70,15 +70,19 @@ bool Planner::insert(const State& state, std::int64_t dispatch) {
 void Planner::receive(JobResult result, double now) {
   DispatchRecord& record = dispatches_[result.dispatch];
   Slot& slot = slots_[static_cast<std::size_t>(result.worker)];
-  slot.busy = slot.cancelling = false;
+  const auto member = std::ranges::find(slot.members, result.dispatch, &Member::dispatch);
+  const Candidate candidate = member->candidate;
+  slot.members.erase(member);
+  slot.cancelling = slot.cancelling && slot.busy();
   record.started = result.started;
   record.finished = result.finished;
   record.known = now;
   if (result.state.status == SolveStatus::cancelled) {
     record.status = "preempted";
     ++preempted_;
-    ++preemptions_[slot.candidate.order];
-    candidates_->put_back(slot.candidate);
+    ++preemptions_[candidate.order];
+    if (result.partial) partial_[candidate.order] = std::move(result.partial);
+    candidates_->put_back(candidate);
     return;
   }
   note_cost(result.finished - result.started);
@@ -178,7 +182,8 @@ PlannerView Planner::view(double now) const {
 void Planner::gather_pending(const Slot* but) {
   pending_.clear();
   for (const Slot& slot : slots_)
-    if (slot.busy && !slot.cancelling && &slot != but) pending_.push_back(slot.candidate.at);
+    if (!slot.cancelling && &slot != but)
+      for (const Member& member : slot.members) pending_.push_back(member.candidate.at);
 }
 
 void Planner::look(double now) {
@@ -215,17 +220,39 @@ void Planner::plan(double now) {
   if (std::ranges::all_of(slots_, &Slot::busy)) return consider_preemption(now);
   look(now);
   for (std::size_t worker = 0; worker < slots_.size() && !candidates_->empty(); ++worker) {
-    if (slots_[worker].busy) continue;
+    if (slots_[worker].busy()) continue;
     rank(now);
     const std::size_t chosen = best();
     const double priority = priorities_[chosen];
     const Candidate candidate = candidates_->refreshed(candidates_->take(chosen));
-    dispatch(static_cast<int>(worker), candidate, priority, now);
+    const std::vector<Candidate> beside = take_neighbours(candidate);
+    dispatch(static_cast<int>(worker), candidate, priority, beside, now);
     pending_.push_back(candidate.at);
+    for (const Candidate& c : beside) pending_.push_back(c.at);
   }
 }
 
-void Planner::dispatch(int worker, const Candidate& candidate, double priority, double now) {
+// The open candidates next to one, the best first: they share its factor.
+std::vector<Candidate> Planner::take_neighbours(const Candidate& of) {
+  std::vector<Candidate> taken;
+  const double reach = 1.1 * space_.options().spacing;
+  while (static_cast<int>(taken.size()) + 1 < options_.batch) {
+    const auto open = candidates_->open();
+    std::size_t next = open.size();
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if ((open[i].at - of.at).norm() > reach || open[i].passing) continue;
+      if (next == open.size() || priorities_[i] > priorities_[next] ||
+          (priorities_[i] == priorities_[next] && open[i].order < open[next].order))
+        next = i;
+    }
+    if (next == open.size()) break;
+    taken.push_back(candidates_->refreshed(candidates_->take(next)));
+    priorities_[next] = priorities_[candidates_->open().size()];   // take() puts the last one there
+  }
+  return taken;
+}
+
+std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now) {
   DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()),
                         .at = candidate.at,
                         .label = candidate.region,
@@ -234,12 +261,29 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
   record.started = now + options_.latency;   // until the worker tells
   record.status = "running";
   record.worker = worker;
-  const Start* start = nearest_start(candidate.at);
-  record.parent = start ? start->dispatch : -1;
+  record.parent = parent;
   dispatches_.push_back(record);
-  slots_[static_cast<std::size_t>(worker)] = {
-      .busy = true, .cancelling = false, .dispatch = record.id, .candidate = candidate, .since = now};
-  generator_.dispatch(worker, {.dispatch = record.id, .at = candidate.at, .start = start ? start->equilibrium : nullptr});
+  return record.id;
+}
+
+void Planner::dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now) {
+  const Start* start = nearest_start(candidate.at);
+  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  slot = {.cancelling = false, .members = {}, .since = now};
+  Job job{.dispatch = record_dispatch(worker, candidate, priority, start ? start->dispatch : -1, now),
+          .at = candidate.at,
+          .start = start ? start->equilibrium : nullptr,
+          .beside = {}};
+  if (const auto partial = partial_.find(candidate.order); partial != partial_.end()) {
+    job.start = std::move(partial->second);
+    partial_.erase(partial);
+  }
+  slot.members.push_back({job.dispatch, candidate});
+  for (const Candidate& c : beside) {
+    job.beside.push_back({.dispatch = record_dispatch(worker, c, priority, job.dispatch, now), .at = c.at});
+    slot.members.push_back({job.beside.back().dispatch, c});
+  }
+  generator_.dispatch(worker, std::move(job));
 }
 
 // Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twenty times as much:
@@ -256,13 +300,18 @@ void Planner::consider_preemption(double now) {
   Slot* weakest = nullptr;
   double least = 0.05;
   for (Slot& slot : slots_) {
-    const auto before = preemptions_.find(slot.candidate.order);
-    if (slot.cancelling || (before != preemptions_.end() && before->second >= 2)) continue;
+    const bool enough = std::ranges::any_of(slot.members, [&](const Member& member) {
+      const auto before = preemptions_.find(member.candidate.order);
+      return before != preemptions_.end() && before->second >= 2;
+    });
+    if (slot.cancelling || enough) continue;
     gather_pending(&slot);
     const PlannerView seen = view(now);
     const double gain = policy_->priority(waiting, seen);
     const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
-    const double worth = policy_->priority(candidates_->refreshed(slot.candidate), seen) / left;
+    double worth = 0;
+    for (const Member& member : slot.members)
+      worth = std::max(worth, policy_->priority(candidates_->refreshed(member.candidate), seen) / left);
     if (gain > 0 && worth < least * gain) {
       least = worth / gain;
       weakest = &slot;
@@ -328,7 +377,7 @@ void Planner::mark_used(const Model& model, double now) {
 }
 
 bool Planner::idle() const {
-  return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy; });
+  return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy(); });
 }
 
 void Planner::finish(SessionResult& result) {

@@ -45,11 +45,15 @@ class Planner {
   void finish(SessionResult& result);
 
  private:
-  struct Slot {                                      // one per worker
-    bool busy = false, cancelling = false;
+  struct Member {
     std::uint32_t dispatch = 0;
     Candidate candidate;
+  };
+  struct Slot {                                      // one per worker
+    bool cancelling = false;
+    std::vector<Member> members;                     // of its job that are not back yet, in the order they are solved
     double since = 0;
+    bool busy() const { return !members.empty(); }
   };
   struct Start {                                     // a solution to start from
     Vec3 at;
@@ -62,8 +66,10 @@ class Planner {
   void rank(double now);                             // priorities of the open candidates
   void look(double now);                             // before anything is ranked at this time
   std::size_t best() const;                          // index of the open candidate to solve next
+  std::vector<Candidate> take_neighbours(const Candidate& of);
   void gather_pending(const Slot* but);
-  void dispatch(int worker, const Candidate& candidate, double priority, double now);
+  std::uint32_t record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now);
+  void dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now);
   void consider_preemption(double now);
   const Start* nearest_start(const Vec3& x) const;
   void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
@@ -96,6 +102,7 @@ class Planner {
   std::vector<Start> starts_;
   std::size_t start_limit_ = 4096;
   std::unordered_map<std::uint32_t, int> preemptions_;   // by candidate order
+  std::unordered_map<std::uint32_t, std::shared_ptr<const Equilibrium>> partial_;   // the same: where a solve was broken off
   double preemption_checked_ = 0, solve_seconds_;
   std::vector<double> recent_costs_, costs_;
 

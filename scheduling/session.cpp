@@ -29,6 +29,8 @@ void check(const SessionInput& input, const SessionOptions& o) {
   expect(input.body != nullptr, "body", "there is none, expected a body to touch");
   expect(positive(o.seconds) && o.seconds <= 86400, "seconds", fmt::format("is {}, expected more than 0 and at most 86400", o.seconds));
   expect(o.workers >= 1 && o.workers <= 100000, "workers", fmt::format("is {}, expected 1 to 100000", o.workers));
+  expect(o.batch >= 0 && o.batch <= 8, "batch", fmt::format("is {}, expected 0 (by the clock) to 8 states", o.batch));
+  expect(positive(o.batch_share) && o.batch_share <= 1, "batch_share", fmt::format("is {}, expected a share above 0, at most 1", o.batch_share));
   expect(o.threads >= 0, "threads", fmt::format("is {}, expected 0 (all) or more", o.threads));
   expect(positive(o.frame) && o.frame <= 0.1, "frame", fmt::format("is {}, expected a frame time above 0 and at most 0.1 s", o.frame));
   expect(std::isfinite(o.latency) && o.latency >= 0, "latency", fmt::format("is {}, expected 0 s or more", o.latency));
@@ -81,6 +83,7 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   plan.frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   expect(plan.frames >= 1, "seconds", "is shorter than a frame");
   check_motion(plan);
+  if (options.batch == 0) plan.options.batch = options.clock == Clock::real ? 8 : 1;
   plan.options.force_limit = std::min(options.force_limit, plan.device->limits().force);
   if (knows_the_future(options.policy) && plan.device->answers_force())
     throw InputError("session.policy", fmt::format("'{}' knows the motion beforehand, but that of device {} depends on the force; "

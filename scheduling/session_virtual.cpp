@@ -4,6 +4,7 @@
 // nothing but the wait.
 
 #include <cmath>
+#include <map>
 #include <queue>
 #include <tuple>
 
@@ -44,65 +45,86 @@ class EventQueue {
   std::uint64_t sequence_ = 0;
 };
 
-// Simulated workers: a job reaches them a message later, takes what the cost model says, and its result comes a
-// message after that. A cancellation that arrives in time gives the worker back two messages after it was sent.
+// Simulated workers: a job reaches them a message later, each of its states takes what the cost model says (a neighbour
+// of the first its share of that), and its result comes a message after. A cancellation that arrives in time gives the
+// worker back two messages after it was sent; the work done on a state until then is not done again.
 class SimulatedWorkers final : public Generator {
  public:
-  SimulatedWorkers(int workers, const CostModel& cost, double latency, ReferenceService& references, EventQueue& events)
-      : cost_(cost), latency_(ns(latency)), references_(references), events_(events), running_(static_cast<std::size_t>(workers)) {}
+  SimulatedWorkers(int workers, const SessionOptions& options, const CostModel& cost, ReferenceService& references, EventQueue& events)
+      : cost_(cost), share_(options.batch_share), latency_(ns(options.latency)), references_(references), events_(events),
+        running_(static_cast<std::size_t>(workers)) {}
 
   void set_now(Nanoseconds now) { now_ = now; }
   int workers() const override { return static_cast<int>(running_.size()); }
 
   void dispatch(int worker, Job job) override {
-    Running& run = running_[static_cast<std::size_t>(worker)];
-    run.started = now_ + latency_;
-    run.finished = run.started + std::max<Nanoseconds>(1, ns(cost_.seconds(job.at)));
-    run.cancelled = false;
-    run.due = run.finished + latency_;
-    references_.request(job.at);
-    run.job = std::move(job);
-    events_.push(run.due, Kind::result, static_cast<std::uint64_t>(worker));
+    std::vector<Solve>& solves = running_[static_cast<std::size_t>(worker)];
+    solves.clear();
+    Nanoseconds begin = add(solves, worker, job.dispatch, job.at, 1, now_ + latency_);
+    for (const Job::Neighbour& neighbour : job.beside)
+      begin = add(solves, worker, neighbour.dispatch, neighbour.at, share_, begin);
   }
 
   void cancel(int worker) override {
-    Running& run = running_[static_cast<std::size_t>(worker)];
-    if (now_ + latency_ >= run.finished) return;   // solved before the message arrives
-    run.cancelled = true;
-    run.finished = std::max(run.started, now_ + latency_);
-    run.due = run.finished + latency_;
-    events_.push(run.due, Kind::result, static_cast<std::uint64_t>(worker));
+    const Nanoseconds arrives = now_ + latency_;
+    bool any = false;
+    for (Solve& solve : running_[static_cast<std::size_t>(worker)]) {
+      if (solve.returned || arrives >= solve.finished) continue;   // solved before the message arrives
+      if (arrives > solve.started) done_[solve.at] += arrives - solve.started;
+      solve.cancelled = any = true;
+      solve.started = std::min(solve.started, arrives);
+      solve.finished = arrives;
+      solve.due = arrives + latency_;
+    }
+    if (any) events_.push(arrives + latency_, Kind::result, static_cast<std::uint64_t>(worker));
   }
 
-  // Null for the event of a job that was cancelled before.
-  std::optional<JobResult> take(const Event& event) {
-    Running& run = running_[event.payload];
-    if (event.t != run.due || run.due == 0) return std::nullopt;
-    run.due = 0;
-    JobResult result{.dispatch = run.job.dispatch,
-                     .worker = static_cast<int>(event.payload),
-                     .started = seconds(run.started),
-                     .finished = seconds(run.finished),
-                     .state = {},
-                     .equilibrium = nullptr};
-    if (run.cancelled)
-      result.state.status = SolveStatus::cancelled;
-    else
-      result.state = references_.get(run.job.at);
-    return result;
+  // What is due at this event: nothing for states that were cancelled since.
+  void take(const Event& event, std::vector<JobResult>& results) {
+    results.clear();
+    for (Solve& solve : running_[event.payload]) {
+      if (solve.returned || solve.due != event.t) continue;
+      solve.returned = true;
+      JobResult& result = results.emplace_back();
+      result.dispatch = solve.dispatch;
+      result.worker = static_cast<int>(event.payload);
+      result.started = seconds(solve.started);
+      result.finished = seconds(solve.finished);
+      if (solve.cancelled)
+        result.state.status = SolveStatus::cancelled;
+      else
+        result.state = references_.get(solve.at);
+    }
   }
 
  private:
-  struct Running {
-    Job job;
+  struct Solve {
+    std::uint32_t dispatch = 0;
+    Vec3 at = Vec3::Zero();
     Nanoseconds started = 0, finished = 0, due = 0;
-    bool cancelled = false;
+    bool cancelled = false, returned = false;
   };
+  struct ByPlace {
+    bool operator()(const Vec3& a, const Vec3& b) const { return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]); }
+  };
+
+  Nanoseconds add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share, Nanoseconds begin) {
+    Nanoseconds cost = ns(share * cost_.seconds(at));
+    if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
+    const Nanoseconds end = begin + std::max<Nanoseconds>(1, cost);
+    solves.push_back({.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
+    references_.request(at);
+    events_.push(end + latency_, Kind::result, static_cast<std::uint64_t>(worker));
+    return end;
+  }
+
   const CostModel& cost_;
+  double share_;
   Nanoseconds latency_, now_ = 0;
   ReferenceService& references_;
   EventQueue& events_;
-  std::vector<Running> running_;
+  std::vector<std::vector<Solve>> running_;
+  std::map<Vec3, Nanoseconds, ByPlace> done_;   // on states whose solve was broken off
 };
 
 }  // namespace
@@ -110,8 +132,9 @@ class SimulatedWorkers final : public Generator {
 void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult& result, const ShowProgress& show) {
   const SessionOptions& options = plan.options;
   EventQueue events;
+  std::vector<JobResult> results;
   LoopLink link;
-  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers, *plan.cost, options.latency, references, events);
+  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers, options, *plan.cost, references, events);
   std::unique_ptr<StateWriter> writer;
   if (plan.input.state_file)
     writer = std::make_unique<StateWriter>(StateFile::open_or_create(
@@ -131,10 +154,9 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult&
     const double now = seconds(event.t);
     workers.set_now(event.t);
     if (event.kind == Kind::result) {
-      if (auto done = workers.take(event)) {
-        planner.receive(std::move(*done), now);
-        events.push(event.t, Kind::plan, 0);
-      }
+      workers.take(event, results);
+      for (JobResult& done : results) planner.receive(std::move(done), now);
+      if (!results.empty()) events.push(event.t, Kind::plan, 0);
     } else if (event.kind == Kind::arrival) {
       planner.arrive(references.get(plan.arrivals[event.payload].at), now);
     } else if (event.kind == Kind::plan) {

@@ -66,15 +66,36 @@ SolveOutcome StateSolver::reference(const Vec3& x) {
   return solver().reference(x, options_.spacing, options);
 }
 
-SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::stop_token stop) {
-  if (linear_) return linear_->at(x, options_.displacements);
+SolveOptions StateSolver::quick() const {
   SolveOptions options;
   options.tolerance = options_.tolerance;
   options.want_displacements = options_.displacements;
-  SolveOutcome outcome = solver().from(start ? *start : *solver().rest(), x, options, stop);
-  if (outcome.state.usable()) return outcome;
+  options.keep_factor = true;
+  return options;
+}
+
+void StateSolver::settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop) {
+  if (outcome.state.usable()) return;
   if (stop.stop_requested()) outcome.state.status = SolveStatus::cancelled;   // however it ended: it proves nothing
-  return outcome.state.status == SolveStatus::cancelled ? outcome : reference(x);
+  if (outcome.state.status != SolveStatus::cancelled) outcome = reference(x);
+}
+
+SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::stop_token stop) {
+  if (linear_) return linear_->at(x, options_.displacements);
+  SolveOutcome outcome = solver().from(start ? *start : *solver().rest(), x, quick(), stop);
+  settle(outcome, x, stop);
+  return outcome;
+}
+
+std::vector<SolveOutcome> StateSolver::beside(const Equilibrium* near, const std::vector<Vec3>& xs, std::stop_token stop) {
+  std::vector<SolveOutcome> outcomes;
+  if (linear_) {
+    for (const Vec3& x : xs) outcomes.push_back(linear_->at(x, options_.displacements));
+    return outcomes;
+  }
+  outcomes = solver().beside(near ? *near : *solver().rest(), xs, quick(), stop);
+  for (std::size_t i = 0; i < xs.size(); ++i) settle(outcomes[i], xs[i], stop);
+  return outcomes;
 }
 
 }  // namespace forefeel

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <vector>
 
 #include "solver/solver.hpp"
 
@@ -44,8 +45,12 @@ class StateSolver {
   SolveOutcome reference(const Vec3& x);                                             // tight, on the reference branch
   // From a known solution (null: rest); the reference branch where that fails.
   SolveOutcome from(const Equilibrium* start, const Vec3& x, std::stop_token stop);
+  // Neighbours of one just solved; those that fail as from().
+  std::vector<SolveOutcome> beside(const Equilibrium* near, const std::vector<Vec3>& xs, std::stop_token stop);
 
  private:
+  SolveOptions quick() const;
+  void settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop);
   Solver& solver();   // made at the first use: a cached run never needs one
   std::shared_ptr<const Body> body_;
   std::shared_ptr<LinearBasis> linear_;

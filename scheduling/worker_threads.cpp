@@ -22,10 +22,8 @@ void WorkerThreads::serve() {
       slot.job.reset();
       const std::stop_token stop = slot.stop.get_token();
       lock.unlock();
-      JobResult result = run(solver, worker, job, stop);
+      run(solver, worker, job, stop);
       lock.lock();
-      results_.push_back(std::move(result));
-      done_.notify_one();
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -34,14 +32,38 @@ void WorkerThreads::serve() {
   }
 }
 
-JobResult WorkerThreads::run(StateSolver& solver, int worker, const Job& job, std::stop_token stop) {
-  JobResult result{.dispatch = job.dispatch, .worker = worker, .started = now_(), .state = {}, .equilibrium = nullptr};
-  SolveOutcome outcome = solver.from(job.start.get(), job.at, stop);
-  result.finished = now_();
-  result.state = std::move(outcome.state);
-  result.state.at = job.at;
-  result.equilibrium = std::move(outcome.equilibrium);
-  return result;
+void WorkerThreads::give(JobResult result) {
+  const std::lock_guard lock(mutex_);
+  results_.push_back(std::move(result));
+  done_.notify_one();
+}
+
+// The state that is waited for first, and at once; then its neighbours together.
+void WorkerThreads::run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop) {
+  const auto result_of = [&](std::uint32_t dispatch, const Vec3& at, double started, SolveOutcome outcome) {
+    outcome.state.at = at;
+    return JobResult{.dispatch = dispatch,
+                     .worker = worker,
+                     .started = started,
+                     .finished = now_(),
+                     .state = std::move(outcome.state),
+                     .equilibrium = std::move(outcome.equilibrium),
+                     .partial = std::move(outcome.partial)};
+  };
+  const double started = now_();
+  SolveOutcome first = solver.from(job.start.get(), job.at, stop);
+  const std::shared_ptr<const Equilibrium> near = first.equilibrium ? first.equilibrium : job.start;
+  give(result_of(job.dispatch, job.at, started, std::move(first)));
+  if (job.beside.empty()) return;
+  const double later = now_();
+  std::vector<Vec3> xs;
+  for (const Job::Neighbour& neighbour : job.beside) xs.push_back(neighbour.at);
+  std::vector<SolveOutcome> outcomes = solver.beside(near.get(), xs, stop);
+  for (std::size_t i = 0; i < xs.size(); ++i) {
+    JobResult result = result_of(job.beside[i].dispatch, xs[i], later, std::move(outcomes[i]));
+    if (result.state.status != SolveStatus::cancelled) result.finished = result.started + result.state.seconds;   // its share
+    give(std::move(result));
+  }
 }
 
 void WorkerThreads::stop() {

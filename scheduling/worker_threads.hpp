@@ -40,7 +40,8 @@ class WorkerThreads final : public Generator {
     std::stop_source stop;
     std::condition_variable wake;
   };
-  JobResult run(StateSolver& solver, int worker, const Job& job, std::stop_token stop);
+  void run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop);
+  void give(JobResult result);
 
   std::shared_ptr<const Body> body_;
   StateSolverOptions options_;

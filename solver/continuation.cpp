@@ -27,12 +27,13 @@ Continuation::Continuation(std::shared_ptr<const Discretisation> discretisation)
 void Continuation::begin_at_rest() {
   std::fill(field_.u.begin(), field_.u.end(), 0.0);
   at_ = Vec3::Zero();
-  has_tangent_ = false;
+  has_tangent_ = has_factor_ = false;
   iterations_ = 0;
   kinks_ = {};
 }
 
 void Continuation::begin_at(const Vec3& at, const LocalField& field) {
+  has_factor_ = has_factor_ && at_ == at && field_.u == field.u;   // begun where the last solve ended
   field_.u = field.u;
   has_tangent_ = !field.tangent.empty();
   if (has_tangent_) field_.tangent = field.tangent;
@@ -43,19 +44,28 @@ void Continuation::begin_at(const Vec3& at, const LocalField& field) {
 
 bool Continuation::take_tangent() {
   if (has_tangent_) return true;
-  if (!newton_.factorise(field_.u)) return false;
+  if (!newton_.factorise(field_.u)) return has_factor_ = false;
   newton_.factor().tangent(field_.tangent.data());
-  return has_tangent_ = true;
+  return has_tangent_ = has_factor_ = true;
+}
+
+bool Continuation::prepare() {
+  if (!take_tangent()) return false;
+  return has_factor_ = has_factor_ || newton_.factorise(field_.u);
 }
 
 NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
                                    bool keep_factor) {
   NewtonReport report;
+  const Vec3 move = x - at_;
+  if (move.isZero(0) && !has_tangent_) {     // an iteration that was broken off goes on
+    trial_ = field_.u;
+    return correct_trial(x, tolerance, max_iterations, stop, keep_factor);
+  }
   if (!take_tangent()) {
     report.status = SolveStatus::diverged;
     return report;
   }
-  const Vec3 move = x - at_;
   predict(*d_, field_, move, x, trial_);
   predict(*d_, field_, 0.5 * move, 0.5 * (x + at_), half_);
   report = correct_trial(x, tolerance, max_iterations, stop, keep_factor);
@@ -79,6 +89,7 @@ NewtonReport Continuation::correct(const std::vector<double>& u, const Vec3& x, 
 
 NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
                                          bool keep_factor) {
+  has_factor_ = false;
   NewtonReport report = newton_.solve(trial_, tolerance, max_iterations, stop, keep_factor);
   iterations_ += report.iterations;
   if (report.status != SolveStatus::converged) return report;
@@ -92,7 +103,7 @@ NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int ma
   }
   std::swap(field_.u, trial_);
   at_ = x;
-  has_tangent_ = true;
+  has_tangent_ = has_factor_ = true;
   return report;
 }
 

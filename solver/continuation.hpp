@@ -36,6 +36,11 @@ class Continuation {
   double kink() const { return std::max(kinks_[0], kinks_[1]); }
 
   const LocalField& field() const { return field_; }         // with its tangent after an advance that converged
+  // The iterate that the last step ended with, where it did not converge.
+  const std::vector<double>& trial() const { return trial_; }
+  // Makes sure of a tangent at the point begun at, and of a factor near it; false where it is not stable.
+  bool prepare();
+  void forget_factor() { has_factor_ = false; }    // newton()'s was used elsewhere
   const Mat3& stiffness() const { return stiffness_; }       // after an advance or a correction that converged
   NewtonSolver& newton() { return newton_; }
 
@@ -52,6 +57,7 @@ class Continuation {
   Vec3 at_ = Vec3::Zero();
   Mat3 stiffness_ = Mat3::Zero();
   bool has_tangent_ = false;
+  bool has_factor_ = false;            // of, or near, field_
   int iterations_ = 0;
   std::array<double, 2> kinks_{};      // of the last step and the one before
 };

@@ -25,10 +25,11 @@ struct Solver::Impl {
   std::shared_ptr<const Body> body;
   std::shared_ptr<const Discretisation> d;
   Continuation path;
+  LaneSolver lanes;
   std::unique_ptr<LinearBody> linear;      // made at the first solve of a linear body
 
   explicit Impl(std::shared_ptr<const Body> b)
-      : body(std::move(b)), d(std::make_shared<const Discretisation>(discretise(*body))), path(d) {}
+      : body(std::move(b)), d(std::make_shared<const Discretisation>(discretise(*body))), path(d), lanes(d) {}
 
   void begin_at(const Equilibrium& start) {
     LocalField field;
@@ -63,6 +64,70 @@ struct Solver::Impl {
     if (out.state.min_jacobian <= 0) out.warnings.push_back("some elements are inverted: det F <= 0");
   }
 
+  void keep_partial(SolveOutcome& out) const {
+    auto partial = std::make_shared<Equilibrium>();
+    const std::vector<double>& u = path.trial();
+    const auto contact = static_cast<std::size_t>(3 * d->free_nodes);
+    partial->at = {u[contact], u[contact + 1], u[contact + 2]};
+    partial->displacements = d->to_nodes(u.data());
+    out.partial = std::move(partial);
+  }
+
+  // K, du/dx and the force's correction by V^T r_f from a factor at the equilibrium itself; false where it is not stable.
+  bool own_factor(LocalField& field, LaneResult& result) {
+    NewtonSolver& newton = path.newton();
+    path.forget_factor();
+    if (!newton.factorise(field.u)) return false;
+    result.stiffness = newton.factor().stiffness();
+    newton.factor().tangent(field.tangent.data());
+    std::vector<double> gradient(field.u.size(), 0.0);
+    d->kernels->gradient(d->view(), field.u.data(), gradient.data());
+    const auto contact = static_cast<std::size_t>(3 * d->free_nodes);
+    for (std::size_t c = 0; c < 3; ++c) {
+      double force = -gradient[contact + c];
+      for (std::size_t i = 0; i < contact; ++i) force -= field.tangent[c * gradient.size() + i] * gradient[i];
+      result.force[static_cast<int>(c)] = force;
+    }
+    return true;
+  }
+
+  // Up to eight states in lanes; false where a state is left to others.
+  std::array<bool, lane_count> run_lanes(const Vec3* xs, std::size_t count, const SolveOptions& options, SolveOutcome* out) {
+    std::array<LocalField, lane_count> fields;
+    std::vector<LocalField*> pointers;
+    for (std::size_t i = 0; i < count; ++i) {
+      predict(*d, path.field(), xs[i] - path.at(), xs[i], fields[i].u);
+      fields[i].tangent = path.field().tangent;
+      pointers.push_back(&fields[i]);
+    }
+    std::array<LaneResult, lane_count> results;
+    lanes.solve(path.newton().factor(), pointers, options.tolerance, results);
+    std::array<bool, lane_count> done{};
+    for (std::size_t i = 0; i < count; ++i) {
+      LaneResult& result = results[i];
+      done[i] = result.converged && result.min_jacobian > 0 && (result.stiffness_settled || own_factor(fields[i], result));
+      if (!done[i]) continue;
+      State& s = out[i].state;
+      s.at = xs[i];
+      s.parent = path.at();
+      s.status = SolveStatus::converged;
+      s.iterations = result.iterations;
+      s.residual = result.residual;
+      s.min_jacobian = result.min_jacobian;
+      s.force = result.force;
+      s.energy = result.energy;
+      s.stiffness = result.stiffness;
+      keep(fields[i], options, out[i]);
+    }
+    return done;
+  }
+
+  // Whether the trapezium rule on the stiffnesses leads from the one force to the other: no other branch in between.
+  bool fits(const State& a, const State& b) const {
+    const Vec3 foretold = a.force - 0.5 * (a.stiffness + b.stiffness) * (b.at - a.at);
+    return (foretold - b.force).norm() <= 0.1 * std::max({a.force.norm(), b.force.norm(), d->force_floor});
+  }
+
   SolveOutcome outcome(const NewtonReport& report, const Vec3& x, const Vec3& parent, const SolveOptions& options) {
     SolveOutcome out;
     State& s = out.state;
@@ -75,6 +140,7 @@ struct Solver::Impl {
     if (report.status != SolveStatus::converged) {
       out.warnings.push_back(fmt::format("not converged: {}, held at {:.4g} of {:.4g} m", name(report.status),
                                          (path.at() - parent).norm(), (x - parent).norm()));
+      if (report.status == SolveStatus::cancelled && path.iterations() > 0) keep_partial(out);
       return out;
     }
     s.force = report.force;
@@ -154,10 +220,38 @@ SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOp
     out = impl_->linear_outcome(x, start.at, options);
   } else {
     impl_->begin_at(start);
-    const NewtonReport report = impl_->path.advance(x, options.max_step, options.tolerance, options.max_iterations, stop);
+    const NewtonReport report = impl_->path.advance(x, options.max_step, options.tolerance, options.max_iterations, stop,
+                                                    options.keep_factor ? options.tolerance : 0);
     out = impl_->outcome(report, x, start.at, options);
   }
   out.state.seconds = seconds_since(begun);
+  return out;
+}
+
+std::vector<SolveOutcome> Solver::beside(const Equilibrium& near, const std::vector<Vec3>& xs, const SolveOptions& options,
+                                         std::stop_token stop) {
+  std::vector<SolveOutcome> out(xs.size());
+  std::vector<bool> done(xs.size(), false);
+  const auto begun = SteadyClock::now();
+  if (!is_linear(*impl_->body)) {
+    impl_->begin_at(near);
+    const bool ready = impl_->path.prepare();
+    for (std::size_t first = 0; ready && first < xs.size() && !stop.stop_requested(); first += lane_count) {
+      const std::size_t count = std::min<std::size_t>(lane_count, xs.size() - first);
+      const auto solved = impl_->run_lanes(&xs[first], count, options, &out[first]);
+      for (std::size_t i = 0; i < count; ++i) done[first + i] = solved[i];
+    }
+    std::size_t solved = 0;
+    for (std::size_t i = 0; i < xs.size(); ++i) {
+      for (std::size_t k = 0; k < xs.size() && done[i]; ++k)
+        if (k != i && done[k]) done[i] = impl_->fits(out[k].state, out[i].state);
+      solved += done[i];
+    }
+    for (std::size_t i = 0; i < xs.size(); ++i)
+      if (done[i]) out[i].state.seconds = seconds_since(begun) / static_cast<double>(solved);
+  }
+  for (std::size_t i = 0; i < xs.size(); ++i)
+    if (!done[i]) out[i] = from(near, xs[i], options, stop);
   return out;
 }
 

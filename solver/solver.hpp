@@ -26,11 +26,14 @@ struct SolveOptions {
   int max_iterations = 60;               // Newton iterations in all
   double max_step = 0;                   // continuation step [m]; 0: the whole way at once, halved where it fails
   bool want_displacements = false;
+  bool keep_factor = false;              // serves on while it contracts; K and du/dx are then corrected, to about 1e-5
 };
 
 struct SolveOutcome {
   State state;                                        // status says how it ended; never throws for divergence
   std::shared_ptr<const Equilibrium> equilibrium;     // null unless converged
+  // Cancelled after some iterations: where they stood. Not in equilibrium, but a start for from() all the same.
+  std::shared_ptr<const Equilibrium> partial;
   std::vector<std::string> warnings;
 };
 
@@ -49,6 +52,11 @@ class Solver {
   SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});
   // From a known equilibrium, directly; falls back to smaller steps. stop is looked at between iterations.
   SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options, std::stop_token stop = {});
+  // States near a known equilibrium, eight side by side on one factor there (the last solve's, if that was it): a
+  // fraction of the time of as many single solves. What does not contract, whose K does not settle or whose force is not
+  // what the stiffnesses between foretell is solved by from(). In the order of xs; what stop prevented is cancelled.
+  std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs, const SolveOptions& options,
+                                   std::stop_token stop = {});
 
  private:
   struct Impl;
