@@ -16,7 +16,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
 constexpr double pulled_to = 0.25;  // before the nearest state of a side,
 constexpr double pulled_r = 2;      // and for r, which a layer or two suit well, before a single side
-constexpr double band = 0.4;        // of the key, over which a weight rises
+constexpr double band = 0.4;        // of the key, over which a weight rises,
+constexpr double band_r5 = 1.2;     // and of r^5 on force, which trusts its outermost states farthest of all
 constexpr double farthest = 32;     // a far side
 constexpr double fading = 8;        // before that, over which it goes
 // Cosine to the axis within which a state counts for both sides.
@@ -36,7 +37,8 @@ double rise(double t) {
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
     : space_(space), n_(options.neighbours), most_(most_neighbours(n_)), rule_(options.select), h_(space.options().spacing),
-      pulled_(options.kernel == Kernel::linear ? pulled_r : pulled_to) {
+      pulled_(options.kernel == Kernel::linear ? pulled_r : pulled_to),
+      band_(options.kernel == Kernel::quintic && options.data == Data::force ? band_r5 : band) {
   const std::size_t room = std::max(most_candidates, 2 * n_ + 16);
   found_.reserve(room);
   candidates_.reserve(room);
@@ -133,7 +135,7 @@ void NeighbourSelector::weigh(std::size_t s, const Vec3& centre, double count) {
     end = key + (count - double(rank)) * (next - key);
   }
   for (Candidate& c : candidates_)
-    if (c.beyond[s] < end) c.weight[s] = rise((end - c.beyond[s]) / (band * h_));
+    if (c.beyond[s] < end) c.weight[s] = rise((end - c.beyond[s]) / (band_ * h_));
 }
 
 void NeighbourSelector::take_sides(const Vec3& hip) {

@@ -62,7 +62,7 @@ class NeighbourSelector {
   const StateSpace& space_;
   std::size_t n_, most_;  // of members that count in full, and in part
   Select rule_;
-  double h_, pulled_;  // the second in spacings
+  double h_, pulled_, band_;  // the last two in spacings
   std::vector<StateId> found_, last_;
   std::vector<Candidate> candidates_;
   std::vector<Neighbour> chosen_;

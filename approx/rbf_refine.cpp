@@ -10,7 +10,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t watched_at_once = 8;
+constexpr std::size_t watched_at_once = 12;
 // Where digits count as lost. Factors of lattices, fresh or not, stay below these: by a factor of two or more
 // for 25 to 75 Hermite and 100 to 300 plain states.
 constexpr double lost = 3e-14;            // misfit, per 100 rows, and P^T lambda, in units of the largest force
@@ -42,7 +42,7 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
     }
 
   const double per_row = out.power == 5 && !out.hermite ? 0.04 : 0.01;  // r^5 alone loses more
-  const double allowed = lost * largest * std::max(1.0, per_row * double(factor_.rows()));
+  const double allowed = lost * largest * std::max(0.4, per_row * double(factor_.rows()));
   const auto missed = [&](std::size_t i) {
     const std::uint32_t s = living_[i];
     if (slot_[s].dropped != 0) return false;

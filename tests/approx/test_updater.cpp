@@ -125,9 +125,10 @@ TEST_CASE("By label: a gap has both sides in balance, and crossing it shows no j
 // Jump = |M_i(x_i) - M_{i-1}(x_i)| over steps of 0.1 mm, M_i the model that belongs to x_i.
 TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the JND, forwards as backwards") {
   for (const int half_gap : {5, 7, 10})
-    for (const std::size_t m : {1u, 3u, 4u})
+    for (const ModelOptions& options : models)
       for (const double offset : {0.0, 0.013}) {
-        const ModelOptions& options = models[m];
+        const bool many = options.neighbours == 100 && options.kernel != Kernel::cubic;
+        if (many && (offset > 0 || half_gap < (options.kernel == Kernel::linear ? 10 : 7))) continue;  // to be quick
         CAPTURE(half_gap, name(options.kernel), name(options.data), offset);
         const StateSpace space = slab({{-half_gap - 6, -half_gap}, {half_gap, half_gap + 6}});
         ModelUpdater updater(space, options), back(space, options);
