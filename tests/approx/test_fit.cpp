@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "approx/model_data.hpp"
 #include "approx/updater.hpp"
 #include "geometry/error.hpp"
 #include "tests/approx/sets.hpp"
@@ -115,6 +116,38 @@ TEST_CASE("Kernel and degree step down by rank") {
     }
 }
 
+// What is right on a plane or a line: the interpolant of the level that the set determines, by an LU with complete
+// pivoting in long double, on the set's own plane or line; beside it a force that grows no faster than the bound.
+TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their level") {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> unit(-0.03, 0.03);
+  const auto on_plane = [&] {
+    const double a = unit(random), b = unit(random);
+    return Vec3(a, b, 0.25 * a - 0.5 * b);  // exact in binary
+  };
+  const auto on_line = [&] {
+    const double a = unit(random);
+    return Vec3(a, 0.5 * a, -0.25 * a);
+  };
+  for (const bool plane : {true, false}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 30; ++i) points.push_back(plane ? on_plane() : on_line());
+    const auto states = states_at(points);
+    for (const auto& [kernel, data] : cases) {
+      CAPTURE(plane, name(kernel), name(data));
+      const Model model = fit(states, {.kernel = kernel, .data = data}, Vec3::Zero());
+      const Model::Impl& impl = model.impl();
+      const Judge judge(states, impl.power, impl.degree, impl.hermite);
+      for (int q = 0; q < 50; ++q) {
+        const Vec3 x = plane ? on_plane() : on_line();
+        CHECK((model.force(x) - judge.force(x)).norm() < 1e-9);
+        const Vec3 beside = model.force(x + Vec3(0, 0, 0.01));
+        CHECK(beside.norm() <= model.force_bound());
+      }
+    }
+  }
+}
+
 TEST_CASE("One state, duplicates of one, and no state") {
   const State state = field_state({0.01, -0.004, 0.007});
   for (const auto& [kernel, data] : cases)
@@ -155,7 +188,7 @@ TEST_CASE("Offsets of a kilometre and other units change nothing beyond rounding
     CAPTURE(name(kernel), name(data));
     const ModelOptions options{.kernel = kernel, .data = data};
     const Model model = fit(states, options, Vec3::Zero());
-    for (const double unit : {1e3, 1e-3}) {  // lengths in mm, km
+    for (const double unit : {1e3, 1e6, 1e-3}) {  // lengths in mm, um, km
       auto scaled = states;
       for (auto& s : scaled) {
         s.at *= unit;
@@ -189,7 +222,7 @@ TEST_CASE("Beyond a flat front: finite, continuous, never above the bound") {
   for (const auto& [kernel, data] : cases)
     for (const std::size_t n : {4, 9, 25, 50, 100, 300})
       for (const double out : {0.006, 0.012, 0.018, 0.024, 0.06, 0.12}) {
-        if (data == Data::force_and_stiffness && n > 100) continue;
+        if (data == Data::force_and_stiffness && n > 100 && out != 0.024) continue;  // slow
         CAPTURE(name(kernel), name(data), n, out);
         const Vec3 hip(front + out, 0.3 * h, -0.4 * h);
         auto points = all;

@@ -50,23 +50,9 @@ std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vect
   return forces;
 }
 
-}  // namespace
-
-TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1", "[scipy]") {
-  if (!have_scipy()) {
-    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
-    return;
-  }
-  StateSpaceOptions options;
-  options.spacing = 0.006;
-  StateSpace space(options);
-  const auto states = states_at(lattice_points(4, 0.006));
-  for (const auto& s : states) space.insert(s);
-  std::vector<Vec3> points;
-  std::mt19937 random(17);
-  std::uniform_real_distribution<double> inside(-0.024, 0.024), outside(-0.033, 0.033);
-  for (int i = 0; i < 40; ++i) points.emplace_back(inside(random), inside(random), inside(random));
-  for (int i = 0; i < 20; ++i) points.emplace_back(outside(random), outside(random), outside(random));
+// linear and cubic, of all states and of the 100 nearest.
+void check_against_scipy(const StateSpace& space, const std::vector<State>& states,
+                         const std::vector<Vec3>& points) {
   for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
     for (const std::size_t n : {std::size_t{0}, std::size_t{100}}) {
       CAPTURE(name(kernel), n);
@@ -81,6 +67,30 @@ TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
       }
       CHECK(worst < 1e-9);
     }
+}
+
+StateSpace space_of(const std::vector<State>& states, double spacing) {
+  StateSpaceOptions options;
+  options.spacing = spacing;
+  StateSpace space(options);
+  for (const auto& s : states) space.insert(s);
+  return space;
+}
+
+}  // namespace
+
+TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1", "[scipy]") {
+  if (!have_scipy()) {
+    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
+    return;
+  }
+  const auto states = states_at(lattice_points(4, 0.006));
+  std::vector<Vec3> points;
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> inside(-0.024, 0.024), outside(-0.033, 0.033);
+  for (int i = 0; i < 40; ++i) points.emplace_back(inside(random), inside(random), inside(random));
+  for (int i = 0; i < 20; ++i) points.emplace_back(outside(random), outside(random), outside(random));
+  check_against_scipy(space_of(states, 0.006), states, points);
 }
 
 TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy]") {
@@ -99,10 +109,7 @@ TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy
   std::vector<State> states;
   generate_lattice(body, generate, {}, [&](State s) { states.push_back(std::move(s)); }, {});
   REQUIRE(states.size() > 300);
-  StateSpaceOptions options;
-  options.spacing = generate.spacing;
-  StateSpace space(options);
-  for (const auto& s : states) space.insert(s);
+  const StateSpace space = space_of(states, generate.spacing);
   std::vector<Vec3> points;
   std::mt19937 random(23);
   std::uniform_real_distribution<double> anywhere(-0.03, 0.03);
@@ -112,18 +119,5 @@ TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy
     space.nearest(x, 101, nearest);  // which 100 are nearest must not be a matter of rounding
     if ((space[nearest[100]].at - x).norm() - (space[nearest[99]].at - x).norm() > 1e-9) points.push_back(x);
   }
-  for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
-    for (const std::size_t n : {std::size_t{0}, std::size_t{100}}) {
-      CAPTURE(name(kernel), n);
-      const auto expected = scipy_forces(states, points, kernel, n);
-      ModelUpdater updater(
-          space, {.kernel = kernel, .neighbours = n == 0 ? states.size() : n, .select = Select::nearest});
-      double worst = 0;
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        const Model model = updater.model_at(points[i]);
-        worst = std::max(worst,
-                         (model.force(points[i]) - expected[i]).norm() / std::max(expected[i].norm(), 0.05));
-      }
-      CHECK(worst < 1e-9);
-    }
+  check_against_scipy(space, states, points);
 }

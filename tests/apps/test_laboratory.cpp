@@ -102,6 +102,19 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   CHECK(again.json()["experiments"]["extrapolation"] == found["experiments"]["extrapolation"]);
 }
 
+TEST_CASE("what should vanish and does not is exit 1, with all that was found", "[laboratory]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  // A hand that feels everything: no jump is below what it can tell.
+  const Workshop::Outcome outcome = shop.forefeel(
+      "reproduce extrapolation beam.toml --depth 9 --json --set session.jnd.share=1e-12 --set session.jnd.floor=1e-12 -o out");
+  INFO(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["experiments"]["extrapolation"]["curves"].size() == 9);
+  CHECK_THAT(outcome.err, Catch::Contains("Hermite") && Catch::Contains("jumps by"));
+  CHECK_THAT(shop.files(), Catch::Contains("out/report.html"));
+}
+
 TEST_CASE("experiments that cannot be run", "[laboratory]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());

@@ -1,0 +1,164 @@
+// forefeel evaluate: against SciPy through the whole chain, hostile sets of states, options that cannot be.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/apps/executable.hpp"
+
+using namespace forefeel;
+using test::beam_scene;
+using test::Workshop;
+
+namespace {
+
+const std::filesystem::path shared_liver = FOREFEEL_SOURCE_DIR "/../shared/data/liver";
+
+nlohmann::json run(const Workshop& shop, const std::string& arguments, int code = 0) {
+  const Workshop::Outcome outcome = shop.forefeel(arguments);
+  INFO("forefeel " << arguments << "\n" << outcome.err);
+  REQUIRE(outcome.code == code);
+  return outcome.json();
+}
+
+void check_refused(const Workshop& shop, const std::string& arguments,
+                   const std::vector<std::string>& mentions) {
+  const std::string before = shop.files();
+  const Workshop::Outcome outcome = shop.forefeel(arguments);
+  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  CHECK(outcome.out.empty());
+  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
+  CHECK(shop.files() == before);
+}
+
+double length(const nlohmann::json& v) {
+  return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+}
+
+// Writes points inside the box of the states whose 100 nearest states are unique, and SciPy's forces there.
+constexpr const char* oracle = R"(
+import csv, json, sys
+import numpy
+from scipy.interpolate import RBFInterpolator
+from scipy.spatial import cKDTree
+rows = list(csv.DictReader(open("states.csv")))
+at = numpy.array([[float(r[k]) for k in ("x", "y", "z")] for r in rows])
+force = numpy.array([[float(r[k]) for k in ("fx", "fy", "fz")] for r in rows])
+low, high = at.min(0), at.max(0)
+points = low + (high - low) * numpy.random.default_rng(3).random((60, 3))
+distance, _ = cKDTree(at).query(points, 101)
+points = points[distance[:, 100] - distance[:, 99] > 1e-9]
+numpy.savetxt("points.csv", points, delimiter=",", header="x,y,z", comments="", fmt="%.17g")
+answers = {"states": len(at)}
+for kernel in ("linear", "cubic"):
+    for n in (None, 100):
+        field = RBFInterpolator(at, force, neighbors=n, kernel=kernel, degree=1)
+        answers[kernel + ("100" if n else "all")] = field(points).tolist()
+json.dump(answers, open("answers.json", "w"))
+)";
+
+}  // namespace
+
+TEST_CASE("generate, export and evaluate equal SciPy on the liver's states", "[scipy]") {
+  const Workshop shop;
+  if (shop.shell("/usr/bin/python3 -c 'import scipy.interpolate'").code != 0) {
+    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
+    return;
+  }
+  std::string scene = "beam.toml --set state_space.spacing=0.004";
+  if (std::filesystem::exists(shared_liver / "liver_patch.toml"))
+    scene = (shared_liver / "liver_patch.toml").string() + " --set state_space.spacing=0.012";
+  else
+    shop.write("beam.toml", beam_scene());
+  run(shop, "generate " + scene + " -o l.states --json --quiet");
+  REQUIRE(shop.forefeel("export l.states -o states.csv --quiet").code == 0);
+  shop.write("oracle.py", oracle);
+  REQUIRE(shop.shell("/usr/bin/python3 oracle.py").code == 0);
+  std::ifstream in(shop.path() / "answers.json");
+  const nlohmann::json answers = nlohmann::json::parse(in);
+  REQUIRE(answers["states"].get<int>() > 100);
+  for (const std::string kernel : {"linear", "cubic"})
+    for (const std::string n : {"all", "100"}) {
+      CAPTURE(scene, kernel, n);
+      const auto found =
+          run(shop, "evaluate l.states --points points.csv --data force --select nearest --kernel " + kernel +
+                        " --neighbours " + (n == "all" ? answers["states"].dump() : n) + " --json");
+      const auto& expected = answers[kernel + n];
+      REQUIRE(found["forces"].size() == expected.size());
+      REQUIRE(expected.size() >= 30);
+      double worst = 0;
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        const std::vector<double> a = found["forces"][i], b = expected[i];
+        worst = std::max(
+            worst, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / std::max(length(expected[i]), 0.05));
+      }
+      CHECK(worst < 1e-9);
+    }
+}
+
+TEST_CASE("hostile sets of states: every force is finite and below its bound", "[evaluate]") {
+  const Workshop shop;
+  shop.write("points.csv", "x,y,z\n0,0,0\n0.003,0.001,-0.002\n0.02,-0.01,0.005\n0.3,0.1,-0.2\n1e6,0,0\n");
+  const std::string header = "x,y,z,fx,fy,fz\n";
+  const std::vector<std::pair<std::string, std::string>> sets = {
+      {"one", header + "0.01,0,0,-1,0,0\n"},
+      {"two", header + "0.01,0,0,-1,0,0\n0.02,0,0,-2,0,0\n"},
+      {"three", header + "0.01,0,0,-1,0,0\n0.02,0,0,-2,0,0\n0,0.01,0,0,-1,0\n"},
+      {"four", header + "0.01,0,0,-1,0,0\n0.02,0,0,-2,0,0\n0,0.01,0,0,-1,0\n0,0,0.01,0,0,-1\n"},
+      {"at rest",
+       header + "0,0,0,0,0,0\n0.006,0,0,0,0,0\n0,0.006,0,0,0,0\n0,0,0.006,0,0,0\n0.006,0.006,0.006,0,0,0\n"},
+      {"contradictory", header + "0,0,0,1,0,0\n0,0,0,-1,0,0\n0.006,0,0,1,2,3\n0.006,0,0,-3,2,1\n0.006,1e-9,0,"
+                                 "9,9,9\n0,0.006,0,0,0,1\n"
+                                 "0,0,0.006,0,1,0\n0.006,0.006,0.006,1,1,1\n"},
+      {"one far",
+       header + "0,0,0,0,0,0\n0.006,0,0,-1,0,0\n0,0.006,0,0,-1,0\n0,0,0.006,0,0,-1\n1e3,0,0,-5,0,0\n"},
+      {"tiny",
+       header + "0,0,0,0,0,0\n1e-8,0,0,-1,0,0\n0,1e-8,0,0,-1,0\n0,0,1e-8,0,0,-1\n1e-8,1e-8,1e-8,-1,-1,-1\n"},
+      {"huge", header + "0,0,0,0,0,0\n1e5,0,0,-1e9,0,0\n0,1e5,0,0,-1e9,0\n0,0,1e5,0,0,-1e9\n1e5,1e5,1e5,-1e9,"
+                        "-1e9,-1e9\n"}};
+  for (const auto& [set, text] : sets) {
+    shop.write("states.csv", text);
+    for (const std::string kernel : {"linear", "cubic", "quintic"})
+      for (const std::string more :
+           {"", " --select nearest --ridge 0.01", " --neighbours 3 --ridge auto", " --spacing 0.006"}) {
+        CAPTURE(set, kernel, more);
+        const auto found =
+            run(shop, "evaluate states.csv --points points.csv --json --kernel " + kernel + more);
+        REQUIRE(found["forces"].size() == 5);
+        for (std::size_t i = 0; i < 5; ++i) {
+          for (const auto& component : found["forces"][i])
+            REQUIRE(component.is_number());  // null where not finite
+          CHECK(length(found["forces"][i]) <= found["force_bounds"][i].get<double>());
+        }
+      }
+  }
+}
+
+TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
+  const Workshop shop;
+  shop.write("points.csv", "x,y,z\n0,0,0\n");
+  shop.write("states.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.006,0,0,-1,0,0\n");
+  shop.write("nan.csv", "x,y,z,fx,fy,fz\n0,0,0,nan,0,0\n");
+  shop.write("nan_points.csv", "x,y,z\nnan,0,0\n");
+  shop.write("no_points.csv", "x,y,z\n");
+  shop.write("short.csv", "x,y,z,fx,fy\n0,0,0,0,0\n");
+  const std::string all = "evaluate states.csv --points points.csv ";
+  check_refused(shop, "evaluate nan.csv --points points.csv", {"nan.csv"});
+  check_refused(shop, "evaluate short.csv --points points.csv", {"short.csv"});
+  check_refused(shop, "evaluate absent.csv --points points.csv", {"absent.csv"});
+  check_refused(shop, "evaluate states.csv --points nan_points.csv", {"nan_points.csv"});
+  check_refused(shop, "evaluate states.csv --points no_points.csv", {"no_points.csv"});
+  check_refused(shop, all + "--data force+stiffness", {"stiffness"});
+  check_refused(shop, all + "--kernel linear --data force+stiffness", {"stiffness"});
+  check_refused(shop, all + "--ridge -1", {"--ridge"});
+  check_refused(shop, all + "--ridge nan", {"--ridge"});
+  check_refused(shop, all + "--ridge 1x", {"--ridge", "auto"});
+  check_refused(shop, all + "--kernel septic", {"--kernel"});
+  check_refused(shop, all + "--method magic", {"--method"});
+  check_refused(shop, all + "--method trilinear", {"lattice"});
+  check_refused(shop, all + "--spacing 0", {"--spacing"});
+  check_refused(shop, all + "-o absent/out.csv", {"absent"});
+}
