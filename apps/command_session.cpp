@@ -16,6 +16,7 @@
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
 #include "geometry/state_file.hpp"
+#include "scheduling/mpi_workers.hpp"
 #include "scheduling/predictor.hpp"
 #include "scheduling/run_files.hpp"
 
@@ -36,6 +37,7 @@ struct SessionArguments {
   std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor;
   std::optional<double> seconds, latency;
   std::optional<int> workers;
+  bool mpi = false;
 };
 
 template <class T>
@@ -160,14 +162,25 @@ void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::pat
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
+void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, SessionOptions& options) {
+  if (options.clock != Clock::real)
+    throw InputError("--mpi", "has no use under the virtual clock, whose workers are simulated; expected --clock real");
+  if (mpi->ranks() < 2) throw InputError("--mpi", "there is one rank, expected more: mpirun -n 3 forefeel session --mpi … has two workers");
+  if (given.workers && *given.workers != mpi->ranks() - 1)
+    throw InputError("--workers", fmt::format("is {}, but with --mpi the workers are the {} other ranks", *given.workers, mpi->ranks() - 1));
+  options.workers = mpi->ranks() - 1;
+  options.mpi = mpi;
+}
+
 // What is wrong with the device or the cost was said by the scene unless it was given here.
 bool from_scene(const InputError& error, const SessionArguments& given) {
   return (error.where().starts_with("device") && !given.device) || (error.where().starts_with("cost") && !given.cost);
 }
 
-int run_session_command(const Globals& globals, const SessionArguments& given) {
+int run_session_command(const Globals& globals, const SessionArguments& given, const std::shared_ptr<MpiGroup>& mpi) {
   const Scene scene = load_scene(given.scene, globals.set);
   SessionOptions options = options_of(scene, given, globals);
+  if (mpi) join(mpi, given, options);
   SessionInput input{.body = scene.body,
                      .identity = scene.identity,
                      .space = scene.space,
@@ -184,6 +197,10 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
     if (!from_scene(error, given)) throw;
     throw InputError(scene.file.string() + ": session: " + error.where(),
                      std::string(error.what()).substr(error.where().size() + 2));
+  }
+  if (options.mpi && options.mpi->rank() > 0) {
+    options.mpi->serve(input.body, {.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements});
+    return 0;
   }
   if (!given.seconds) options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
@@ -220,18 +237,37 @@ int run_session_command(const Globals& globals, const SessionArguments& given) {
   return 1;
 }
 
+// All ranks read the same input, so bad input ends them all; rank 0 says why.
+int run_with_mpi(const Globals& globals, const SessionArguments& given) {
+  if (!MpiGroup::built())
+    throw InputError("--mpi", "this build has no MPI, expected one made after `bash apps/setup.sh mpi`");
+  const auto mpi = std::make_shared<MpiGroup>();
+  if (mpi->rank() == 0) return run_session_command(globals, given, mpi);
+  try {
+    return run_session_command(globals, given, mpi);
+  } catch (const std::exception& error) {
+    if (mpi->told_to_stop(10)) return 2;
+    fmt::print(stderr, "forefeel: rank {}: {}\n", mpi->rank(), error.what());
+    mpi->abort(2);
+  }
+}
+
 }  // namespace
 
 void add_session(CLI::App& app, Commands& commands) {
   const auto given = std::make_shared<SessionArguments>();
   CLI::App& sub = add_command(app, commands, "session", "A headless haptic session: workers solve while a 1 kHz loop renders",
-                              [&commands, given] { return run_session_command(commands.globals, *given); });
+                              [&commands, given] {
+                                return given->mpi ? run_with_mpi(commands.globals, *given)
+                                                  : run_session_command(commands.globals, *given, nullptr);
+                              });
   sub.add_option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults")->required();
   sub.add_option("--states", given->states, "States known at the start; new ones are appended (.states)")->type_name("S");
   sub.add_option("--device", given->device, "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
   sub.add_option("--clock", given->clock, "real or virtual");
   sub.add_option("--seconds", given->seconds, "Length [s]");
   sub.add_option("--workers", given->workers, "Workers that solve");
+  sub.add_flag("--mpi", given->mpi, "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
   sub.add_option("--policy", given->policy, "What is solved next");
   sub.add_option("--predictor", given->predictor, "kalman or constant-velocity");
   sub.add_option("--switch", given->switching, "paper, smooth or none");

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are missing: `setup.sh` what builds and runs forefeel, `setup.sh tests` also
-# what its tests compare with, `setup.sh sanitizers` also clang for the thread sanitizer. Safe to repeat; needs root,
+# what its tests compare with, `setup.sh sanitizers` also clang for the thread sanitizer, `setup.sh mpi` also Open MPI for
+# workers in other processes. Safe to repeat; needs root,
 # or sudo, only when something is missing.
 set -euo pipefail
 
@@ -11,7 +12,8 @@ case "${1:-}" in
   "") ;;
   tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx) ;;
   sanitizers) packages+=(clang libomp-dev) ;;
-  *) echo "setup.sh: '$1' is unknown, expected nothing, tests or sanitizers" >&2; exit 2 ;;
+  mpi) packages+=(openmpi-bin libboost-mpi-dev libopenmpi-dev) ;;
+  *) echo "setup.sh: '$1' is unknown, expected nothing, tests, sanitizers or mpi" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null; then

@@ -3,6 +3,8 @@
 // receive(). Implemented by threads (real clock) and by simulated workers (virtual clock).
 
 #include <cstdint>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -36,6 +38,15 @@ class Generator {
   virtual int workers() const = 0;               // ready to take jobs; may grow
   virtual void dispatch(int worker, Job job) = 0;   // the worker is idle; a result comes for each state of the job
   virtual void cancel(int worker) = 0;           // results still come: cancelled, or solved if it was too late
+};
+
+// Workers of the real clock.
+class RealWorkers : public Generator {
+ public:
+  // Results since the last call; waits up to `timeout` seconds for one.
+  virtual void collect(std::vector<JobResult>& out, double timeout) = 0;
+  virtual void stop() = 0;                            // running solves are cancelled; collect() once more for what is left
+  virtual std::exception_ptr failure() const = 0;     // of a worker, if any
 };
 
 }  // namespace forefeel

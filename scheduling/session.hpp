@@ -22,6 +22,8 @@
 
 namespace forefeel {
 
+class MpiGroup;
+
 class ReferenceService;
 
 enum class Clock { real, virtual_time };
@@ -48,6 +50,7 @@ struct SessionOptions {
   // (0.4 to 0.6 measured on bodies of 1.7 and 8 thousand tetrahedra).
   int batch = 0;
   double batch_share = 0.5;
+  std::shared_ptr<MpiGroup> mpi;           // real clock: its other ranks are the workers; null: threads
   std::string predictor = "kalman";        // or constant-velocity
   std::uint64_t seed = 0;
   double frame = 1e-3;                     // [s]

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <thread>
 
+#include "scheduling/mpi_workers.hpp"
 #include "scheduling/session_parts.hpp"
 #include "scheduling/worker_threads.hpp"
 
@@ -93,7 +94,7 @@ std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& ref
 struct PlannerRun {
   const SessionPlan& plan;
   Planner& planner;
-  WorkerThreads& workers;
+  RealWorkers& workers;
   LoopLink& link;
   std::vector<State> arriving;
   Nanoseconds start;
@@ -123,8 +124,14 @@ struct PlannerRun {
               .label = planner.label(), .phase = "session"});
       }
     }
-    workers.collect(results, 0);   // what was solved meanwhile is kept
-    for (JobResult& result : results) planner.receive(std::move(result), now());
+  }
+
+  // What was solved meanwhile is kept.
+  void keep_rest() {
+    std::vector<JobResult> results;
+    workers.collect(results, 0);
+    for (JobResult& result : results)
+      if (result.state.status != SolveStatus::cancelled) planner.receive(std::move(result), now());
   }
 };
 
@@ -143,9 +150,12 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
   RenderLoop loop(*plan.device, link, options, plan.frames);
   const LockedMemory locked(result);
   const Nanoseconds start = monotonic() + 20000000;   // threads are up by then
-  WorkerThreads workers(plan.input.body,
+  const auto session_time = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
+  WorkerThreads threads(plan.input.body,
                         {.spacing = plan.input.space.spacing, .tolerance = 1e-6, .displacements = plan.input.displacements},
-                        [start] { return static_cast<double>(monotonic() - start) / 1e9; });
+                        session_time);
+  const std::unique_ptr<RealWorkers> ranks = options.mpi ? options.mpi->workers(session_time) : nullptr;
+  RealWorkers& workers = ranks ? *ranks : threads;
   Planner planner(plan.input, options, workers, link, hooks_of(plan, writer.get()));
   PlannerRun run{plan, planner, workers, link, std::move(arriving), start, show};
   LoopEnd end;
@@ -160,14 +170,15 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
     }
     workers.stop();
   });
-  const int team = plan.given_arrivals ? 1 : options.workers;
+  const int team = plan.given_arrivals || ranks ? 1 : options.workers;
   omp_set_dynamic(0);
 #pragma omp parallel num_threads(team)
   {
-    if (!plan.given_arrivals) workers.serve();
+    if (!plan.given_arrivals && !ranks) threads.serve();
   }
   planner_thread.join();
   loop_thread.join();
+  if (!failure) run.keep_rest();
   if (writer) writer->flush();
   if (failure) std::rethrow_exception(failure);
   if (workers.failure()) std::rethrow_exception(workers.failure());

@@ -17,22 +17,21 @@
 
 namespace forefeel {
 
-class WorkerThreads final : public Generator {
+class WorkerThreads final : public RealWorkers {
  public:
   using Now = std::function<double()>;   // session time [s]
   WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now);
 
   // A worker's whole life: returns after stop(). Does not throw; see failure().
   void serve();
-  void stop();                           // running solves are cancelled
+  void stop() override;
 
   int workers() const override;
   void dispatch(int worker, Job job) override;
   void cancel(int worker) override;
 
-  // Results since the last call; waits up to `timeout` seconds for one.
-  void collect(std::vector<JobResult>& out, double timeout);
-  std::exception_ptr failure() const;    // of a worker, if any
+  void collect(std::vector<JobResult>& out, double timeout) override;
+  std::exception_ptr failure() const override;
 
  private:
   struct Slot {
