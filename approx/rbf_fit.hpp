@@ -7,7 +7,8 @@
 //
 // A model is watched at some of its own states. Where it misses them by more than a fresh factor would, its
 // coefficients are refined with the misfit in twice the working precision and the factor that is there
-// (Wilkinson 1963, ch. 3), so that an updated model is as good as one made anew however old its factor is.
+// (Wilkinson 1963, ch. 3), so that an updated model is as good as one made anew however old its factor is; or
+// all is made anew where that takes less time.
 //
 // Kernel and degree step down together where the states do not determine the polynomial: r^5 + quadratic ->
 // r^3 + linear -> r + constant -> tangent. Rank decides: pivots of P^T P.
@@ -92,6 +93,7 @@ class RbfFit {
   void leave(std::size_t slot);
   bool write_sum(Model::Impl& out);
   bool has_lost_digits(const Model::Impl& out);
+  bool refit_is_cheaper() const;
   bool refine(Model::Impl& out);
   double misfit(const Model::Impl& out);
   void constraint(const Model::Impl& out, double* rest) const;

@@ -10,13 +10,15 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t watched_at_once = 12;
+// States watched at a time: an evaluation of a small set costs little beside its update.
+constexpr std::size_t watched(std::size_t n) { return n <= 16 ? n : n <= 32 ? 16 : 8; }
 // Where digits count as lost. Factors of lattices, fresh or not, stay below these: by a factor of two or more
 // for 25 to 75 Hermite and 100 to 300 plain states.
 constexpr double lost = 3e-14;            // misfit, per 100 rows, and P^T lambda, in units of the largest force
 constexpr double least_pivot = 1e-5;      // of K
 constexpr double least_determined = 1e-3; // pivot ratio of P
 constexpr int most_refinements = 6;
+constexpr std::size_t most_refined = 32;  // states; a refit of more takes less time than a refinement
 constexpr double settled = 1e-8;  // last correction against the coefficients
 
 }  // namespace
@@ -49,18 +51,19 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
     const double y[3] = {px_[s], py_[s], pz_[s]};
     double f[3];
     out.raw(y, f);
+    double squared = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       const double left = slot_array(force + c)[s] - f[c] - sign_ * ridge(s, 0) * out.data[(3 + c) * out.stride + i];
-      if (!(std::abs(left) <= allowed)) return true;
+      squared += left * left;
     }
-    return false;
+    return !(squared <= allowed * allowed);
   };
   // The state that is known least apart from the others, where errors gather first, and others in turn.
   bool lost_some = false;
   const auto at = std::ranges::lower_bound(living_, static_cast<std::uint32_t>(weakest / rows_per_slot_));
   if (at != living_.end()) lost_some = missed(static_cast<std::size_t>(at - living_.begin()));
   if (!updated_) watched_ = 0;
-  for (std::size_t t = 0; t < std::min(watched_at_once, n) && !lost_some; ++t) {
+  for (std::size_t t = 0; t < watched(n) && !lost_some; ++t) {
     watched_ = watched_ + 1 < n ? watched_ + 1 : 0;
     lost_some = missed(watched_);
   }
@@ -116,6 +119,9 @@ void RbfFit::correct(Model::Impl& out, double by) {
     for (std::size_t t = 0; t < max_terms; ++t) out.polynomial[t][c] += by * polynomial_correction_[c][t];
   }
 }
+
+// Each round sums over all pairs of states in twice the working precision.
+bool RbfFit::refit_is_cheaper() const { return mode_ == Mode::automatic && updated_ && alive_ > most_refined; }
 
 // False where it did not converge: more has been lost than the factor can bring back.
 bool RbfFit::refine(Model::Impl& out) {

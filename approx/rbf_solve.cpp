@@ -62,7 +62,7 @@ bool RbfFit::write_sum(Model::Impl& out) {
   out.padded = (n + 7) / 8 * 8;
   for (std::size_t a = 0; a < (b == 4 ? 15u : 6u); ++a)
     std::fill(out.data.data() + a * stride + n, out.data.data() + a * stride + out.padded, 0.0);
-  return !has_lost_digits(out) || refine(out);
+  return !has_lost_digits(out) || (!refit_is_cheaper() && refine(out));
 }
 
 namespace {

@@ -13,7 +13,7 @@
 namespace forefeel::bench {
 namespace {
 
-constexpr std::size_t inside_count = 100, outside_count = 36;
+constexpr std::size_t inside_count = 300, outside_count = 36;
 constexpr double tolerance = 1e-9;
 
 void take_body(Case& bench, const Globals& globals, const std::string& file) {
