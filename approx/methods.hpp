@@ -3,10 +3,10 @@
 // covers it holds the force of the nearest state unless said otherwise.
 //   trilinear     on the lattice {k h}^3, cells with all eight corners (Matyska, Peterlik 2007)
 //   tricubic      cubic convolution on the lattice; quadratic ghost values beyond the border
-//   deflection    force-deflection curves along directions from rest, linear in depth and between the three
-//   nearest
-//                 directions (Mahvash, Hayward 2004)
-//   two_force     linear in position along the line through the two nearest states (Picinbono et al. 2002)
+//   deflection    force-deflection curves along directions from rest, linear in depth, on from the last two states
+//                 beyond a curve's end, and between the three nearest directions (Mahvash, Hayward 2004)
+//   two_force     linear in position along the line through two states (Picinbono et al. 2002): those that a
+//                 simulation which computes forces along its way would have computed last, the two nearest
 //   offline_rbf   one RBF model of all states (Peterlik et al.)
 //   rbf_network   r^3 and linear p by least squares with fewer centres than states (De et al.)
 

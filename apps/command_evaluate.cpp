@@ -71,13 +71,14 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
   const bool stiffness =
       std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
   ModelOptions options;
+  const bool offline = arguments.method == "offline-rbf";  // of all states at once: on force unless asked otherwise
   options.kernel = arguments.kernel == "linear"  ? Kernel::linear
                    : arguments.kernel == "cubic" ? Kernel::cubic
                    : !arguments.kernel.empty()   ? Kernel::quintic
-                   : stiffness                   ? Kernel::quintic
+                   : stiffness && !offline       ? Kernel::quintic
                                                  : Kernel::cubic;
   if (arguments.data.empty())
-    options.data = stiffness && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
+    options.data = stiffness && !offline && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
   else
     options.data = arguments.data == "force" ? Data::force : Data::force_and_stiffness;
   if (options.data == Data::force_and_stiffness && !stiffness)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -24,6 +25,10 @@ const std::vector<Experiment>& experiments() {
       {"energy", "Energy around closed loops", reproduce_energy},
       {"speed", "Sustained HIP speed against workers", reproduce_speed, true}};
   return all;
+}
+
+std::string percent(double share) {
+  return std::isfinite(share) ? fmt::format("{:.3g} %", 100 * share) : "–";
 }
 
 std::string paragraph(const std::string& lead, const std::string& text) {

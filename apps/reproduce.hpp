@@ -45,6 +45,8 @@ Findings reproduce_speed(Laboratory&, const ReproduceOptions&, const std::filesy
 
 const std::vector<Experiment>& experiments();  // in the order of the report
 
+// "3.2 %", or a dash where it is not known.
+std::string percent(double share);
 // A paragraph of text; what is given is escaped.
 std::string paragraph(const std::string& lead, const std::string& text);
 

@@ -253,10 +253,6 @@ Picture picture(const Fig2& fig, const PaperGround& ground) {
           960, 940, script};
 }
 
-std::string percent(double share) {
-  return std::isfinite(share) ? fmt::format("{:.3g} %", 100 * share) : "–";
-}
-
 std::string shown(const Jump& jump) {
   return std::isfinite(jump.s)
              ? fmt::format("{:.3g} N = {:.2g} JND at {:.1f} mm", jump.size, jump.jnd, 1e3 * jump.s)
@@ -301,6 +297,12 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
         percent(at_end(errors(curve_of(fig, "sparse", m), true))), shown(events[0]), shown(events[1]));
   }
   const Curve& ours = curve_of(fig, "gap", 2);
+  const double held = at_end(errors(curve_of(fig, "blank", 2), true)), cubic = at_end(errors(curve_of(fig, "blank", 1), true));
+  if (held > cubic)
+    text += fmt::format(
+        "At the far end of the blank area ours is worse than r3 ({} against {}): its force is held where the body goes on "
+        "stiffening, which is the price of a bound. ",
+        percent(held), percent(cubic));
   return text + fmt::format(
                     "Ours (Hermite r5, 25 states by label, extrapolation bounded): blank space ends at {}, "
                     "sparse at {}. The two sides of the gap share "

@@ -76,6 +76,44 @@ TEST_CASE("Deflection curves are exact for a linear body and linear in depth") {
   CHECK(curves.force(Vec3::Zero()).norm() == 0);
 }
 
+TEST_CASE("A deflection curve goes through its states, is straight between them and goes on beyond") {
+  const auto stiffening = [](double d) { return -(40 * d + 1e5 * d * d * d); };
+  std::vector<State> states;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double depth : {0.01, 0.02, 0.03}) {
+      State s = field_state(depth * Vec3::Unit(axis));
+      s.force = stiffening(depth) * Vec3::Unit(axis);
+      states.push_back(s);
+    }
+  const Approximation curves(Method::deflection, states, {});
+  const auto along = [&](double d) { return curves.force(Vec3(0, d, 0))[1]; };
+  for (const double d : {0.01, 0.02, 0.03}) CHECK(along(d) == Approx(stiffening(d)).epsilon(1e-12));
+  CHECK(along(0.004) == Approx(0.4 * stiffening(0.01)).epsilon(1e-12));
+  CHECK(along(0.0125) == Approx(0.75 * stiffening(0.01) + 0.25 * stiffening(0.02)).epsilon(1e-12));
+  CHECK(along(0.04) == Approx(2 * stiffening(0.03) - stiffening(0.02)).epsilon(1e-12));
+  // Between directions: at the depth of x, each by its share of the direction.
+  const Vec3 x = 0.02 * Vec3(1, 2, 2) / 3;
+  CHECK((curves.force(x) - stiffening(0.02) * Vec3(1, 2, 2) / 3).norm() < 1e-12);
+  CHECK((curves.force(Vec3(0, -0.01, 0)) + curves.force(Vec3(0, 0.01, 0))).norm() < 1e-12);
+}
+
+// Least squares: what is left is orthogonal to every centre's function and to the polynomial.
+TEST_CASE("A network with fewer centres than states leaves what no change of its weights can mend") {
+  const auto states = states_at(inside(120, 0.03, 9));
+  const Approximation network(Method::rbf_network, states, {.centres = 25});
+  const RbfNetwork same(states, 25);
+  CHECK(same.centres() == 25);
+  double left = 0, across[4] = {};
+  for (const auto& s : states) {
+    const double rest = (s.force - network.force(s.at))[0];
+    left += std::abs(rest);
+    across[0] += rest;
+    for (int d = 0; d < 3; ++d) across[1 + d] += rest * s.at[d] / 0.03;
+  }
+  CHECK(left > 1e-3);
+  for (const double sum : across) CHECK(std::abs(sum) < 1e-9 * left);
+}
+
 TEST_CASE("Two forces extrapolate along their line") {
   std::vector<State> states(2);
   states[0].at = Vec3(0.01, 0, 0);
