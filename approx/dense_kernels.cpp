@@ -1,6 +1,8 @@
 // Compiled once per instruction set.
 #include "approx/dense_kernels.hpp"
 
+#include <type_traits>
+
 #include "approx/lanes.hpp"
 
 namespace forefeel::FOREFEEL_ISA {
@@ -11,6 +13,14 @@ using dense::most_rows;
 constexpr std::size_t block = 8;                           // columns that a solve takes at a time
 constexpr std::size_t most_together = width == 8 ? 20 : 8;  // vectors of an update that fit into registers
 constexpr std::size_t rows_together = width == 8 ? 4 : 2;  // rows whose factors fit into registers
+
+// action(n) with n, Least <= n <= Most, known when this is compiled.
+template <std::size_t Least, std::size_t Most, class Action>
+FOREFEEL_INLINE void with_count(std::size_t n, const Action& action) {
+  if constexpr (Least < Most)
+    if (n != Least) return with_count<Least + 1, Most>(n, action);
+  action(std::integral_constant<std::size_t, Least>{});
+}
 
 // S -= factors times rows of length `count` (a multiple of the width) at from[t * stride], t < C.
 template <std::size_t P, std::size_t C>
@@ -108,19 +118,10 @@ void solve_rows(const double* l, std::size_t stride, const double* inverse, cons
     for (std::size_t r = 0; r < count; r += rows_together) {
       double* x = rows + r * row_stride;
       double* s = side + r * border;
-      switch (count - r < rows_together ? count - r : rows_together) {
-        case 1:
-          subtract_block<1>(l, stride, y, m, c, x, row_stride, s);
-          break;
-        case 2:
-          subtract_block<2>(l, stride, y, m, c, x, row_stride, s);
-          break;
-        case 3:
-          subtract_block<3>(l, stride, y, m, c, x, row_stride, s);
-          break;
-        default:
-          subtract_block<4>(l, stride, y, m, c, x, row_stride, s);
-      }
+      const std::size_t some = count - r < rows_together ? count - r : rows_together;
+      with_count<1, 4>(some, [&](auto rows_of) __attribute__((always_inline)) {
+        subtract_block<rows_of>(l, stride, y, m, c, x, row_stride, s);
+      });
     }
   }
   for (std::size_t r = 0; r < count; ++r)
@@ -320,24 +321,9 @@ void update_columns(double* l, std::size_t stride, double* inverse, double* y, s
     if (count > 12) return update_by<16>(l, stride, inverse, y, first, last, m, v, vs, side);
     if (count > 8) return update_by<12>(l, stride, inverse, y, first, last, m, v, vs, side);
   }
-  switch (count) {
-    case 1:
-      return update_by<1>(l, stride, inverse, y, first, last, m, v, vs, side);
-    case 2:
-      return update_by<2>(l, stride, inverse, y, first, last, m, v, vs, side);
-    case 3:
-      return update_by<3>(l, stride, inverse, y, first, last, m, v, vs, side);
-    case 4:
-      return update_by<4>(l, stride, inverse, y, first, last, m, v, vs, side);
-    case 5:
-      return update_by<5>(l, stride, inverse, y, first, last, m, v, vs, side);
-    case 6:
-      return update_by<6>(l, stride, inverse, y, first, last, m, v, vs, side);
-    case 7:
-      return update_by<7>(l, stride, inverse, y, first, last, m, v, vs, side);
-    default:
-      return update_by<8>(l, stride, inverse, y, first, last, m, v, vs, side);
-  }
+  with_count<1, 8>(count, [&](auto together) __attribute__((always_inline)) {
+    update_by<together>(l, stride, inverse, y, first, last, m, v, vs, side);
+  });
 }
 
 // Rows from `begin` on of one column.
@@ -493,37 +479,7 @@ void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t st
     for (std::size_t k = j + 1; k < all; ++k)
       (k < q ? upper[j * q + k] : right[(k - q) * q + j]) = products[k - j] / length;
     double* c = columns + j * stride;
-    switch (all - j - 1) {
-      case 12:
-        take_out<12>(m, c, stride, products);
-        break;
-      case 11:
-        take_out<11>(m, c, stride, products);
-        break;
-      case 10:
-        take_out<10>(m, c, stride, products);
-        break;
-      case 9:
-        take_out<9>(m, c, stride, products);
-        break;
-      case 8:
-        take_out<8>(m, c, stride, products);
-        break;
-      case 7:
-        take_out<7>(m, c, stride, products);
-        break;
-      case 6:
-        take_out<6>(m, c, stride, products);
-        break;
-      case 5:
-        take_out<5>(m, c, stride, products);
-        break;
-      case 4:
-        take_out<4>(m, c, stride, products);
-        break;
-      default:
-        take_out<3>(m, c, stride, products);
-    }
+    with_count<3, 12>(all - j - 1, [&](auto after) __attribute__((always_inline)) { take_out<after>(m, c, stride, products); });
   }
   double* rest = columns + q * stride;
   if (q == 10) {

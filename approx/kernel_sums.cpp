@@ -22,7 +22,7 @@ FOREFEEL_INLINE Pack divided_root(Pack x) {
 }
 
 // g sqrt(x) / g for an estimate g of sqrt(x) and e = 1 - g^2 / x: the series of (1 - e)^(-1/2).
-FOREFEEL_INLINE Pack refined(Pack g, Pack e) {
+[[maybe_unused]] FOREFEEL_INLINE Pack refined(Pack g, Pack e) {
 #if defined(__AVX512F__)
   const Pack series = times_plus(same(0.3125), e, same(0.375));
 #else

@@ -343,6 +343,9 @@ class Bench {
     say(globals_, fmt::format("{:18} {:>4} {:>3} {:>10} {:>26} {:>10} {:>7} {:>9} {:>9}", "", "n", "k", "ours us",
                               "baseline", "us", "ratio", "error p50", "p95"));
     for (const std::string& line : lines_) say(globals_, line);
+    say(globals_, "evaluate: three force components of r3 on n centres and a linear polynomial, from a position in metres; "
+                  "ours with the check of its bound, the baseline centre by centre. update, refit: from the states to the "
+                  "coefficients, three right-hand sides; ours with the tangent and bound of the model.");
     std::string head;
     for (const auto& plane : case_.outside) head += fmt::format(" {:>8.0f} mm", 1e3 * plane.distance);
     say(globals_, fmt::format("\n{:13} {:>4} | us: refit  k = 1      5     20  evaluate | inside p50      p95      "

@@ -83,11 +83,18 @@ Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& jud
     wanted.push_back(ground.at(stations[i]));
     station_of.push_back(i);
   }
-  const std::vector<State> references = laboratory.references(wanted, show);
+  const std::vector<State> references = laboratory.references(
+      wanted, [&](double share, const std::string& text) { show(0.5 * share, text); });
   const StateSpace complete = ground.space(ground.complete());
+  double walked = 0;
+  const auto next_walk = [&](const PathMethod& method, const char* setup) {
+    show(0.5 + 0.5 * walked++ / double(4 * paper_methods().size()), fmt::format("{}: {}", method.name, setup));
+  };
   for (const PathMethod& method : paper_methods()) {
+    next_walk(method, "all states known");
     const std::vector<PathPoint> full = walk(ground, complete, method, stations);
     for (const char* setup : {"blank", "gap", "sparse"}) {
+      next_walk(method, setup);
       const StateSpace space = ground.space(ground.known(setup));
       Curve curve{setup, method, walk(ground, space, method, stations)};
       for (std::size_t i = 0; i < stations.size(); ++i) {
