@@ -23,7 +23,7 @@ const std::vector<Experiment>& experiments() {
       {"extrapolation", "Out of the known space (Fig. 2)", reproduce_extrapolation},
       {"damping", "States that arrive while the hand rests (Fig. 3)", reproduce_damping},
       {"energy", "Energy around closed loops", reproduce_energy},
-      {"speed", "Sustained HIP speed against workers", reproduce_speed, true}};
+      {"speed", "Sustained HIP speed against workers", reproduce_speed}};
   return all;
 }
 
@@ -45,11 +45,7 @@ struct ReproduceArguments {
 };
 
 std::vector<Experiment> chosen(const std::string& what) {
-  if (what == "all") {
-    std::vector<Experiment> together;
-    std::ranges::copy_if(experiments(), std::back_inserter(together), [](const Experiment& e) { return !e.alone; });
-    return together;
-  }
+  if (what == "all") return experiments();
   std::vector<std::string> names;
   for (const Experiment& experiment : experiments()) {
     if (experiment.name == what) return {experiment};
@@ -115,7 +111,7 @@ void add_reproduce(CLI::App& app, Commands& commands) {
                               [&commands, arguments] { return run_reproduce(commands.globals, *arguments); });
   std::string names;
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
-  sub.add_option("WHAT", arguments->what, names + "or all (without speed: hundreds of sessions, half an hour or more)")->required();
+  sub.add_option("WHAT", arguments->what, names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")->required();
   sub.add_option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
   sub.add_option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
       ->required()
@@ -131,6 +127,13 @@ void add_reproduce(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   sub.add_option("--rounds", arguments->options.rounds, "Timed repetitions in `timing`")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub.add_option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  sub.add_option("--workers", arguments->options.workers, "Numbers of workers of `speed`")
+      ->check(CLI::Range(1, 100000))
+      ->delimiter(',')
       ->capture_default_str();
 }
 

@@ -16,6 +16,8 @@ struct ReproduceOptions {
   std::size_t gap = 8;      // width of the gap, at most depth - 2
   double interval = 10;     // between groups of states [s] (paper: 10 s)
   std::size_t rounds = 60;  // timed repetitions
+  double travel = 5;        // of each run of `speed` [m]: about one pass of the lines over the default box
+  std::vector<int> workers{2, 4, 16, 64};  // of `speed`
 };
 
 struct Findings {
@@ -28,7 +30,6 @@ struct Findings {
 struct Experiment {
   std::string name, title;
   Findings (*run)(Laboratory&, const ReproduceOptions&, const std::filesystem::path&, const ShowShare&);
-  bool alone = false;   // takes hours: run by its name, not with the others
 };
 
 Findings reproduce_timing(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,

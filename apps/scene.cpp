@@ -213,6 +213,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.error_floor = table.number("error_floor", positive()).value_or(session.error_floor);
   session.reference_step = table.number("reference_step", positive()).value_or(session.reference_step);
   session.visit_cell = table.number("visit_cell", not_negative()).value_or(session.visit_cell);
+  session.visit_stride = static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.visit_stride));
   read_limits(table.sub("limits", {"force", "slew", "ramp", "stale"}), session);
 }
 
@@ -278,7 +279,7 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
   const SceneTable session =
       root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select", "method",
-                           "placement", "visit_cell",
+                           "placement", "visit_cell", "visit_stride",
                            "update_travel", "cost", "latency", "arrivals", "preempt", "batch", "batch_share", "seed", "error_floor",
                            "reference_step", "jnd", "limits"});
   const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),

@@ -38,6 +38,7 @@ void check(const SessionInput& input, const SessionOptions& o) {
   expect(positive(o.error_floor), "error_floor", fmt::format("is {}, expected a force above 0 N", o.error_floor));
   expect(positive(o.reference_step), "reference_step", fmt::format("is {}, expected a length above 0 m", o.reference_step));
   expect(std::isfinite(o.visit_cell) && o.visit_cell >= 0, "visit_cell", fmt::format("is {}, expected 0 (the spacing) or a length [m]", o.visit_cell));
+  expect(o.visit_stride >= 1, "visit_stride", fmt::format("is {}, expected 1 (every first visit) or more", o.visit_stride));
   expect(positive(o.force_limit), "force_limit", fmt::format("is {}, expected a force above 0 N", o.force_limit));
   expect(positive(o.slew_limit), "slew_limit", fmt::format("is {}, expected N/s above 0", o.slew_limit));
   expect(std::isfinite(o.ramp_seconds) && o.ramp_seconds >= 0, "ramp_seconds", fmt::format("is {}, expected 0 s or more", o.ramp_seconds));

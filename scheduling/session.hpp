@@ -57,6 +57,7 @@ struct SessionOptions {
   double error_floor = 0.05;               // f0 [N]
   double reference_step = 0.002;           // HIP travel between reference samples [m]
   double visit_cell = 0;                   // side of the cells whose first visits are sampled [m]; 0: the spacing
+  int visit_stride = 1;                    // of the first visits every so many-th, from the first on
   double force_limit = 12;                 // safety clamp [N]: that of an omega.3; a device with a profile lowers it to its own
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up

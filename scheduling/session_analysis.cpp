@@ -17,9 +17,11 @@ namespace forefeel {
 namespace {
 
 // Marks frames: sampled by arc length, and first visits of the cells of the lattice (cubes of h, or of a side of their
-// own, whose corners lie in the box).
-void choose_samples(SessionResult& result, const SessionInput& input, double step, double cell_side) {
-  const double h = cell_side > 0 ? cell_side : input.space.spacing;
+// own, whose corners lie in the box), of which every visit_stride-th counts.
+void choose_samples(SessionResult& result, const SessionInput& input, const SessionOptions& options) {
+  const double step = options.reference_step;
+  const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
+  const auto stride = static_cast<std::size_t>(options.visit_stride);
   const Box& box = input.space.box;
   std::set<std::tuple<long, long, long>> visited;
   double travel = 0, next = 0;
@@ -34,7 +36,7 @@ void choose_samples(SessionResult& result, const SessionInput& input, double ste
     const Vec3 low = h * cell, high = low + Vec3::Constant(h);
     const bool inside = (low.array() >= box.low.array() - 1e-9 * h).all() && (high.array() <= box.high.array() + 1e-9 * h).all();
     if (inside && visited.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second)
-      frame.first_visit = true;
+      frame.first_visit = (visited.size() - 1) % stride == 0;
   }
 }
 
@@ -51,7 +53,7 @@ void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double 
 
 void analyse(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
              SessionResult& result, const ShowProgress& show) {
-  choose_samples(result, input, options.reference_step, options.visit_cell);
+  choose_samples(result, input, options);
   std::vector<std::size_t> samples;
   for (std::size_t k = 0; k < result.frames.size(); ++k)
     if (result.frames[k].sampled || result.frames[k].first_visit) samples.push_back(k);

@@ -51,17 +51,22 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome =
-      shop.forefeel("reproduce all beam.toml --depth 9 --interval 0.4 --rounds 2 --json --quiet -o out");
+      shop.forefeel("reproduce all beam.toml --depth 9 --interval 0.4 --rounds 2 --travel 0.1 --workers 2,3 --json --quiet -o out");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const nlohmann::json found = outcome.json();
   const std::string files = shop.files();
   for (const char* file :
-       {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "report.html", "summary.json"})
+       {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "speed.csv", "report.html", "summary.json"})
     CHECK_THAT(files, Catch::Contains(std::string("out/") + file));
   const std::string page = read(shop.path() / "out/report.html");
   CHECK_THAT(page, Catch::Contains("The paper found") && Catch::Contains("We found"));
   CHECK_THAT(page, !Catch::Contains("src=\"") && !Catch::Contains("href=\"http"));
+
+  const auto& speeds = found["experiments"]["speed"]["rows"];
+  REQUIRE(speeds.size() == 2);
+  CHECK(speeds[0]["workers"] == 2);
+  for (const auto& row : speeds) CHECK(row["speed"].get<double>() >= row["predecessor"].get<double>());
 
   const auto& curves = found["experiments"]["extrapolation"]["curves"];
   REQUIRE(curves.size() == 9);
