@@ -195,18 +195,25 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<const 
   std::vector<double> xyz(3 * count);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < 3; ++k) xyz[k * count + i] = candidates[i].at[static_cast<Eigen::Index>(k)];
+  double inverses[scales];
+  for (int s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * h, 2);
+  const double farthest = 1 / *std::ranges::min_element(inverses);   // squared: beyond it a pending state mends nothing
   for (const Place& place : places_) {
-    double needs[scales] = {}, inverses[scales] = {};
-    bool any = false;
+    double needs[scales], largest = 0;
     for (int s = 0; s < scales; ++s) {
-      const double inverse = 1 / std::pow(reach * multiples[s] * h, 2);
-      double need = place.weight * importance_[static_cast<std::size_t>(s)] *
-                    lack(place.label[static_cast<std::size_t>(s)], s);
-      for (const Vec3& p : pending) need *= 1 - std::max(0.0, 1 - (place.at - p).squaredNorm() * inverse);
-      if (!(need > 1e-15)) continue;
-      needs[s] = need;
-      inverses[s] = inverse;
-      any = true;
+      needs[s] = place.weight * importance_[static_cast<std::size_t>(s)] * lack(place.label[static_cast<std::size_t>(s)], s);
+      largest = std::max(largest, needs[s]);
+    }
+    if (!(largest > 1e-15)) continue;
+    for (const Vec3& p : pending) {
+      const double d2 = (place.at - p).squaredNorm();
+      if (d2 >= farthest) continue;
+      for (int s = 0; s < scales; ++s) needs[s] *= 1 - std::max(0.0, 1 - d2 * inverses[s]);
+    }
+    bool any = false;
+    for (double& need : needs) {
+      if (!(need > 1e-15)) need = 0;
+      any = any || need > 0;
     }
     if (any) add_worth(count, xyz.data(), place.at.data(), needs, inverses, out.data());
   }

@@ -50,19 +50,31 @@ ReferenceService::ReferenceService(const SessionInput& input, int threads)
   const std::string name = cache_name(input.identity, input.space.spacing, input.displacements);
   costs_file_ = input.cache_folder / (name + ".costs.csv");
   if (linear_) return;   // three solves are cheaper than a file
-  try {
-    std::filesystem::create_directories(input.cache_folder);
-    StateFileHeader header{.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
-    header.notes["content"] = "tight solves on the reference branch";
-    StateFile file = StateFile::open_or_create(input.cache_folder / (name + ".states"), header);
+  const auto take = [&](const StateFile& file) {
     for (State& state : file.read_all()) {
       const Key place = key(state.at);
       entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
     }
-    writer_ = std::make_unique<StateWriter>(std::move(file));
+  };
+  const std::filesystem::path file = input.cache_folder / (name + ".states");
+  try {
+    std::filesystem::create_directories(input.cache_folder);
+    StateFileHeader header{.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
+    header.notes["content"] = "tight solves on the reference branch";
+    StateFile cache = StateFile::open_or_create(file, header);
+    take(cache);
+    writer_ = std::make_unique<StateWriter>(std::move(cache));
   } catch (const std::exception& problem) {
     entries_.clear();
     note_ = fmt::format("no cache of reference solves: {}", problem.what());
+    try {   // another run writes it: what it holds serves this one too
+      const StateFile cache = StateFile::open_read_only(file);
+      if (cache.header().identity != input.identity) return;
+      take(cache);
+      note_ = fmt::format("the cache of reference solves is only read: {}", problem.what());
+    } catch (const std::exception&) {
+      entries_.clear();
+    }
   }
 }
 

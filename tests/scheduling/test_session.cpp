@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "geometry/error.hpp"
+#include "scheduling/reference_service.hpp"
 #include "scheduling/run_files.hpp"
 #include "small_body.hpp"
 
@@ -410,4 +411,20 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
   SessionOptions options = virtual_options(0.1);
   options.placement = "anywhere";
   CHECK_THROWS_AS(run_session(small_input(), options), InputError);
+}
+
+TEST_CASE("two runs of one body share the cache of references: one writes, the other reads, the results are the same") {
+  const ScratchFolder folder("shared-cache");
+  SessionInput input = small_input();
+  input.cache_folder = folder / "cache";
+  const SessionOptions options = virtual_options(0.5);
+  const SessionResult first = run_session(input, options);
+  const ReferenceService writing(input, 1);
+  REQUIRE_FALSE(writing.note());
+  const SessionResult second = run_session(input, options);
+  const auto only_read = [](const std::string& note) { return note.find("only read") != std::string::npos; };
+  CHECK(std::ranges::any_of(second.notes, only_read));
+  CHECK(std::ranges::none_of(first.notes, only_read));
+  REQUIRE(second.frames.size() == first.frames.size());
+  for (std::size_t k = 0; k < first.frames.size(); ++k) REQUIRE(second.frames[k].force == first.frames[k].force);
 }
