@@ -16,6 +16,8 @@
 #include "approx/instruction_set.hpp"
 #include "approx/methods.hpp"
 #include "apps/bench_approx.hpp"
+
+#include "apps/scene.hpp"
 #include "apps/plot.hpp"
 #include "apps/provenance.hpp"
 #include "geometry/error.hpp"
@@ -424,6 +426,7 @@ void write_folder(const Globals& globals, const std::string& folder, const Case&
 }  // namespace
 
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder) {
+  if (!scene.empty()) load_scene(scene, globals.set);   // a bad one leaves no folder behind
   if (!folder.empty()) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);

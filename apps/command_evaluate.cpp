@@ -168,7 +168,19 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
   out.commit();
 }
 
+// Lattices, curves and lines are what they are; what is asked of them in vain is said.
+void warn_in_vain(const Globals& globals, const EvaluateArguments& arguments) {
+  if (arguments.method == "rbf" || arguments.method == "offline-rbf" || arguments.method == "rbf-network") return;
+  std::vector<std::string> vain;
+  if (!arguments.kernel.empty()) vain.push_back("--kernel");
+  if (!arguments.data.empty()) vain.push_back("--data");
+  if (arguments.neighbours) vain.push_back("--neighbours");
+  if (arguments.ridge != "0") vain.push_back("--ridge");
+  if (!vain.empty()) warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(vain, ", "), arguments.method));
+}
+
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  warn_in_vain(globals, arguments);
   const std::vector<Vec3> points = read_points_csv(arguments.points);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <memory>
 
 #include "apps/page.hpp"
@@ -40,6 +41,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReproduceArguments {
+  std::optional<std::size_t> gap;   // of options, as far as the depth allows
   std::string what, scene, output;
   ReproduceOptions options;
 };
@@ -72,7 +74,19 @@ std::string page(const Laboratory& laboratory, const std::string& sections) {
   return html_page("Forefeel: the paper's experiments", html + "</table>\n");
 }
 
+// Before anything is written.
+ReproduceOptions checked(const ReproduceArguments& arguments) {
+  ReproduceOptions options = arguments.options;
+  if (!std::isfinite(options.interval))
+    throw InputError("--interval", fmt::format("is {}, expected 0.05 to 3600 s", options.interval));
+  if (arguments.gap && *arguments.gap + 2 > options.depth)
+    throw InputError("--gap", fmt::format("is {} spacings, expected at most {}: the depth is {}", *arguments.gap, options.depth - 2, options.depth));
+  options.gap = arguments.gap.value_or(options.gap);
+  return options;
+}
+
 int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
+  const ReproduceOptions options = checked(arguments);
   const std::vector<Experiment> wanted = chosen(arguments.what);
   Laboratory laboratory(globals, arguments.scene);
   const fs::path folder = arguments.output;
@@ -86,7 +100,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
     const Experiment& experiment = wanted[i];
     Progress progress(globals, experiment.name);
     const Findings found =
-        experiment.run(laboratory, arguments.options, folder,
+        experiment.run(laboratory, options, folder,
                        [&](double share, const std::string& text) { progress.show(share, text); });
     document["experiments"][experiment.name] = found.summary;
     sections += fmt::format("<h2>{}</h2>\n{}", html_escaped(experiment.title), found.html);
@@ -119,9 +133,7 @@ void add_reproduce(CLI::App& app, Commands& commands) {
   sub.add_option("--depth", arguments->options.depth, "Length of the path in spacings")
       ->check(CLI::Range(4, 100))
       ->capture_default_str();
-  sub.add_option("--gap", arguments->options.gap, "Width of the gap of `extrapolation` in spacings, at most depth - 2")
-      ->check(CLI::Range(2, 98))
-      ->capture_default_str();
+  sub.add_option("--gap", arguments->gap, "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")->check(CLI::Range(2, 98));
   sub.add_option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();

@@ -188,12 +188,15 @@ double motion_seconds(const SessionInput& input, const SessionOptions& options) 
   return make_plan(input, options).device->duration();
 }
 
-SessionResult run_session(const SessionInput& input, const SessionOptions& options, const ShowProgress& show) {
-  SessionPlan plan = make_plan(input, options);
-  check_known(input);
+SessionResult run_session(const SessionInput& given, const SessionOptions& options, const ShowProgress& show) {
+  check_known(given);
   const std::shared_ptr<ReferenceService> shared =
-      input.references ? input.references : std::make_shared<ReferenceService>(input, options.threads);
+      given.references ? given.references : std::make_shared<ReferenceService>(given, options.threads);
   ReferenceService& references = *shared;
+  SessionInput input = given;
+  if (options.rest_known && std::ranges::none_of(given.known, [](const State& s) { return s.usable() && s.at.isZero(0); }))
+    input.known.push_back(references.get(Vec3::Zero()));
+  SessionPlan plan = make_plan(input, options);
   if (options.clock == Clock::virtual_time)
     plan.cost = make_cost(options.cost, options.seed, [&] { return references.recorded_costs(); });
   SessionResult result;

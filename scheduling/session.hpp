@@ -45,6 +45,9 @@ struct SessionOptions {
   std::optional<std::filesystem::path> arrivals;   // CSV t,x,y,z, rows in any order: states become known at given times
   std::optional<std::filesystem::path> replay;     // a run folder: HIP and arrivals as recorded there
   bool preempt = true;
+  // Rest is known from the start: its force is zero, its stiffness comes from one factorisation before the first frame. The
+  // hand then feels the body's tangent at once, and nothing has to fade in from zero.
+  bool rest_known = false;
   // States of one job: the chosen one and its neighbours on its factor, 1 to 8; 0: 8 in real time and 1 under the virtual
   // clock, whose cost models know single solves. There each neighbour is taken to cost batch_share of a solve of its own
   // (0.4 to 0.6 measured on bodies of 1.7 and 8 thousand tetrahedra).

@@ -36,3 +36,21 @@ TEST_CASE("a policy that knows the motion is refused where the motion answers th
   options.device = "hand:omega";
   CHECK_THROWS_WITH(check_session(small_input(), options), Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
 }
+
+TEST_CASE("rest known from the start: the body's tangent is felt at once, and costs no solve of the session") {
+  SessionOptions options = virtual_options(0.5);
+  options.cost = "constant:10";      // nothing else is solved in time
+  options.device = "path:press,speed=0.01";
+  options.reference_step = 1e-4;
+  const SessionResult empty = run_session(small_input(), options);
+  options.rest_known = true;
+  const SessionResult known = run_session(small_input(), options);
+  CHECK(empty.start_solved_failed[0] == 0);
+  CHECK(known.start_solved_failed[0] == 1);
+  CHECK(known.start_solved_failed[1] == 0);
+  REQUIRE(known.states.size() == 1);
+  const Mat3 stiffness = known.states.front().stiffness;
+  for (const FrameRecord& frame : empty.frames) REQUIRE(frame.force == Vec3::Zero());
+  for (const FrameRecord& frame : known.frames)
+    REQUIRE((frame.force + stiffness * frame.at).norm() <= 1e-3 * (stiffness * frame.at).norm() + 1e-12);   // nothing fades in
+}
