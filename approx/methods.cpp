@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "geometry/error.hpp"
 
@@ -249,42 +250,95 @@ Vec3 TwoForce::force(const Vec3& x) const {
 // --- network
 // ---------------------------------------------------------------------------------------------------
 
+namespace {
+
+// Positions of the network are centred and of size 1; nearer than this they count as equal. Far above what
+// rounding leaves of states of a body a kilometre from the origin, far below any distance that matters.
+constexpr double tie = 1e-8;
+
+// Rank of every point by x, then y, then z, where coordinates that differ by rounding count as equal: by gaps
+// in their sorted order, so that no grid of rounding can come between two of them.
+std::vector<std::array<std::size_t, 3>> ranks_of(const std::vector<Vec3>& points) {
+  std::vector<std::array<std::size_t, 3>> ranks(points.size());
+  std::vector<std::size_t> order(points.size());
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto along = [&](std::size_t i) { return points[i][Eigen::Index(d)]; };
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, along);
+    std::size_t rank = 0;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      if (k > 0 && along(order[k]) - along(order[k - 1]) > tie) ++rank;
+      ranks[order[k]][d] = rank;
+    }
+  }
+  return ranks;
+}
+
+// Farthest-point sampling from the point nearest the origin; the first of `points` where several are as far.
+std::vector<Vec3> spread(const std::vector<Vec3>& points, std::size_t count) {
+  std::vector<Vec3> chosen;
+  std::vector<double> distance(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) distance[i] = points[i].norm();
+  const double least = *std::ranges::min_element(distance);
+  auto next = std::ranges::find_if(distance, [&](double r) { return r <= least + tie; });
+  std::vector<double> far(points.size(), 1e300);
+  for (auto i = std::size_t(next - distance.begin()); chosen.size() < count && far[i] > tie;) {
+    chosen.push_back(points[i]);
+    for (std::size_t j = 0; j < points.size(); ++j)
+      far[j] = std::min(far[j], (points[j] - chosen.back()).norm());
+    const double most = *std::ranges::max_element(far);
+    i = std::size_t(std::ranges::find_if(far, [&](double r) { return r >= most - tie; }) - far.begin());
+  }
+  return chosen;
+}
+
+}  // namespace
+
 RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
   std::vector<const State*> known;
   for (const State& s : states)
     if (s.usable()) known.push_back(&s);
   const std::size_t n = known.size();
-  for (const State* s : known) middle_ += s->at / double(n);
-  for (const State* s : known) scale_ = std::max(s == known[0] ? 0 : scale_, (s->at - middle_).norm());
-  if (!(scale_ > 0)) scale_ = 1;
   if (centres == 0) centres = std::max<std::size_t>(10, n / 5);
   centres = std::min(centres, n);
-  // Farthest-point sampling from the state nearest the middle.
-  std::vector<double> distance(n, 1e300);
-  std::size_t next = 0;
-  for (std::size_t i = 1; i < n; ++i)
-    if ((known[i]->at - middle_).norm() < (known[next]->at - middle_).norm()) next = i;
-  while (centres_.size() < centres && distance[next] > 0) {
-    const Vec3 chosen = known[next]->at;
-    centres_.push_back((chosen - middle_) / scale_);
-    for (std::size_t i = 0; i < n; ++i) distance[i] = std::min(distance[i], (known[i]->at - chosen).norm());
-    next = static_cast<std::size_t>(std::ranges::max_element(distance) - distance.begin());
-  }
+  // From the first on, whatever the distance to the origin of coordinates.
+  const Vec3 origin = known[0]->at;
+  Vec3 mean = Vec3::Zero();
+  for (const State* s : known) mean += (s->at - origin) / double(n);
+  middle_ = origin + mean;
+  scale_ = 0;
+  for (const State* s : known) scale_ = std::max(scale_, (s->at - middle_).norm());
+  if (!(scale_ > 0)) scale_ = 1;
+  std::vector<Vec3> points;
+  for (const State* s : known) points.emplace_back((s->at - middle_) / scale_);
+  // By position, so that neither the choice of centres nor the sums depend on the order of states.
+  const auto ranks = ranks_of(points);
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return ranks[i]; });
+  std::vector<Vec3> sorted;
+  for (const std::size_t i : order) sorted.push_back(points[i]);
+  centres_ = spread(sorted, centres);
   const auto m = static_cast<Eigen::Index>(centres_.size());
   Eigen::MatrixXd matrix(static_cast<Eigen::Index>(n), m + 4);
   Eigen::MatrixXd right(static_cast<Eigen::Index>(n), 3);
   for (std::size_t i = 0; i < n; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const Vec3 y = (known[i]->at - middle_) / scale_;
+    const Vec3& y = sorted[i];
     for (Eigen::Index j = 0; j < m; ++j) {
       const double r = (y - centres_[std::size_t(j)]).norm();
       matrix(row, j) = r * r * r;
     }
     matrix(row, m) = 1;
     matrix.block<1, 3>(row, m + 1) = y.transpose();
-    right.row(row) = known[i]->force.transpose();
+    right.row(row) = known[order[i]]->force.transpose();
   }
-  weights_ = matrix.colPivHouseholderQr().solve(right);
+  // The least weights where states do not settle them (as many centres as states, states in a plane): these
+  // do not depend on the order in which columns are eliminated.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
+  factor.setThreshold(1e-10);
+  factor.compute(matrix);
+  weights_ = factor.solve(right);
 }
 
 Vec3 RbfNetwork::force(const Vec3& x) const {

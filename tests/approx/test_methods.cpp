@@ -139,3 +139,35 @@ TEST_CASE("Offline RBF interpolates; a network with all centres does too, with f
   }
   CHECK(worst(fewer, inside(100, 0.015, 6), field) < 0.05 * largest);
 }
+
+// On a lattice nearly all distances are shared by several states, so that every choice of a centre is a tie.
+TEST_CASE("A network does not depend on the order of states, the unit of length or the origin") {
+  const auto at = inside(50, 0.02, 12);
+  std::mt19937 random(5);
+  for (const bool flat : {false, true})
+    for (const std::size_t centres : {std::size_t{0}, std::size_t{40}, std::size_t{1000}}) {
+      auto states = states_at(lattice_points(2, 0.01));
+      if (flat) std::erase_if(states, [](const State& s) { return std::abs(s.at[0] - s.at[1]) > 1e-6; });
+      const RbfNetwork plain(states, centres);
+      double largest = 0;
+      for (const Vec3& x : at) largest = std::max(largest, plain.force(x).norm());
+      REQUIRE(largest > 0.01);
+      const auto apart = [&](double unit, const Vec3& offset) {
+        auto others = states;
+        std::ranges::shuffle(others, random);
+        for (auto& s : others) s.at = unit * s.at + offset;
+        const RbfNetwork other(others, centres);
+        CHECK(other.centres() == plain.centres());
+        double most = 0;
+        for (const Vec3& x : at)
+          most = std::max(most, (other.force(unit * x + offset) - plain.force(x)).norm());
+        return most / largest;
+      };
+      CAPTURE(flat, centres);
+      for (int repeat = 0; repeat < 5; ++repeat) CHECK(apart(1, Vec3::Zero()) < 1e-8);
+      CHECK(apart(1e3, Vec3::Zero()) < 1e-8);
+      CHECK(apart(0.37, Vec3::Zero()) < 1e-8);
+      CHECK(apart(1, Vec3(1000, -1000, 1000)) < 1e-8);
+      CHECK(apart(1e3, Vec3(1e6, 1e6, 1e6)) < 1e-8);
+    }
+}
