@@ -320,10 +320,10 @@ std::string what_we_found(const std::vector<Run>& runs, const std::vector<Readin
   return fmt::format(
       "The HIP was held {:.3g} mm beyond the slab while {} groups of about {} states came every {:.3g} s. "
       "With the paper's settings and no damping the force "
-      "jumped by up to {:.3g} N ({:.3g} JND, {} of the force within one frame); its damped switch spread "
-      "that over {:.0f} ms, with no frame changing the "
-      "force by more than {}. Ours: the models themselves differ by at most {:.3g} N ({:.2g} JND), and the "
-      "smooth switch let no frame change the "
+      "jumped by up to {:.3g} N at one group, and by up to {:.3g} JND and {} of the force in one frame, each the "
+      "most of any group; its damped switch was done with every group within {:.0f} ms, with no frame changing "
+      "the force by more than {}. Ours: the models themselves differ by at most {:.3g} N and by at most {:.2g} "
+      "JND, each the most of any group, and the smooth switch let no frame change the "
       "force by more than {} ({} frames over its bound of 0.7 % or 1 mN per frame). The error at the HIP "
       "fell from {} to {} ({} to {} with {}); while groups came it was {} at worst ({}).{}",
       1e3 * script.held_at, groups, script.arriving.front().size(), script.interval, bare.jump, bare.jump_jnd,

@@ -276,7 +276,7 @@ std::string what_we_found(const std::vector<Row>& rows) {
     if (row.model.kernel == Kernel::linear) continue;  // costs the same as r3
     text += fmt::format(
         "{}: Eq. 2 by LU {}, our refit {}, our update {} (a quarter spacing of motion replaces {:.0f} "
-        "states), a force {}, error p95 {:.1g}; ",
+        "states), a force {}, error p95 {:.2g}; ",
         row.method, in_us(median(row.direct)), in_us(median(row.refit)), in_us(median(row.update)),
         median(row.replaced), in_us(median(row.evaluate)), quantile_of(row.errors, 0.95));
   }
