@@ -401,12 +401,19 @@ void RbfFit::leave(std::size_t slot) {
   }
 }
 
+namespace {
+
+// Measured: an update of more of n states than this costs as much as a refit or more. With stiffness at n = 25,
+// 50 and 75 from 8, 12 and 16 states on for r^3, from 9, 14 and 17 for r^5.
+double most_updated(double n, bool hermite) { return hermite ? std::min(4 + 0.15 * n, 0.5 * n) : 2 + 0.2 * n; }
+
+}  // namespace
+
 RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<const Sample> added) {
   const std::size_t b = rows_per_slot_, changed = (removed.size() + added.size()) / 2;
   if (alive_ == 0 || alive_ + added.size() < removed.size() + 1) return Outcome::refused;
   if (mode_ == Mode::automatic && worn_) return Outcome::refused;
-  // Measured: an update of k states costs about as much as a refit from here on.
-  if (mode_ == Mode::automatic && double(changed) * b > 0.2 * double(alive_ * b) + 2) return Outcome::refused;
+  if (mode_ == Mode::automatic && double(changed) > most_updated(double(alive_), b == 4)) return Outcome::refused;
 
   updated_ = true;
   added_.clear();
