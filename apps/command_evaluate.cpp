@@ -14,6 +14,7 @@
 #include "approx/methods.hpp"
 #include "approx/updater.hpp"
 #include "apps/command.hpp"
+#include "apps/repeated_states.hpp"
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
 #include "geometry/state_file.hpp"
@@ -199,10 +200,17 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   if (!(space_options.spacing > 0)) space_options.spacing = spacing_of(loaded.states);
   if (!(space_options.spacing > 0)) space_options.spacing = StateSpaceOptions{}.spacing;
   StateSpace space(space_options);
+  std::size_t contradicting = 0;
   for (const State& state : loaded.states)
-    if (state.usable()) space.insert(state);
-  if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
+    if (state.usable()) {
+      const StateSpace::Insertion made = space.insert(state);
+      contradicting += !made.is_new && contradict(space[made.id], state) ? 1 : 0;
+    }
   const Method method = method_of(arguments.method);
+  if (contradicting > 0)
+    warn(globals, fmt::format("{}: {} states contradict another at the same position{}", arguments.states,
+                              contradicting, method == Method::rbf ? "; the first one counts" : ""));
+  if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
   MethodOptions older{.model = options, .spacing = space_options.spacing};
   older.centres = arguments.neighbours.value_or(0);
   const Evaluation result = method == Method::rbf

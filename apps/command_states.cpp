@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
 #include "apps/command.hpp"
+#include "apps/repeated_states.hpp"
 #include "geometry/error.hpp"
 #include "geometry/mesh_file.hpp"
 #include "geometry/output_file.hpp"
@@ -34,14 +34,6 @@ Box box_of(const std::vector<State>& states) {
   return box;
 }
 
-std::size_t repeated_positions(const std::vector<State>& states) {
-  std::vector<std::array<double, 3>> at;
-  at.reserve(states.size());
-  for (const State& s : states) at.push_back({s.at.x(), s.at.y(), s.at.z()});
-  std::ranges::sort(at);
-  return static_cast<std::size_t>(at.end() - std::unique(at.begin(), at.end()));
-}
-
 // Imported files may be imported again; states that were solved are not thrown away.
 void refuse_solved(const std::string& output) {
   std::error_code error;
@@ -64,7 +56,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
-  const std::size_t repeated = repeated_positions(states);
+  const std::size_t repeated = repeated_states(states).repeated;
   const auto with_stiffness = std::ranges::count_if(states, &State::has_stiffness);
   if (repeated > 0) warn(globals, fmt::format("{}: {} states stand at the position of another; the first one counts", arguments.input, repeated));
   if (globals.json)
@@ -121,6 +113,9 @@ int info_states(const Globals& globals, const std::string& file) {
     strongest = std::max(strongest, s.force.norm());
   }
   const Box extent = box_of(loaded.states);
+  const std::size_t contradicting = repeated_states(loaded.states).contradicting;
+  if (contradicting > 0)
+    warn(globals, fmt::format("{}: {} states contradict another at the same position; the first one counts", file, contradicting));
   if (globals.json) {
     Json document{{"kind", "states"}, {"states", loaded.states.size()}, {"usable", usable}, {"failed", loaded.states.size() - usable}};
     document["by_status"] = Json(by_status);
@@ -128,6 +123,7 @@ int info_states(const Globals& globals, const std::string& file) {
     document["with_energy"] = energetic;
     document["with_displacements"] = displaced;
     document["multivalued"] = multivalued;
+    document["contradicting"] = contradicting;
     document["spacing"] = number(loaded.header.spacing);
     document["box"] = box_json(loaded.header.box);
     document["extent"] = box_json(extent);

@@ -162,3 +162,30 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
   check_refused(shop, all + "--spacing 0", {"--spacing"});
   check_refused(shop, all + "-o absent/out.csv", {"absent"});
 }
+
+TEST_CASE("evaluate and info say that states contradict each other, and the first one counts", "[evaluate]") {
+  const Workshop shop;
+  const std::string first = "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,1,0,0\n0,0.01,0,0,1,0\n0,0,0.01,0,0,1\n";
+  shop.write("points.csv", "x,y,z\n0.01,0,0\n");
+  shop.write("once.csv", first);
+  shop.write("same.csv", first + "0,0.01,0,0,1,0\n");
+  shop.write("other.csv", first + "0,0.01,0,0,1,0\n0.01,0,0,2,0,0\n0.01,0,0,-3,0,0\n");
+  const auto once = shop.forefeel("evaluate once.csv --points points.csv --json --quiet");
+  for (const std::string states : {"once.csv", "same.csv", "other.csv"})
+    for (const std::string& command : {"evaluate " + states + " --points points.csv", "info " + states}) {
+      const auto outcome = shop.forefeel(command + " --json --quiet");
+      INFO(command << "\n" << outcome.err);
+      REQUIRE(outcome.code == 0);
+      const std::string warning = states + ": 2 states contradict another at the same position; the first one counts\n";
+      const auto at = outcome.err.find("warning: ");
+      if (states == "other.csv")
+        CHECK(outcome.err.substr(std::min(at, outcome.err.size())).starts_with("warning: " + warning));
+      else
+        CHECK(at == std::string::npos);
+      if (command.starts_with("evaluate"))
+        CHECK(outcome.json()["forces"] == once.json()["forces"]);
+      else
+        CHECK(outcome.json()["contradicting"] == (states == "other.csv" ? 2 : 0));
+    }
+  CHECK(once.json()["forces"][0][0].get<double>() == Approx(1));
+}
