@@ -184,3 +184,35 @@ TEST_CASE("Automatic choice and travel: a set that moves along stays equal to a 
     CHECK(updates > 20);
   }
 }
+
+// On both sides of where a refit was measured to cost as much as an update.
+TEST_CASE("Many of n states are replaced by a refit, few by an update") {
+  struct Choice {
+    Data data;
+    std::size_t n, k;
+    bool refit;
+  };
+  const std::vector<Choice> choices = {
+      {Data::force_and_stiffness, 75, 20, true},  {Data::force_and_stiffness, 75, 10, false},
+      {Data::force_and_stiffness, 25, 12, true},  {Data::force_and_stiffness, 25, 6, false},
+      {Data::force_and_stiffness, 8, 2, false},   {Data::force, 100, 50, true},
+      {Data::force, 100, 10, false}};
+  for (const Choice& choice : choices) {
+    CAPTURE(choice.n, choice.k);
+    const ModelOptions options{.kernel = Kernel::cubic, .data = choice.data, .neighbours = choice.n};
+    const auto states = states_at(lattice_points(3, 0.01));
+    // Every third point of the lattice, so that what comes lies about what stays.
+    const auto at = [&](std::size_t i) { return sample_of(states, 3 * i % states.size()); };
+    std::vector<Sample> samples, added;
+    std::vector<StateId> removed;
+    for (std::size_t i = 0; i < choice.n; ++i) samples.push_back(at(i));
+    for (std::size_t i = 0; i < choice.k; ++i) {
+      removed.push_back(samples[i * choice.n / choice.k].id);
+      added.push_back(at(choice.n + i));
+    }
+    std::ranges::sort(removed);
+    RbfFit fit(options, choice.n);
+    fit.refit(samples);
+    CHECK(fit.replace(removed, added) == choice.refit);
+  }
+}
