@@ -246,7 +246,7 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
   try {
     return run_session_command(globals, given, mpi);
   } catch (const std::exception& error) {
-    if (mpi->told_to_stop(10)) return 2;
+    if (mpi->told_to_stop(10)) return 0;   // rank 0 says why and ends with 2; mpirun would kill it before
     fmt::print(stderr, "forefeel: rank {}: {}\n", mpi->rank(), error.what());
     mpi->abort(2);
   }

@@ -68,7 +68,7 @@ TEST_CASE("generate, export and evaluate equal SciPy on the liver's states", "[s
     WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
     return;
   }
-  std::string scene = "beam.toml --set state_space.spacing=0.004";
+  std::string scene = "beam.toml --set state_space.spacing=0.002";
   if (std::filesystem::exists(shared_liver / "liver_patch.toml"))
     scene = (shared_liver / "liver_patch.toml").string() + " --set state_space.spacing=0.012";
   else
