@@ -6,12 +6,12 @@
 
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <optional>
 
 #include "apps/command.hpp"
 #include "apps/generate_error.hpp"
+#include "apps/interrupt.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
 #include "geometry/error.hpp"
@@ -26,9 +26,6 @@ struct GenerateArguments {
   std::string scene, output;
   std::optional<double> error;
 };
-
-volatile std::sig_atomic_t interrupted = 0;
-extern "C" void forefeel_generate_interrupt(int) { interrupted = 1; }
 
 nlohmann::ordered_json to_json(const GenerateReport& report, std::size_t states, std::size_t failed) {
   nlohmann::ordered_json document;
@@ -77,14 +74,14 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   for (const State& state : known) (state.usable() ? usable : known_failed) += 1;
 
   GenerateReport report;
+  bool interrupted = false;
   {
+    const InterruptWatch watch;
     StateWriter writer(std::move(file));
     Progress progress(globals, "generate");
     const auto start = std::chrono::steady_clock::now();
     const std::size_t before = known.size();
     std::size_t fresh = 0;
-    std::signal(SIGINT, forefeel_generate_interrupt);
-    std::signal(SIGTERM, forefeel_generate_interrupt);
     report = generate_lattice(
         scene.body, options, known,
         [&](State state) {
@@ -92,15 +89,14 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
           writer.push(std::move(state));
         },
         [&](std::size_t done, std::size_t total) {
-          if (interrupted != 0) stop.request_stop();
+          if (watch.raised()) stop.request_stop();
           const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
           progress.show(static_cast<double>(done) / static_cast<double>(total),
                         fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, before,
                                     seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
         });
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
     writer.flush();
+    interrupted = watch.raised();
   }
 
   const std::size_t failed = report.failed + known_failed;
@@ -114,7 +110,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
                            arguments.output, usable + report.solved, report.solved, report.seconds,
                            report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0,
                            report.threads, report.resumed, failed));
-  if (interrupted != 0) {
+  if (interrupted) {
     warn(globals, "interrupted; the same command goes on from here");
     return 1;
   }

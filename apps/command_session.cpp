@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "apps/command.hpp"
+#include "apps/interrupt.hpp"
 #include "apps/provenance.hpp"
 #include "apps/report.hpp"
 #include "apps/scene.hpp"
@@ -24,13 +23,6 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::atomic<bool> interrupted = false;   // lock-free: a signal handler may set it
-static_assert(std::atomic<bool>::is_always_lock_free);
-extern "C" void forefeel_session_interrupt(int) {
-  interrupted = true;
-  std::signal(SIGINT, SIG_DFL);   // a second one ends the program
-}
 
 struct SessionArguments {
   std::string scene, states, output;
@@ -212,8 +204,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
-  options.interrupted = &interrupted;
-  std::signal(SIGINT, forefeel_session_interrupt);
+  const InterruptWatch watch;   // also while the files are written
+  options.interrupted = &watch.flag();
   const SessionResult result = run_session(
       input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); });
   progress.reset();

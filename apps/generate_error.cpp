@@ -4,19 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <optional>
 
+#include "apps/interrupt.hpp"
 #include "geometry/error.hpp"
 #include "scheduling/placement.hpp"
 
 namespace forefeel {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-extern "C" void forefeel_generate_error_interrupt(int) {
-  interrupted = 1;
-}
 
 nlohmann::ordered_json to_json(const ErrorQuantiles& q) {
   nlohmann::ordered_json object;
@@ -90,13 +85,11 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
 
   std::optional<Progress> progress(std::in_place, globals, "generate");
   double first = 0;
-  interrupted = 0;
-  std::signal(SIGINT, forefeel_generate_error_interrupt);
-  std::signal(SIGTERM, forefeel_generate_error_interrupt);
+  std::optional<InterruptWatch> watch(std::in_place);
   const PlacementReport report = place_states(
       scene.body, options, file.read_all(), [&](State state) { file.append(std::span(&state, 1)); },
       [&](const PlacementProgress& p) {
-        if (interrupted != 0) stop.request_stop();
+        if (watch->raised()) stop.request_stop();
         // The error falls about by halves: the share done is that of its logarithm.
         if (first == 0 && std::isfinite(p.estimate)) first = p.estimate;
         const bool known = first > error && p.estimate > error;
@@ -104,8 +97,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
             known ? std::clamp(std::log(first / p.estimate) / std::log(first / error), 0.0, 1.0) : 0.0,
             in_words(p));
       });
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  watch.reset();
   progress.reset();
 
   if (globals.json) print_json(to_json(report, error));

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solver/newton.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -204,6 +206,32 @@ void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fi
       for (std::size_t i = 0; i < rows; ++i)
         f.tangent[c * rows + i] = tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)];
   }
+}
+
+bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result) {
+  if (!newton.factorise(field.u)) return false;
+  const Discretisation& d = newton.discretisation();
+  result.stiffness = newton.factor().stiffness();
+  newton.factor().tangent(field.tangent.data());
+  std::vector<double> gradient(field.u.size(), 0.0);
+  d.kernels->gradient(d.view(), field.u.data(), gradient.data());
+  const auto contact = static_cast<std::size_t>(3 * d.free_nodes);
+  for (std::size_t c = 0; c < 3; ++c) {
+    double force = -gradient[contact + c];
+    for (std::size_t i = 0; i < contact; ++i) force -= field.tangent[c * gradient.size() + i] * gradient[i];
+    result.force[static_cast<int>(c)] = force;
+  }
+  return true;
+}
+
+void take(State& state, const LaneResult& result) {
+  state.status = SolveStatus::converged;
+  state.force = result.force;
+  state.stiffness = result.stiffness;
+  state.energy = result.energy;
+  state.iterations = result.iterations;
+  state.residual = result.residual;
+  state.min_jacobian = result.min_jacobian;
 }
 
 }  // namespace forefeel

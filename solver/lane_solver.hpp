@@ -30,6 +30,13 @@ struct LaneResult {
   Mat3 stiffness = Mat3::Zero();
 };
 
+class NewtonSolver;
+
+// K, V and the force's correction by V^T r_f from a factor at the equilibrium `field` itself, where a neighbour's did not
+// settle them; false where it is not stable.
+bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result);
+void take(State& state, const LaneResult& result);   // of a lane that converged
+
 class LaneSolver {
  public:
   explicit LaneSolver(std::shared_ptr<const Discretisation> discretisation);

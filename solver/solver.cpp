@@ -73,24 +73,6 @@ struct Solver::Impl {
     out.partial = std::move(partial);
   }
 
-  // K, du/dx and the force's correction by V^T r_f from a factor at the equilibrium itself; false where it is not stable.
-  bool own_factor(LocalField& field, LaneResult& result) {
-    NewtonSolver& newton = path.newton();
-    path.forget_factor();
-    if (!newton.factorise(field.u)) return false;
-    result.stiffness = newton.factor().stiffness();
-    newton.factor().tangent(field.tangent.data());
-    std::vector<double> gradient(field.u.size(), 0.0);
-    d->kernels->gradient(d->view(), field.u.data(), gradient.data());
-    const auto contact = static_cast<std::size_t>(3 * d->free_nodes);
-    for (std::size_t c = 0; c < 3; ++c) {
-      double force = -gradient[contact + c];
-      for (std::size_t i = 0; i < contact; ++i) force -= field.tangent[c * gradient.size() + i] * gradient[i];
-      result.force[static_cast<int>(c)] = force;
-    }
-    return true;
-  }
-
   // Up to eight states in lanes; false where a state is left to others.
   std::array<bool, lane_count> run_lanes(const Vec3* xs, std::size_t count, const SolveOptions& options, SolveOutcome* out) {
     std::array<LocalField, lane_count> fields;
@@ -105,18 +87,16 @@ struct Solver::Impl {
     std::array<bool, lane_count> done{};
     for (std::size_t i = 0; i < count; ++i) {
       LaneResult& result = results[i];
-      done[i] = result.converged && result.min_jacobian > 0 && (result.stiffness_settled || own_factor(fields[i], result));
+      done[i] = result.converged && result.min_jacobian > 0;
+      if (done[i] && !result.stiffness_settled) {
+        path.forget_factor();
+        done[i] = condense_alone(path.newton(), fields[i], result);
+      }
       if (!done[i]) continue;
       State& s = out[i].state;
       s.at = xs[i];
       s.parent = path.at();
-      s.status = SolveStatus::converged;
-      s.iterations = result.iterations;
-      s.residual = result.residual;
-      s.min_jacobian = result.min_jacobian;
-      s.force = result.force;
-      s.energy = result.energy;
-      s.stiffness = result.stiffness;
+      take(s, result);
       keep(fields[i], options, out[i]);
     }
     return done;

@@ -45,17 +45,6 @@ void scale_into(const std::vector<double>& from, double factor, std::vector<doub
 SweepWorker::SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options)
     : d_(std::move(discretisation)), options_(options), path_(d_), lanes_(d_) {}
 
-void SweepWorker::take(SweepNode& node, const LaneResult& result) const {
-  State& s = node.state;
-  s.status = SolveStatus::converged;
-  s.force = result.force;
-  s.stiffness = result.stiffness;
-  s.energy = result.energy;
-  s.iterations = result.iterations;
-  s.residual = result.residual;
-  s.min_jacobian = result.min_jacobian;
-}
-
 // Newton from the prediction.
 void SweepWorker::correct_alone(SweepNode& node) {
   const NewtonReport report =
@@ -126,26 +115,9 @@ void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
   lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!results[i].converged) continue;
-    if (!results[i].stiffness_settled && !own_factor(*nodes[i], results[i])) continue;
-    take(*nodes[i], results[i]);
+    if (!results[i].stiffness_settled && !condense_alone(path_.newton(), nodes[i]->field, results[i])) continue;
+    forefeel::take(nodes[i]->state, results[i]);
   }
-}
-
-// Stiffness and tangent from a factor at the equilibrium itself; false where it is not stable.
-bool SweepWorker::own_factor(SweepNode& node, LaneResult& result) {
-  if (!path_.newton().factorise(node.field.u)) return false;
-  const Factorisation& factor = path_.newton().factor();
-  result.stiffness = factor.stiffness();
-  factor.tangent(node.field.tangent.data());
-  std::vector<double> gradient(node.field.u.size(), 0.0);
-  d_->kernels->gradient(d_->view(), node.field.u.data(), gradient.data());
-  const auto contact = static_cast<std::size_t>(3 * d_->free_nodes);
-  for (std::size_t c = 0; c < 3; ++c) {
-    double force = -gradient[contact + c];
-    for (std::size_t i = 0; i < contact; ++i) force -= node.field.tangent[c * gradient.size() + i] * gradient[i];
-    result.force[static_cast<int>(c)] = force;
-  }
-  return true;
 }
 
 void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond) {

@@ -51,8 +51,6 @@ class SweepWorker {
  private:
   void predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
   bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
-  bool own_factor(SweepNode& node, LaneResult& result);
-  void take(SweepNode& node, const LaneResult& result) const;
   void take(SweepNode& node, const NewtonReport& report);      // of path_
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void correct_alone(SweepNode& node);

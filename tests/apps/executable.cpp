@@ -79,6 +79,18 @@ std::string Workshop::files() const {
   return text;
 }
 
+void check_refused(const Workshop& shop, const std::string& arguments, const std::vector<std::string>& mentions) {
+  const std::string before = shop.files();
+  const Workshop::Outcome outcome = shop.forefeel(arguments);
+  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  CHECK(outcome.err.ends_with('\n'));
+  CHECK(outcome.out.empty());
+  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
+  CHECK(shop.files() == before);
+}
+
 std::string beam_scene(const std::string& more) {
   return R"([body]
 phantom = "beam"

@@ -27,19 +27,6 @@ std::string mesh_scene(const std::string& mesh = "body.msh", const std::string& 
          "\n[state_space]\nspacing = 0.006\nbox = [[-0.006, -0.006, -0.006], [0.006, 0.006, 0.006]]\n";
 }
 
-void check_refused(const Workshop& shop, const std::string& arguments,
-                   const std::vector<std::string>& mentions) {
-  const std::string before = shop.files();
-  const Workshop::Outcome outcome = shop.forefeel(arguments);
-  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
-  CHECK(outcome.code == 2);
-  CHECK(outcome.error_lines() == 1);
-  CHECK(outcome.err.ends_with('\n'));
-  CHECK(outcome.out.empty());
-  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
-  CHECK(shop.files() == before);
-}
-
 }  // namespace
 
 TEST_CASE("usage errors are one line", "[command-line]") {

@@ -22,18 +22,6 @@ nlohmann::json run(const Workshop& shop, const std::string& arguments, int code 
   return outcome.json();
 }
 
-void check_refused(const Workshop& shop, const std::string& arguments,
-                   const std::vector<std::string>& mentions) {
-  const std::string before = shop.files();
-  const Workshop::Outcome outcome = shop.forefeel(arguments);
-  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
-  CHECK(outcome.code == 2);
-  CHECK(outcome.error_lines() == 1);
-  CHECK(outcome.out.empty());
-  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
-  CHECK(shop.files() == before);
-}
-
 double length(const nlohmann::json& v) {
   return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
 }

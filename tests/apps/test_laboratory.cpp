@@ -23,18 +23,6 @@ std::string read(const std::filesystem::path& file) {
   return text.str();
 }
 
-void check_refused(const Workshop& shop, const std::string& arguments,
-                   const std::vector<std::string>& mentions) {
-  const std::string before = shop.files();
-  const Workshop::Outcome outcome = shop.forefeel(arguments);
-  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
-  CHECK(outcome.code == 2);
-  CHECK(outcome.error_lines() == 1);
-  CHECK(outcome.out.empty());
-  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
-  CHECK(shop.files() == before);
-}
-
 // W = a/2 |x|^2 + b/4 |x|^4: a stiffening field, exact everywhere.
 State field_state(const Vec3& x) {
   State s;
