@@ -1,12 +1,28 @@
 // Compiled once per instruction set.
 #include "approx/kernel_sums.hpp"
 
+#include <bit>
+#include <cstdint>
+#include <limits>
+
 #include "approx/lanes.hpp"
 
 namespace forefeel::FOREFEEL_ISA {
 namespace {
 
-constexpr double tiny = 1e-200;  // added to r^2, so that its root has an inverse
+// tiny is added to r^2, so that its root has an inverse (where that is estimated in single precision, there).
+// The divider works beside the other units, so that some vectors of each turn take their roots there, and the
+// first few by estimates.
+#if defined(__AVX512F__)
+constexpr double tiny = 1e-200;
+constexpr std::size_t turn = 3, estimated = 2, hermite_turn = 3, hermite_estimated = 2;
+#elif defined(__AVX2__)
+constexpr double tiny = 1e-37;
+constexpr std::size_t turn = 5, estimated = 2, hermite_turn = 1, hermite_estimated = 0;
+#else
+constexpr double tiny = 1e-200;
+constexpr std::size_t turn = 1, estimated = 0, hermite_turn = 1, hermite_estimated = 0;
+#endif
 
 FOREFEEL_INLINE Pack divided_root(Pack x) {
 #if defined(__AVX512F__)
@@ -31,19 +47,27 @@ FOREFEEL_INLINE Pack divided_root(Pack x) {
   return times_plus(g * e, times_plus(series, e, same(0.5)), g);
 }
 
-// sqrt(x), x >= tiny, to an ulp. The divider is the narrowest unit of the processor, so of three vectors
-// (`turn` counts them) some take the estimate that the processor has of 1 / sqrt(x): two that of AVX-512, of
-// relative error below 2^-14, with a series to e^3; one that of single precision, of 1.5 2^-12, to e^4.
-FOREFEEL_INLINE Pack root(Pack x, [[maybe_unused]] int turn) {
 #if defined(__AVX512F__)
-  if (turn != 0) {
-    const Pack y = reinterpret_cast<Pack>(_mm512_rsqrt14_pd(reinterpret_cast<__m512d>(x)));
-    const Pack g = x * y;
+FOREFEEL_INLINE Pack inverse_root_estimate(Pack x) {
+  return reinterpret_cast<Pack>(_mm512_rsqrt14_pd(reinterpret_cast<__m512d>(x)));
+}
+// x as a value of its own, of which -ffast-math makes no other product.
+FOREFEEL_INLINE Pack kept(Pack x) {
+  asm("" : "+v"(x));
+  return x;
+}
+#endif
+
+// sqrt(x), x >= tiny, to an ulp: by the divider, or by the estimate that the processor has of 1 / sqrt(x), with a
+// series: that of AVX-512 is within 2^-14 (series to e^3), that of single precision within 1.5 2^-12 (to e^4).
+FOREFEEL_INLINE Pack root(Pack x, [[maybe_unused]] bool divided) {
+#if defined(__AVX512F__)
+  if (!divided) {
+    const Pack y = inverse_root_estimate(x), g = x * y;
     return refined(g, times_plus(-g, y, same(1)));
   }
 #elif defined(__AVX2__)
-  if (turn == 2) {
-    x = x > 1e-30 ? x : same(1e-30);  // a single has no less; far below what counts in the unit ball
+  if (!divided) {
     const __m128 narrow = _mm_rsqrt_ps(_mm256_cvtpd_ps(reinterpret_cast<__m256d>(x)));
     const Pack y = reinterpret_cast<Pack>(_mm256_cvtps_pd(narrow)), g = x * y;
     return refined(g, times_plus(-g, y, same(1)));
@@ -66,28 +90,28 @@ struct Distance {
 };
 
 FOREFEEL_INLINE Distance distance(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
-                                  int turn) {
+                                  bool divided) {
   Distance d;
   d.dx = y[0] - load(data + i);
   d.dy = y[1] - load(data + stride + i);
   d.dz = y[2] - load(data + 2 * stride + i);
   d.r2 = times_plus(d.dz, d.dz, times_plus(d.dy, d.dy, times_plus(d.dx, d.dx, same(tiny))));
-  d.r = root(d.r2, turn);
+  d.r = root(d.r2, divided);
   return d;
 }
 
 template <int K>
 FOREFEEL_INLINE void add_plain(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
-                               int turn, Pack s[3]) {
-  const Distance d = distance(data, stride, i, y, turn);
+                               bool divided, Pack s[3]) {
+  const Distance d = distance(data, stride, i, y, divided);
   const Pack phi = power_of<K>(d.r2, d.r);
   for (std::size_t c = 0; c < 3; ++c) s[c] = times_plus(phi, load(data + (3 + c) * stride + i), s[c]);
 }
 
 template <int K>
 FOREFEEL_INLINE void add_hermite(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
-                                 int turn, Pack s[3], Pack t[3]) {
-  const Distance d = distance(data, stride, i, y, turn);
+                                 bool divided, Pack s[3], Pack t[3]) {
+  const Distance d = distance(data, stride, i, y, divided);
   const Pack low = power_of<K - 2>(d.r2, d.r);  // phi = low r^2
   const Pack phi = low * d.r2, slope = -double(K) * low;
   const Pack gx = slope * d.dx, gy = slope * d.dy, gz = slope * d.dz;
@@ -141,28 +165,107 @@ FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, c
   }
 }
 
+#if defined(__AVX512F__)
+// G vectors of centres step by step together, so that little waits for what stands just before it; the last D take
+// their roots from the divider. phi = h + h e (1/2 + 3/8 e + 5/16 e^2), h = x^(K/2) by the estimated root.
+template <int K, std::size_t G, std::size_t D>
+FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::size_t i, const Pack y[3], Pack s[3]) {
+  constexpr std::size_t E = G - D;
+  Pack r2[G], phi[G], e[G], series[G];
+  for (std::size_t d = 0; d < 3; ++d)
+    for (std::size_t t = 0; t < G; ++t) {
+      const Pack apart = y[d] - load(data + d * stride + i + t * width);
+      r2[t] = times_plus(apart, apart, d == 0 ? same(tiny) : r2[t]);
+    }
+  for (std::size_t t = 0; t < E; ++t) e[t] = inverse_root_estimate(r2[t]);
+  for (std::size_t t = E; t < G; ++t) phi[t] = power_of<K>(r2[t], divided_root(r2[t]));
+  for (std::size_t t = 0; t < E; ++t) phi[t] = r2[t] * e[t];
+  for (std::size_t t = 0; t < E; ++t) e[t] = times_plus(-phi[t], e[t], same(1));
+  for (std::size_t t = 0; t < E; ++t) {
+    series[t] = times_plus(same(0.3125), e[t], same(0.375));
+    phi[t] = kept(power_of<K>(r2[t], phi[t]));
+  }
+  for (std::size_t t = 0; t < E; ++t) {
+    series[t] = times_plus(series[t], e[t], same(0.5));
+    e[t] = kept(e[t] * phi[t]);
+  }
+  for (std::size_t t = 0; t < E; ++t) phi[t] = times_plus(e[t], series[t], phi[t]);
+  for (std::size_t t = 0; t < G; ++t)
+    for (std::size_t c = 0; c < 3; ++c)
+      s[c] = times_plus(phi[t], load(data + (3 + c) * stride + i + t * width), s[c]);
+}
+
+// In fours. Those left over come first: a root that takes long had better not be waited for at the end.
+template <int K>
+FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+  n &= ~std::size_t{7};
+  const std::size_t odd = n % (4 * width);
+  if (odd == width) add_together<K, 1, 1>(data, stride, 0, y, s);
+  if (odd == 2 * width) add_together<K, 2, 0>(data, stride, 0, y, s);
+  if (odd == 3 * width) add_together<K, 3, 1>(data, stride, 0, y, s);
+  for (std::size_t i = odd; i < n; i += 4 * width) add_together<K, 4, 1>(data, stride, i, y, s);
+}
+#endif
+
+template <int K, bool hermite>
+FOREFEEL_INLINE void add_all(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+#if defined(__AVX512F__)
+  if constexpr (!hermite) return add_all_plain<K>(n, data, stride, y, s);
+#endif
+  Pack t[3] = {};
+  const auto add = [&](std::size_t i, bool divided) __attribute__((always_inline)) {
+    if constexpr (hermite)
+      add_hermite<K>(data, stride, i, y, divided, s, t);
+    else
+      add_plain<K>(data, stride, i, y, divided, s);
+  };
+  constexpr std::size_t all = hermite ? hermite_turn : turn, first = hermite ? hermite_estimated : estimated;
+  n &= ~std::size_t{7};
+  std::size_t i = 0;
+  for (; i + all * width <= n; i += all * width)
+    for (std::size_t k = 0; k < all; ++k) add(i + k * width, k >= first);
+  for (; i < n; i += width) add(i, 2 * first < all);
+  if constexpr (hermite)
+    for (std::size_t c = 0; c < 3; ++c) s[c] += t[c];
+}
+
 template <int K, bool hermite>
 FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, const double* polynomial,
                          const double* at, double* f) {
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
-  Pack s[4] = {}, t[3] = {};
-  const auto add = [&](std::size_t i, int turn) __attribute__((always_inline)) {
-    if constexpr (hermite)
-      add_hermite<K>(data, stride, i, y, turn, s, t);
-    else
-      add_plain<K>(data, stride, i, y, turn, s);
-  };
-  n &= ~std::size_t{7};
-  std::size_t i = 0;
-  for (; i + 3 * width <= n; i += 3 * width) {
-    add(i, 0);
-    add(i + width, 1);
-    add(i + 2 * width, 2);
-  }
-  for (int turn = 0; i < n; i += width, ++turn) add(i, turn);
-  if constexpr (hermite)
-    for (std::size_t c = 0; c < 3; ++c) s[c] += t[c];
+  Pack s[4] = {};
+  add_all<K, hermite>(n, data, stride, y, s);
   finish<K>(s, polynomial, y, f);
+}
+
+// |a| <= b, false where a is not a number: by their bits, for -ffast-math takes all for numbers.
+[[maybe_unused]] FOREFEEL_INLINE bool not_above(double a, double b) {
+  const auto size = std::bit_cast<std::int64_t>(a) & std::numeric_limits<std::int64_t>::max();
+  return size <= std::bit_cast<std::int64_t>(b);
+}
+
+// Between two evaluations the processor looks ahead by a few vectors of centres only: what leads to the first of
+// them is kept short, and the polynomial stands where it has to wait for it.
+template <int K, bool hermite>
+bool quick(const sums::Sum& m, const double x[3], double f[4]) {
+  Pack y[3];
+  for (std::size_t d = 0; d < 3; ++d) y[d] = (same(x[d]) - same(m.centre[d])) * same(m.inverse_scale);
+  const Pack squared = times_plus(y[0], y[0], times_plus(y[1], y[1], y[2] * y[2]));
+  if (!not_above(squared[0], m.limit[3])) return false;
+  Pack s[4] = {};
+#if defined(__AVX2__)
+  const Four at[3] = {first_four(y[0]), first_four(y[1]), first_four(y[2])};
+  const auto all_of = [&](int t) __attribute__((always_inline)) { return load_quad(m.polynomial + 4 * t); };
+  Four polynomial = value_of<K>(all_of, at);
+  asm("" : "+x"(polynomial));
+  add_all<K, hermite>(m.n, m.data, m.stride, y, s);
+  _mm256_storeu_pd(f, reinterpret_cast<__m256d>(sums_of(s) + polynomial));
+  asm("" : "+m"(*reinterpret_cast<double(*)[4]>(f)));
+#else
+  add_all<K, hermite>(m.n, m.data, m.stride, y, s);
+  finish<K>(s, m.polynomial, y, f);
+#endif
+  return not_above(f[0], m.limit[0]) & not_above(f[1], m.limit[1]) & not_above(f[2], m.limit[2]);
 }
 
 template <int K>
@@ -171,7 +274,7 @@ FOREFEEL_INLINE void plain_jacobian_of(std::size_t n, const double* data, std::s
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
   Pack s[4] = {}, t[9] = {};
   for (std::size_t i = 0; i < (n & ~std::size_t{7}); i += width) {
-    const Distance d = distance(data, stride, i, y, 1);
+    const Distance d = distance(data, stride, i, y, estimated == 0);
     const Pack phi = power_of<K>(d.r2, d.r), slope = double(K) * power_of<K - 2>(d.r2, d.r);
     for (std::size_t c = 0; c < 3; ++c) {
       const Pack a = load(data + (3 + c) * stride + i), w = a * slope;
@@ -190,7 +293,7 @@ FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std:
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
   Pack s[4] = {}, t[9] = {};
   for (std::size_t i = 0; i < (n & ~std::size_t{7}); i += width) {
-    const Distance d = distance(data, stride, i, y, 1);
+    const Distance d = distance(data, stride, i, y, hermite_estimated == 0);
     const Pack low = power_of<K - 2>(d.r2, d.r), lower = double(K - 2) * power_of<K - 4>(d.r2, d.r);
     for (std::size_t c = 0; c < 3; ++c) {
       const double* b = data + (6 + 3 * c) * stride + i;
@@ -313,7 +416,11 @@ void tangent(std::size_t n, const double* __restrict px, const double* __restric
 }  // namespace
 
 extern const sums::Loops sum_loops;
-const sums::Loops sum_loops = {plain,    hermite, plain_jacobian, hermite_jacobian,
-                               supports, extent,  distances,      tangent};
+const sums::Loops sum_loops = {
+    {{quick<1, false>, quick<3, false>, quick<5, false>}, {nullptr, quick<3, true>, quick<5, true>}},
+    plain,     hermite,
+    plain_jacobian, hermite_jacobian,
+    supports,  extent,
+    distances, tangent};
 
 }  // namespace forefeel::FOREFEEL_ISA

@@ -10,7 +10,19 @@
 
 namespace forefeel::sums {
 
+// What an evaluation reads where the sum alone is the force: y = (x - centre) inverse_scale, and what |f_0|,
+// |f_1|, |f_2| and |y|^2 must not exceed for that.
+struct Sum {
+  double centre[3] = {}, inverse_scale = 1, limit[4] = {-1, -1, -1, -1};
+  std::size_t n = 0, stride = 0;
+  const double* data = nullptr;
+  const double* polynomial = nullptr;
+};
+// f (and a fourth entry) at x; false where a limit is exceeded or something is not a number.
+using Quick = bool (*)(const Sum& sum, const double x[3], double f[4]);
+
 struct Loops {
+  Quick quick[2][3];  // plain and Hermite; r, r^3, r^5
   void (*plain)(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,
                 const double y[3], double f[3]);
   void (*hermite)(int power, std::size_t n, const double* data, std::size_t stride, const double* polynomial,

@@ -92,6 +92,7 @@ void Model::Impl::reserve(std::size_t wanted, bool with_stiffness) {
   states.reserve(rounded);
   const std::size_t arrays = with_stiffness ? 15 : 6;
   if (stride < rounded || data.size() < arrays * stride) {
+    quick_sum = nullptr;
     stride = std::max(stride, rounded);
     data.assign(std::max(data.size(), arrays * stride), 0.0);
   }
@@ -107,7 +108,24 @@ void Model::Impl::clear() {
   known = false;
   bound = 0;
   hull.inner_squared = quick = -1;
+  quick_sum = nullptr;
   bridge = 0;
+}
+
+void Model::Impl::prepare() {
+  if (power == 0 || !(quick > 0)) return;
+  const double each = full_share * bound / std::sqrt(3.0) * (1 - 1e-15);  // so that |f| keeps below
+  for (int d = 0; d < 3; ++d) {
+    sum.centre[d] = centre[d];
+    sum.limit[d] = each;
+  }
+  sum.inverse_scale = inverse_scale;
+  sum.limit[3] = quick;
+  sum.n = padded;
+  sum.stride = stride;
+  sum.data = data.data();
+  sum.polynomial = polynomial[0].data();
+  quick_sum = loops->quick[hermite ? 1 : 0][power / 2];
 }
 
 void Model::Impl::raw(const double y[3], double f[3]) const noexcept {
@@ -226,13 +244,10 @@ Model& Model::operator=(Model&&) noexcept = default;
 
 Vec3 Model::force(const Vec3& x) const noexcept {
   const Impl& m = *impl_;
-  const Vec3 y = (x - m.centre) * m.inverse_scale;
-  if (y.squaredNorm() <= m.quick) {  // nearly always: the sum alone, far below the bound
-    Vec3 f;
-    m.raw(y.data(), f.data());
-    if (f.squaredNorm() <= m.kept_squared) return f;
-  }
-  return bounded(*impl_, x, nullptr);
+  double f[4];
+  // nearly always: the sum alone, far below the bound
+  if (m.quick_sum != nullptr && m.quick_sum(m.sum, x.data(), f)) return {f[0], f[1], f[2]};
+  return bounded(m, x, nullptr);
 }
 
 void Model::evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept {

@@ -89,7 +89,6 @@ void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
   }
   out.largest_stiffness = largest;
   out.bound = (largest_of(slot_array(force_norm), slots_) + largest * out.hold) / Model::Impl::full_share;
-  out.kept_squared = std::pow(Model::Impl::full_share * out.bound, 2);
 }
 
 // Tangent, hold distance and bound (see model_data.hpp). Shares fall to zero at the farthest state and with a
@@ -259,6 +258,7 @@ void RbfFit::write(Model::Impl& out, const Vec3& hip, double bridge) {
   }
   write_tangent(out, hip, bridge);
   out.known = true;
+  out.prepare();
 }
 
 }  // namespace forefeel
