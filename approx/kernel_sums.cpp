@@ -265,7 +265,7 @@ bool quick(const sums::Sum& m, const double x[3], double f[4]) {
   add_all<K, hermite>(m.n, m.data, m.stride, y, s);
   finish<K>(s, m.polynomial, y, f);
 #endif
-  return not_above(f[0], m.limit[0]) & not_above(f[1], m.limit[1]) & not_above(f[2], m.limit[2]);
+  return not_above(f[0], m.limit[0]) && not_above(f[1], m.limit[1]) && not_above(f[2], m.limit[2]);
 }
 
 template <int K>
