@@ -116,15 +116,15 @@ void Model::Impl::prepare() {
   if (power == 0 || !(quick > 0)) return;
   const double each = full_share * bound / std::sqrt(3.0) * (1 - 1e-15);  // so that |f| keeps below
   for (int d = 0; d < 3; ++d) {
-    sum.centre[d] = centre[d];
-    sum.limit[d] = each;
+    alone.centre[d] = centre[d];
+    alone.limit[d] = each;
   }
-  sum.inverse_scale = inverse_scale;
-  sum.limit[3] = quick;
-  sum.n = padded;
-  sum.stride = stride;
-  sum.data = data.data();
-  sum.polynomial = polynomial[0].data();
+  alone.inverse_scale = inverse_scale;
+  alone.limit[3] = quick;
+  alone.n = padded;
+  alone.stride = stride;
+  alone.data = data.data();
+  alone.polynomial = polynomial[0].data();
   quick_sum = loops->quick[hermite ? 1 : 0][power / 2];
 }
 
@@ -246,7 +246,7 @@ Vec3 Model::force(const Vec3& x) const noexcept {
   const Impl& m = *impl_;
   double f[4];
   // nearly always: the sum alone, far below the bound
-  if (m.quick_sum != nullptr && m.quick_sum(m.sum, x.data(), f)) return {f[0], f[1], f[2]};
+  if (m.quick_sum != nullptr && m.quick_sum(m.alone, x.data(), f)) return {f[0], f[1], f[2]};
   return bounded(m, x, nullptr);
 }
 

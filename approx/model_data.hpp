@@ -58,14 +58,14 @@ struct Model::Impl {
   Hull hull, whole;   // of the states, in a gap those of the nearer side; of both
   double bridge = 0;  // beta: how much the second counts
   double bound = 0;                      // B [N]
-  sums::Sum sum;                         // what an evaluation reads where f~ is the sum alone
+  sums::Sum alone;                       // what an evaluation reads where f~ is the sum alone
   sums::Quick quick_sum = nullptr;       // and what evaluates it there; null: nowhere
   double largest_stiffness = 0;          // K [N/m]
   std::uint64_t serial = 0;
 
   void reserve(std::size_t states_wanted, bool with_stiffness);
   void clear();
-  void prepare();  // sum and quick_sum, when all else is there
+  void prepare();  // alone and quick_sum, when all else is there
   void raw(const double y[3], double f[3]) const noexcept;
   void raw(const double y[3], double f[3], double j[9]) const noexcept;  // j: df_c/dy_d
 };
