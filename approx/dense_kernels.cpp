@@ -436,7 +436,9 @@ FOREFEEL_INLINE void take_out(std::size_t m, double* __restrict c, std::size_t s
       sum[t] += next * other;
     }
   }
-  for (std::size_t t = 0; t < K; ++t) products[t] = sum_of(sum[t]);
+  constexpr std::size_t whole = K / 4 * 4;
+  for (std::size_t t = 0; t < whole; t += 4) sums_of(sum + t, products + t);
+  for (std::size_t t = whole; t < K; ++t) products[t] = sum_of(sum[t]);
 }
 
 // Takes Q orthonormal columns out of three more once again; their components are added to right[c * q + j].
@@ -492,19 +494,30 @@ void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t st
   }
 }
 
+// Rows i and i + 1 of the products with all columns before them, four columns at a time.
 void gram(std::size_t q, std::size_t m, const double* l, std::size_t stride, const double* weight,
           double* out) {
-  for (std::size_t i = 0; i < q; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      const double* __restrict a = l + i * stride;
-      const double* __restrict b = l + j * stride;
-      Pack sum = {};
+  for (std::size_t i = 0; i < q; i += 2) {
+    const double* a[2] = {l + i * stride, l + (i + 1 < q ? i + 1 : i) * stride};
+    for (std::size_t j = 0; j < q && j < i + 2; j += 4) {
+      const double* b[4];
+      for (std::size_t t = 0; t < 4; ++t) b[t] = l + (j + t < q ? j + t : j) * stride;
+      Pack sum[2][4] = {};
       for (std::size_t r = 0; r < m; r += width) {
-        const Pack w = load(weight + r);
-        sum += w * w * load(a + r) * load(b + r);
+        const Pack w = load(weight + r), w2 = w * w;
+        const Pack x[2] = {w2 * load(a[0] + r), w2 * load(a[1] + r)};
+        for (std::size_t t = 0; t < 4; ++t) {
+          const Pack y = load(b[t] + r);
+          for (std::size_t s = 0; s < 2; ++s) sum[s][t] += x[s] * y;
+        }
       }
-      out[i * q + j] = sum_of(sum);
+      for (std::size_t s = 0; s < 2; ++s) {
+        double four[4];
+        sums_of(sum[s], four);
+        for (std::size_t t = 0; t < 4 && i + s < q && j + t <= i + s; ++t) out[(i + s) * q + j + t] = four[t];
+      }
     }
+  }
 }
 
 void dots3(std::size_t q, std::size_t m, const double* a, const double* v, std::size_t stride, double* out) {

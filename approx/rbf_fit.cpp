@@ -84,21 +84,18 @@ namespace {
 // The last pivot of a pivoted Cholesky is at least det / (product of the other diagonal entries), and the
 // determinant needs no pivoting.
 bool surely_full_rank(std::size_t q, const double* gram) {
-  double l[max_terms][max_terms], correlation = 1, least = gram[0], most = gram[0];
-  for (std::size_t i = 0; i < q; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      double value = gram[i * q + j];
-      for (std::size_t k = 0; k < j; ++k) value -= l[i][k] * l[j][k];
-      if (j < i) {
-        l[i][j] = value * l[j][j];  // 1 / L_jj stands on the diagonal
-        continue;
-      }
-      const double entry = gram[i * q + i];
-      if (!(value > 1e-9 * entry)) return false;  // rounding would count
-      least = std::min(least, entry);
-      most = std::max(most, entry);
-      correlation *= value / entry;
-      l[i][i] = 1 / std::sqrt(value);
+  double rest[max_terms][max_terms], correlation = 1, least = gram[0], most = gram[0];
+  for (std::size_t i = 0; i < q; ++i) std::copy_n(gram + i * q, i + 1, rest[i]);
+  for (std::size_t j = 0; j < q; ++j) {
+    const double entry = gram[j * q + j], pivot = rest[j][j];
+    if (!(pivot > 1e-9 * entry)) return false;  // rounding would count
+    least = std::min(least, entry);
+    most = std::max(most, entry);
+    correlation *= pivot / entry;
+    const double inverse = 1 / pivot;
+    for (std::size_t i = j + 1; i < q; ++i) {
+      const double share = rest[i][j] * inverse;
+      for (std::size_t k = j + 1; k <= i; ++k) rest[i][k] -= share * rest[k][j];
     }
   }
   return correlation * least > 10 * rank_tolerance * rank_tolerance * most;

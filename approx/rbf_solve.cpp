@@ -15,12 +15,16 @@ void RbfFit::solve() {
   dense::loops().columns_of(factor_.border_row(0), m, q + 3, orthogonal_.data(), row_stride_);
   double right[3 * max_terms];
   dense::loops().orthogonalise(q, m, orthogonal_.data(), row_stride_, upper_, right);
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t j = q; j-- > 0;) {
-      double value = right[c * q + j];
-      for (std::size_t k = j + 1; k < q; ++k) value -= upper_[j * q + k] * coefficient_[c][k];
-      coefficient_[c][j] = value / upper_[j * q + j];
-    }
+  double value[max_terms][4] = {};  // of three components, and a zero
+  for (std::size_t j = 0; j < q; ++j)
+    for (std::size_t c = 0; c < 3; ++c) value[j][c] = right[c * q + j];
+  for (std::size_t j = q; j-- > 0;) {
+    const double inverse = 1 / upper_[j * q + j];
+    for (double& v : value[j]) v *= inverse;
+    for (std::size_t k = 0; k < j; ++k)
+      for (std::size_t c = 0; c < 4; ++c) value[k][c] -= upper_[k * q + j] * value[j][c];
+    for (std::size_t c = 0; c < 3; ++c) coefficient_[c][j] = value[j][c];
+  }
   double* residual = orthogonal_.data() + q * row_stride_;
   factor_.solve_transposed(residual, residual + row_stride_, residual + 2 * row_stride_);
 }
