@@ -88,6 +88,7 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
 int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
   const ReproduceOptions options = checked(arguments);
   const std::vector<Experiment> wanted = chosen(arguments.what);
+  if (wanted.back().name == "speed") check_speed_overrides(globals);
   Laboratory laboratory(globals, arguments.scene);
   const fs::path folder = arguments.output;
   prepare_run_folder(folder);

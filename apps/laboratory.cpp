@@ -45,7 +45,7 @@ std::optional<StateFile> open_cache(const Scene& scene, double h, const Box& box
 
 Laboratory::Laboratory(const Globals& globals, const std::string& scene)
     : globals_(globals),
-      scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)) {
+      scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)), built_in_(scene.empty()) {
   for (const std::string& warning : scene_.warnings) warn(globals, warning);
 }
 

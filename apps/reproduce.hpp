@@ -43,6 +43,8 @@ Findings reproduce_energy(Laboratory&, const ReproduceOptions&, const std::files
 
 Findings reproduce_speed(Laboratory&, const ReproduceOptions&, const std::filesystem::path&,
                          const ShowShare&);
+// InputError where --set gives what the steps of `speed` change.
+void check_speed_overrides(const Globals& globals);
 
 const std::vector<Experiment>& experiments();  // in the order of the report
 

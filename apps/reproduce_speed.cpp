@@ -64,13 +64,16 @@ constexpr std::size_t predecessors = 3, seed_best = 3, seed_paper = 4, ours_row 
                       seed_best_rest = 16, predecessor_rest = 17;
 constexpr std::size_t drawn[] = {3, 4, 7, 9, 12, 13, 14};   // besides the best predecessor
 
+constexpr const char* built_in_file = "scene.toml";   // where the study finds the built-in scene
+
 // What --set gives is not given by the study as well.
 bool is_set(const Globals& globals, const std::string& key) {
   return std::ranges::any_of(globals.set, [&](const std::string& text) { return text.starts_with(key + "="); });
 }
 
 std::string study_text(const Laboratory& laboratory, const ReproduceOptions& runs) {
-  std::string scene = fs::absolute(laboratory.scene().file).string(), escaped;
+  const std::string scene = laboratory.built_in() ? built_in_file : fs::absolute(laboratory.scene().file).string();
+  std::string escaped;
   for (const char c : scene) escaped += c == '\\' || c == '"' ? std::string{'\\', c} : std::string(1, c);
   std::string text = fmt::format("scene = \"{}\"\nseeds = [1]\n\n[session]\n", escaped);
   if (!is_set(laboratory.globals(), "session.device")) text += "device = \"path:raster\"\n";
@@ -172,9 +175,25 @@ nlohmann::ordered_json summary_of(const Speeds& speeds, const std::vector<double
   return {{"travel", runs.travel}, {"rows", rows}};
 }
 
+std::string plain(const std::string& key) {   // of session.policy, policy, "session.policy" alike
+  const std::string bare = key.starts_with('"') ? key.substr(1, key.size() - 2) : key;
+  return bare.starts_with("session.") ? bare.substr(8) : bare;
+}
+
 }  // namespace
 
+void check_speed_overrides(const Globals& globals) {
+  for (const std::string& text : globals.set) {
+    const std::string key = text.substr(0, text.find('='));
+    for (const Step& step : steps())
+      for (std::size_t from = 0, end; (end = step.changes.find('\n', from)) != std::string::npos; from = end + 1)
+        if (plain(step.changes.substr(from, step.changes.find(" = ", from) - from)) == plain(key))
+          throw InputError("--set " + key, fmt::format("is what `speed` compares (step '{}' changes it), expected another key", step.name));
+  }
+}
+
 Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions& runs, const fs::path& folder, const ShowShare&) {
+  if (laboratory.built_in()) write_text(folder / built_in_file, std::string(built_in_scene_text()));
   write_text(folder / "speed.toml", study_text(laboratory, runs));
   const StudyPlan plan = plan_study(read_study(folder / "speed.toml", laboratory.globals().set));
   const StudyResult result = run_study(plan, folder / "speed", laboratory.globals());

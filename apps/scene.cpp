@@ -316,6 +316,8 @@ Scene built_in_scene(std::span<const std::string> overrides) {
   return make_scene(toml::parse(built_in), "liver phantom", overrides, nullptr);
 }
 
+std::string_view built_in_scene_text() { return built_in; }
+
 fs::path cache_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/scene_spacing.hpp"
@@ -39,6 +40,7 @@ Scene load_scene(const std::filesystem::path& file, std::span<const std::string>
 // The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch of 2 cm,
 // neo-Hookean, spacing 6 mm.
 Scene built_in_scene(std::span<const std::string> overrides = {});
+std::string_view built_in_scene_text();
 
 // $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
 std::filesystem::path cache_folder();

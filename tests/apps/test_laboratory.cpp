@@ -95,6 +95,23 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   CHECK(again.json()["experiments"]["extrapolation"] == found["experiments"]["extrapolation"]);
 }
 
+TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
+  const Workshop shop;
+  const Workshop::Outcome outcome =
+      shop.forefeel("reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --json --quiet -o out");
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const nlohmann::json speed = outcome.json()["experiments"]["speed"];
+  REQUIRE(speed["rows"].size() == 1);
+  const nlohmann::json& row = speed["rows"][0];
+  CHECK(row["speed"].is_number());
+  CHECK(row["rest_known"]["speed"].is_number());
+  const std::string csv = read(shop.path() / "out/speed.csv");
+  for (const char* step : {"predecessor, tricubic 18 mm", "seed paper: r3 n=100, 6 mm", "default, motion known (clairvoyant)",
+                           "default + rest known", "seed paper, 12 mm + rest known"})
+    CHECK_THAT(csv, Catch::Contains(step));
+}
+
 TEST_CASE("what should vanish and does not is exit 1, with all that was found", "[laboratory]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
@@ -113,6 +130,8 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   shop.write("beam.toml", beam_scene());
   check_refused(shop, "reproduce", {"WHAT"});
   check_refused(shop, "reproduce timming beam.toml -o out", {"did you mean 'timing'"});
+  check_refused(shop, "reproduce speed --set state_space.spacing=0.012 -o out", {"state_space.spacing", "predecessor"});
+  check_refused(shop, "reproduce all --set session.policy=fifo -o out", {"session.policy"});
   check_refused(shop, "reproduce timing absent.toml -o out", {"absent.toml"});
   check_refused(shop, "reproduce timing beam.toml", {"--output"});
   check_refused(shop, "reproduce timing beam.toml -o beam.toml/out", {"beam.toml/out"});
