@@ -36,10 +36,11 @@ double rise(double t) {
 }  // namespace
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
-    : space_(space), n_(options.neighbours), most_(most_neighbours(n_)), rule_(options.select), h_(space.options().spacing),
+    : space_(space), n_(options.neighbours), weighted_(weighted_neighbours(options)), most_(most_neighbours(options)),
+      rule_(options.select), h_(space.options().spacing),
       pulled_(options.kernel == Kernel::linear ? pulled_r : pulled_to),
       band_(options.kernel == Kernel::quintic && options.data == Data::force ? band_r5 : band) {
-  const std::size_t room = std::max(most_candidates, 2 * n_ + 16);
+  const std::size_t room = std::max(most_candidates, 2 * weighted_ + 16);
   found_.reserve(room);
   candidates_.reserve(room);
   keys_.reserve(room);
@@ -142,9 +143,9 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   found_.clear();
   space_.nearest(hip, 1, found_);
   const double nearest = (space_[found_.front()].at - hip).norm();
-  const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(n_));  // of a half ball of n, in spacings
+  const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(weighted_));  // of a half ball of n, in spacings
   const double limit = std::max(farthest * h_, nearest + fading * h_);
-  gather(hip, n_ + n_ / 4 + 8, std::max(nearest + reach * h_, std::min(nearest / least_ratio, limit)));
+  gather(hip, weighted_ + weighted_ / 4 + 8, std::max(nearest + reach * h_, std::min(nearest / least_ratio, limit)));
 
   const Vec3 axis = main_axis(nearest);
   for (Candidate& c : candidates_)

@@ -8,7 +8,7 @@
 //               two sides s = 1, 2 along the main axis of the directions to the nearest states
 //               d_s, t_s   distance of a side's nearest state, mean direction to those about as near
 //               beta  rises from 0 at d_1 = d_2 / 10 to 1 at d_1 = d_2: how much of a bridge it is
-//               n_2 = beta n d_1 / (d_1 + d_2)
+//               n_2 = beta n d_1 / (d_1 + d_2), n never less than weighted_neighbours()
 //               key  distance from q_s = x + (d_s - h / 4) t_s (for r: 2 h): of a half ball of the boundary instead of a
 //                    layer or two of it, whose polynomial would not be determined
 //               w  rises from 0 at the key of rank n_s (between ranks: in proportion) to 1 within band h
@@ -27,7 +27,15 @@ struct Neighbour {
   double near = 1;    // its part in the side that is nearer to the HIP
 };
 
-constexpr std::size_t most_neighbours(std::size_t n) { return n + n / 6; }
+// n where members have weights: of fewer states one that comes or goes decides alone how steep the force is,
+// however little it counts. (Of one neighbour there is nothing to weigh.)
+constexpr std::size_t weighted_neighbours(const ModelOptions& options) {
+  const std::size_t n = options.neighbours, least = options.data == Data::force ? 20 : 16;
+  return options.select == Select::label && n > 1 && n < least ? least : n;
+}
+constexpr std::size_t most_neighbours(const ModelOptions& options) {
+  return weighted_neighbours(options) + weighted_neighbours(options) / 6;
+}
 
 class NeighbourSelector {
  public:
@@ -60,7 +68,7 @@ class NeighbourSelector {
   void keep_first(std::size_t count);
 
   const StateSpace& space_;
-  std::size_t n_, most_;  // of members that count in full, and in part
+  std::size_t n_, weighted_, most_;  // of members that count in full, where they have weights, and in part
   Select rule_;
   double h_, pulled_, band_;  // the last two in spacings
   std::vector<StateId> found_, last_;

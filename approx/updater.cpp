@@ -40,8 +40,8 @@ struct ModelUpdater::Impl {
   bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
 
   Impl(const StateSpace& known, ModelOptions wished)
-      : space(known), options(wished), fit(wished, most_neighbours(wished.neighbours)), selector(known, wished) {
-    const std::size_t most = most_neighbours(options.neighbours);
+      : space(known), options(wished), fit(wished, most_neighbours(wished)), selector(known, wished) {
+    const std::size_t most = most_neighbours(options);
     wanted.reserve(most);
     chosen.reserve(most);
     last_weighted.reserve(most);

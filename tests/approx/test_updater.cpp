@@ -103,7 +103,7 @@ TEST_CASE("By label: a gap has both sides in balance, and crossing it shows no j
       std::size_t left = 0, right = 0;
       for (const StateId id : now.states()) ++(space[id].at[0] < 0 ? left : right);
       if (std::abs(x) < 1e-9) {
-        CHECK(left + right <= most_neighbours(options.neighbours));
+        CHECK(left + right <= most_neighbours(options));
         CHECK(left + right >= options.neighbours);
         CHECK(std::abs(double(left) - double(right)) <= 2);
       }
@@ -152,6 +152,30 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
         }
         CHECK(worst < 1);
       }
+}
+
+TEST_CASE("By label: of however few neighbours, moving before a flat face shows no jump above the JND") {
+  const StateSpace space = slab({{-10, -4}}, 8);
+  for (ModelOptions options : models)
+    for (const std::size_t n : {4, 8, 13}) {
+      options.neighbours = n;
+      CAPTURE(name(options.kernel), name(options.data), n);
+      ModelUpdater updater(space, options);
+      double worst = 0;
+      for (const double out : {1.5, 2.5, 4.0}) {
+        Model before, now;
+        for (double y = -0.5 * h; y <= 0.5 * h; y += 1e-4) {
+          const Vec3 hip((-4 + out) * h, y, 0.3 * y + 0.001);
+          updater.update(hip, now);
+          CHECK(now.states().size() <= most_neighbours(options));
+          const Vec3 fresh = now.force(hip);
+          if (before.serial() > 0)
+            worst = std::max(worst, (fresh - before.force(hip)).norm() / std::max(0.07 * fresh.norm(), 0.010));
+          std::swap(before, now);
+        }
+      }
+      CHECK(worst < 1);
+    }
 }
 
 TEST_CASE("By label: in a blank area the set is a half ball of the boundary, not a layer") {
