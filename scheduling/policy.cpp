@@ -18,7 +18,7 @@ std::map<std::string, PolicyFactory>& registry() {
       {"direction", make_direction}, {"coverage", make_coverage},
       {"coarse-to-fine", make_coarse_to_fine}, {"error", make_error},
       {"clairvoyant", make_clairvoyant},
-      {"shuffled", make_shuffled}};
+      {"shuffled", make_shuffled}, {"clairvoyant-shuffled", make_clairvoyant_shuffled}};
   return policies;
 }
 
@@ -50,7 +50,7 @@ std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions
   return found->second(options);
 }
 
-bool knows_the_future(const std::string& name) { return name == "clairvoyant"; }
+bool knows_the_future(const std::string& name) { return name.starts_with("clairvoyant"); }
 
 double time_to_reach(const Vec3& at, const PlannerView& view) {
   constexpr double slowest = 0.01;   // [m/s]: a hand that holds still may move on

@@ -4,6 +4,7 @@
 //   coverage      the path as predicted
 //   clairvoyant   the path as it will be
 //   shuffled      the placebo: the same labels, permuted among the places; what it loses is what labels are worth
+//   clairvoyant-shuffled   the placebo of clairvoyant: what labels are worth where the motion is no guess
 
 #include "scheduling/coverage_need.hpp"
 #include "scheduling/policies.hpp"
@@ -47,6 +48,10 @@ std::unique_ptr<Policy> make_clairvoyant(const PolicyOptions&) {
 
 std::unique_ptr<Policy> make_shuffled(const PolicyOptions& options) {
   return std::make_unique<CoveragePolicy>("shuffled", NeedOptions{.shuffle = true, .seed = options.seed});
+}
+
+std::unique_ptr<Policy> make_clairvoyant_shuffled(const PolicyOptions& options) {
+  return std::make_unique<CoveragePolicy>("clairvoyant-shuffled", NeedOptions{.path_share = 0.95, .shuffle = true, .seed = options.seed});
 }
 
 }  // namespace forefeel
