@@ -274,7 +274,8 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
       ->check(CLI::IsMember({"force", "force+stiffness"}));
   sub.add_option("--neighbours", arguments->neighbours,
-                 "States in a model (default 25 with stiffness, else 100); centres of rbf-network")
+                 "States in a model (default 25 with stiffness, else 100); outside safe regions no fewer than 16, without stiffness 20, "
+                 "unless 1 or --select nearest; centres of rbf-network")
       ->check(above_zero);
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))
