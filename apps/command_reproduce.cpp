@@ -81,6 +81,7 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
     throw InputError("--interval", fmt::format("is {}, expected 0.05 to 3600 s", options.interval));
   if (arguments.gap && *arguments.gap + 2 > options.depth)
     throw InputError("--gap", fmt::format("is {} spacings, expected at most {}: the depth is {}", *arguments.gap, options.depth - 2, options.depth));
+  if (!std::isfinite(options.travel)) throw InputError("--travel", fmt::format("is {}, expected 0.01 to 1000 m", options.travel));
   options.gap = arguments.gap.value_or(options.gap);
   return options;
 }
@@ -90,6 +91,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
   const std::vector<Experiment> wanted = chosen(arguments.what);
   if (wanted.back().name == "speed") check_speed_overrides(globals);
   Laboratory laboratory(globals, arguments.scene);
+  if (wanted.back().name == "speed") check_session(laboratory.session_input(), laboratory.scene().session);
   const fs::path folder = arguments.output;
   prepare_run_folder(folder);
   nlohmann::ordered_json document;

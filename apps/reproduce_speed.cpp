@@ -185,6 +185,8 @@ std::string plain(const std::string& key) {   // of session.policy, policy, "ses
 void check_speed_overrides(const Globals& globals) {
   for (const std::string& text : globals.set) {
     const std::string key = text.substr(0, text.find('='));
+    for (const char* own : {"workers", "seconds", "clock", "seed"})
+      if (plain(key) == own) throw InputError("--set " + key, "is what `speed` sets itself, expected another key");
     for (const Step& step : steps())
       for (std::size_t from = 0, end; (end = step.changes.find('\n', from)) != std::string::npos; from = end + 1)
         if (plain(step.changes.substr(from, step.changes.find(" = ", from) - from)) == plain(key))

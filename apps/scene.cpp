@@ -200,7 +200,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.placement =
       table.word<std::string>("placement", {{"lattice", "lattice"}, {"adaptive", "adaptive"}, {"path", "path"}})
           .value_or(session.placement);
-  session.workers = static_cast<int>(table.integer("workers", 1, 4096).value_or(session.workers));
+  session.workers = static_cast<int>(table.integer("workers", 1, 100000).value_or(session.workers));
   read_switch(table, session.switching);
   session.update_travel = table.number("update_travel", positive()).value_or(session.update_travel);
   session.cost = table.text("cost").value_or(session.cost);

@@ -142,6 +142,7 @@ void Reader::read_scene() {
 void Reader::read_seeds() {
   const toml::node* node = root_.get("seeds");
   const toml::array* list = node ? node->as_array() : nullptr;
+  if (node && !list) throw InputError(where(node, "seeds"), fmt::format("is {}, expected a list of whole numbers, as [1, 2]", toml_of(*node)));
   if (!list) throw InputError(where(node, "seeds"), "missing, expected a list of whole numbers");
   if (list->empty()) throw InputError(where(node, "seeds"), "is empty, expected at least one whole number");
   for (const toml::node& element : *list) {
@@ -226,6 +227,8 @@ void Reader::read_set(std::span<const std::string> set) {
   for (const std::string& text : set) {
     const std::string key = text.substr(0, text.find('='));
     claim(key == "model.select" ? "session.select" : key, "--set " + key, "fixed");
+    if (key == "session.clock" && text.find("virtual") == std::string::npos)
+      throw InputError("--set " + key, "expected 'virtual': the cells of a study must repeat");
     study_.fixed.push_back(text);
   }
 }

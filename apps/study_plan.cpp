@@ -5,14 +5,13 @@
 
 #include <cmath>
 #include <fstream>
-#include <set>
 #include <sstream>
-#include <tuple>
 
 #include "apps/provenance.hpp"
 #include "apps/sha256.hpp"
 #include "scheduling/cost.hpp"
 #include "scheduling/device.hpp"
+#include "scheduling/needed_states.hpp"
 
 namespace forefeel {
 namespace {
@@ -130,20 +129,9 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
                                                    .folder = scene.file.parent_path()});
   const double h = options.visit_cell > 0 ? options.visit_cell : scene.space.spacing;
   const auto frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
-  std::set<std::tuple<long, long, long>> corners;
-  Vec3 cell = Vec3::Constant(unknown);
-  for (std::size_t k = 0; k < frames; ++k) {
-    const Vec3 at = device->position(static_cast<double>(k) * options.frame, Vec3::Zero());
-    const Vec3 here = (at / h).array().floor();
-    if (here == cell) continue;
-    cell = here;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 step = cell.array() + Eigen::Array3d(corner & 1, (corner >> 1) & 1, corner >> 2);
-      if (scene.space.box.contains(h * step))
-        corners.insert({std::lround(step[0]), std::lround(step[1]), std::lround(step[2])});
-    }
-  }
-  return static_cast<double>(corners.size()) / options.seconds;
+  NeededStates needed(scene.space.box, h);
+  for (std::size_t k = 0; k < frames; ++k) needed.visit(device->position(static_cast<double>(k) * options.frame, Vec3::Zero()));
+  return static_cast<double>(needed.count()) / options.seconds;
 }
 
 std::string cost_for_load(double load, int workers, double demand) {

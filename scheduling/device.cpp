@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "geometry/error.hpp"
 #include "scheduling/csv_table.hpp"
@@ -185,8 +186,8 @@ std::string take_name(std::string arguments, const std::string& spec, Settings& 
       name = part;
     else if (equals == std::string::npos)
       throw InputError("device " + spec, fmt::format("'{}' is not a setting, expected key=value", part));
-    else
-      settings[part.substr(0, equals)] = part.substr(equals + 1);
+    else if (!settings.emplace(part.substr(0, equals), part.substr(equals + 1)).second)
+      throw InputError("device " + spec, fmt::format("'{}' is given twice, expected it once", part.substr(0, equals)));
   }
   if (name.empty()) throw InputError("device " + spec, "expected a name after the colon");
   return name;
@@ -200,6 +201,9 @@ std::unique_ptr<Device> take_path(const std::string& spec, const std::string& na
   const double amplitude = take_number(settings, spec, "amplitude", 0, 1e-6);
   const double tremor = take_number(settings, spec, "tremor", 0, 0);
   const double noise = take_number(settings, spec, "noise", 0, 0);
+  for (const auto& [key, value, most] : {std::tuple{"speed", speed, 1000.0}, {"amplitude", amplitude, 10.0}, {"tremor", tremor, 1.0}, {"noise", noise, 1.0}})
+    if (value > most)
+      throw InputError("device " + spec, fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most, key == std::string_view("speed") ? "m/s" : "m"));
   if (amplitude > 0) {
     double farthest = 0;
     for (const auto* part : {&shape.lead, &shape.loop})

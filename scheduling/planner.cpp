@@ -74,16 +74,21 @@ void Planner::receive(JobResult result, double now) {
   const Candidate candidate = member->candidate;
   slot.members.erase(member);
   slot.cancelling = slot.cancelling && slot.busy();
-  record.started = result.started;
+  const bool began = result.state.status != SolveStatus::cancelled || result.finished > result.started;
+  record.started = began ? result.started : unknown;
   record.finished = result.finished;
   record.known = now;
   if (result.state.status == SolveStatus::cancelled) {
-    record.status = "preempted";
-    ++preempted_;
+    record.status = began ? "preempted" : "withdrawn";
+    preempted_ += began ? 1 : 0;
     ++preemptions_[candidate.order];
     if (result.partial) partial_[candidate.order] = std::move(result.partial);
     candidates_->put_back(candidate);
     return;
+  }
+  if (slot.busy()) {   // a job's states are solved in their order
+    DispatchRecord& next = dispatches_[slot.members.front().dispatch];
+    if (std::isnan(next.started)) next.started = result.finished;
   }
   note_cost(result.finished - result.started);
   if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
@@ -281,6 +286,7 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
   slot.members.push_back({job.dispatch, candidate});
   for (const Candidate& c : beside) {
     job.beside.push_back({.dispatch = record_dispatch(worker, c, priority, job.dispatch, now), .at = c.at});
+    dispatches_[job.beside.back().dispatch].started = unknown;   // not before the one before it is done
     slot.members.push_back({job.beside.back().dispatch, c});
   }
   generator_.dispatch(worker, std::move(job));
@@ -383,6 +389,8 @@ bool Planner::idle() const {
 void Planner::finish(SessionResult& result) {
   for (std::size_t i = 0; i < space_.size(); ++i)
     result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
+  for (DispatchRecord& record : dispatches_)
+    if (record.status == "running" && std::isnan(record.started)) record.status = "waiting";
   result.dispatch = std::move(dispatches_);
   result.switches = std::move(updates_);
   result.start_solved_failed = {start_, solved_, failed_};

@@ -144,6 +144,8 @@ void ReferenceService::work(std::stop_token stop) {
       SolveOutcome outcome = solver.reference(x);
       outcome.state.at = x;
       outcome.state.parent = Vec3::Zero();
+      outcome.state.force.array() += 0.0;   // -0 does not survive the cache
+      outcome.state.stiffness.array() += 0.0;
       lock.lock();
       if (writer_) writer_->push(outcome.state);
       Entry& entry = entries_.at(key(x));
@@ -159,7 +161,14 @@ void ReferenceService::work(std::stop_token stop) {
   }
 }
 
+// Measured once however many ask at the same time: all of them get the same list.
 std::vector<double> ReferenceService::recorded_costs() {
+  const std::lock_guard lock(costs_mutex_);
+  if (costs_.empty()) costs_ = measured_costs();
+  return costs_;
+}
+
+std::vector<double> ReferenceService::measured_costs() {
   constexpr std::string_view columns[] = {"seconds"};
   if (!costs_file_.empty() && std::filesystem::exists(costs_file_)) return read_csv(costs_file_, columns).values;
   constexpr std::uint64_t samples = 48;

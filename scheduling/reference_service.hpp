@@ -62,6 +62,9 @@ class ReferenceService {
   Box box_;
   std::filesystem::path costs_file_;
   std::size_t thread_count_;
+  std::vector<double> measured_costs();   // from their file, else solved for now
+  std::mutex costs_mutex_;
+  std::vector<double> costs_;
   std::optional<std::string> note_;
 
   mutable std::mutex mutex_;

@@ -107,7 +107,9 @@ struct DispatchRecord {
   double priority = 0;
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;   // [s]
   double known = unknown;        // when the planner had it: finished and a message [s]
-  std::string status = {};       // solved, failed, preempted, arrived, running (at the end)
+  // solved, failed, arrived, preempted, withdrawn (cancelled before it began); at the end also running, and waiting for
+  // others of its job
+  std::string status = {};
   int worker = -1;
   std::int64_t parent = -1;      // id of the row whose state it started from, -1: rest or a state of the start
 };

@@ -2,10 +2,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <set>
-#include <tuple>
 
 #include "scheduling/run_files.hpp"
+#include "scheduling/needed_states.hpp"
 
 namespace forefeel {
 namespace {
@@ -133,17 +132,13 @@ Json switch_json(const SessionResult& result, const SessionOptions& options) {
 
 double load(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
   const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
-  std::set<std::tuple<long, long, long>> corners;
-  for (const FrameRecord& f : result.frames)
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 step = (f.at / h).array().floor() + Eigen::Array3d(corner & 1, (corner >> 1) & 1, corner >> 2);
-      if (input.space.box.contains(h * step)) corners.insert({std::lround(step[0]), std::lround(step[1]), std::lround(step[2])});
-    }
+  NeededStates needed(input.space.box, h);
+  for (const FrameRecord& f : result.frames) needed.visit(f.at);
   if (result.frames.empty() || result.solve_seconds.empty() || result.workers == 0) return unknown;
   const double seconds = result.frames.back().t + (result.frames.size() > 1 ? result.frames[1].t : 0);
   const double total = std::accumulate(result.solve_seconds.begin(), result.solve_seconds.end(), 0.0);
   const double rate = result.workers * static_cast<double>(result.solve_seconds.size()) / total;
-  return static_cast<double>(corners.size()) / seconds / rate;
+  return static_cast<double>(needed.count()) / seconds / rate;
 }
 
 }  // namespace

@@ -172,6 +172,7 @@ TEST_CASE("whatever contradicts itself or cannot run is one line that names the 
       {"seeds = [1]\n[vary]\ntarget_load = [1, 0]\n", {"study.toml:4: vary.target_load", "above 0"}},
       {"seeds = [1]\n[vary]\ntarget_load = [1]\ncost = [\"paper\"]\n",
        {"study.toml:5: vary.cost", "target_load"}},
+      {"seeds = 3\n[vary]\npolicy = [\"nearest\"]\n", {"seeds", "is 3", "list"}},
       {"seeds = [1]\n[vary]\nspeed = [0.1]\n", {"study.toml:4: vary.speed", "names its speed already"}},
       {"seeds = [1]\nbaseline = \"error\"\n[vary]\npolicy = [\"fifo\"]\n",
        {"study.toml:3: baseline", "'error'", "fifo"}},

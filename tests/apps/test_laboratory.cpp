@@ -131,6 +131,9 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   check_refused(shop, "reproduce", {"WHAT"});
   check_refused(shop, "reproduce timming beam.toml -o out", {"did you mean 'timing'"});
   check_refused(shop, "reproduce speed --set state_space.spacing=0.012 -o out", {"state_space.spacing", "predecessor"});
+  check_refused(shop, "reproduce speed --travel nan -o out", {"--travel"});
+  check_refused(shop, "reproduce speed --set session.workers=3 -o out", {"session.workers"});
+  check_refused(shop, "reproduce speed --set session.cost=bogus -o out", {"cost bogus"});
   check_refused(shop, "reproduce all --set session.policy=fifo -o out", {"session.policy"});
   check_refused(shop, "reproduce timing absent.toml -o out", {"absent.toml"});
   check_refused(shop, "reproduce timing beam.toml", {"--output"});

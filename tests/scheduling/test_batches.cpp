@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <map>
 #include <set>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "scheduling/planner.hpp"
 #include "scheduling/worker_threads.hpp"
@@ -98,13 +101,14 @@ TEST_CASE("batches: what was cancelled is open again, and goes on from where it 
   const auto stood = std::make_shared<Equilibrium>();
   JobResult broken = result_of(first.dispatch, 0, first.at, SolveStatus::cancelled);
   broken.partial = stood;
+  broken.finished = 0.001;
   workers.jobs.clear();
   planner.receive(std::move(broken), 0.001);
   CHECK_FALSE(planner.idle());
   for (const Job::Neighbour& neighbour : first.beside)
     planner.receive(result_of(neighbour.dispatch, 0, neighbour.at, SolveStatus::cancelled), 0.001);
   CHECK(planner.idle());
-  CHECK(planner.preempted() == 4);
+  CHECK(planner.preempted() == 1);   // the others had not begun
   CHECK(planner.space().empty());
   planner.plan(0.002);
   CHECK(workers.jobs.at(0).at == first.at);
@@ -149,6 +153,33 @@ TEST_CASE("virtual workers: neighbours cost their share, work that was broken of
     const SessionResult again = run_session(small_input(), options);
     REQUIRE(again.frames.size() == result.frames.size());
     for (std::size_t k = 0; k < result.frames.size(); ++k) REQUIRE(again.frames[k].force == result.frames[k].force);
+  }
+}
+
+TEST_CASE("batches: a worker does one thing at a time, and what has not begun has no start") {
+  SessionOptions options = virtual_options(0.6);
+  options.batch = 4;
+  options.cost = "lognormal:0.03,1";
+  options.device = "path:reach,speed=0.1";
+  options.workers = 3;
+  const SessionResult result = run_session(small_input(), options);
+  std::map<int, std::vector<std::pair<double, double>>> busy;
+  std::size_t never = 0, preempted = 0;
+  for (const DispatchRecord& row : result.dispatch) {
+    CAPTURE(row.id, row.status);
+    const bool begun = row.status != "waiting" && row.status != "withdrawn";
+    CHECK(std::isfinite(row.started) == begun);
+    never += !begun;
+    preempted += row.status == "preempted";
+    if (!begun) continue;
+    busy[row.worker].push_back({row.started, std::isfinite(row.finished) ? row.finished : options.seconds});
+    if (row.parent >= 0) CHECK(result.dispatch[static_cast<std::size_t>(row.parent)].finished <= row.started + 1e-12);
+  }
+  CHECK(never > 0);
+  CHECK(result.preempted == preempted);
+  for (auto& [worker, spans] : busy) {
+    std::ranges::sort(spans);
+    for (std::size_t i = 1; i < spans.size(); ++i) CHECK(spans[i - 1].second <= spans[i].first + 1e-12);
   }
 }
 

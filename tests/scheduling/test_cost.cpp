@@ -1,10 +1,15 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <thread>
+#include <vector>
 
 #include "geometry/error.hpp"
 #include "scheduling/cost.hpp"
+#include "scheduling/needed_states.hpp"
 #include "scheduling/random.hpp"
+#include "scheduling/reference_service.hpp"
+#include "small_body.hpp"
 
 using namespace forefeel;
 
@@ -56,4 +61,29 @@ TEST_CASE("unknown costs are refused") {
   }
   CHECK_THROWS_AS(make_cost("recorded", 1, none), InputError);
   CHECK_NOTHROW(check_cost("recorded"));
+}
+
+TEST_CASE("recorded costs are measured once, however many ask at the same time; rest has no -0") {
+  const SessionInput input = testing::small_input();
+  ReferenceService service(input, 2);
+  std::vector<double> lists[4];
+  {
+    std::vector<std::jthread> threads;
+    for (auto& list : lists) threads.emplace_back([&] { list = service.recorded_costs(); });
+  }
+  CHECK(lists[0].size() == 48);
+  for (const auto& list : lists) CHECK(list == lists[0]);
+  const State rest = service.get(Vec3::Zero());
+  for (int i = 0; i < 3; ++i) CHECK_FALSE((rest.force[i] == 0 && std::signbit(rest.force[i])));
+}
+
+TEST_CASE("states that a motion needs: corners of visited cells, faces of the box among them") {
+  const Box box{Vec3::Constant(-0.036), Vec3::Constant(0.036)};   // 6 x 0.006 is more than 0.036
+  NeededStates needed(box, 0.006);
+  needed.visit(Vec3::Constant(0.035));
+  CHECK(needed.count() == 8);
+  needed.visit(Vec3::Constant(0.037));   // outside but for the corner
+  CHECK(needed.count() == 8);
+  needed.visit(Vec3(0.029, 0.035, 0.035));
+  CHECK(needed.count() == 12);
 }

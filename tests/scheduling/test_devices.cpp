@@ -140,7 +140,7 @@ TEST_CASE("bad traces name file and line") {
 TEST_CASE("unknown devices are refused in one line") {
   for (const std::string spec :
        {"path", "path:", "path:spiral", "path:press,speed=fast", "path:press,speed=-1", "path:press,speed=0",
-        "path:press,speed=nan", "path:press,colour=red", "path:press,speed", "hand:thumb", "", "trace:", "mouse:left"}) {
+        "path:press,speed=nan", "path:press,speed=1e9", "path:press,amplitude=1e9", "path:press,speed=1,speed=2", "path:press,colour=red", "path:press,speed", "hand:thumb", "", "trace:", "mouse:left"}) {
     CAPTURE(spec);
     const std::string text = message(spec);
     CHECK_FALSE(text.empty());
