@@ -185,6 +185,9 @@ std::string ranking_section(const Study& study, const AxisRanking& entry, std::s
             cell(first ? "" : verdict(entry.metric, r.to_best)) + "</tr>\n";
   }
   html += "</table>\n";
+  if (std::ranges::find(axis.values, std::string("clairvoyant"), &StudyValue::text) != axis.values.end())
+    html += "<p class=\"muted\">clairvoyant knows the motion, not the best order of solves: another policy may do better in a cell, and its "
+            "regret is then below zero.</p>\n";
   return html + fmt::format("<p class=\"muted\">{} traces and seeds{}.</p>\n", entry.ranking.blocks,
                             entry.ranking.dropped > 0 ? fmt::format("; {} more lack a value and are left out",
                                                                     entry.ranking.dropped)
