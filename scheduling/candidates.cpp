@@ -77,6 +77,13 @@ Candidate Candidates::take(std::size_t i) {
   return taken;
 }
 
+std::optional<Candidate> Candidates::take_rest() {
+  add(Vec3::Zero(), false);   // where the placement has none; else nothing changes
+  const auto found = place_.find(key(Vec3::Zero()));
+  if (found == place_.end()) return {};
+  return take(found->second);
+}
+
 void Candidates::put_back(Candidate candidate) {
   gone_.erase(key(candidate.at));
   if (candidate.passing || place_.contains(key(candidate.at))) return;   // the next step places anew

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -31,6 +32,8 @@ class Candidates {
   bool may_grow() const { return placement_ != Placement::lattice; }   // by follow()
   // The i-th open one, taken out; the last one takes its place.
   Candidate take(std::size_t i);
+  // The one at rest, whatever the placement; nothing where that state was taken or is known.
+  std::optional<Candidate> take_rest();
   void put_back(Candidate candidate);            // a cancelled one
   void learn(const Vec3& known);                 // a state became known: it is no candidate, and distances shrink
   void request_near(const Vec3& hip, double now);

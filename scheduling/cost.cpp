@@ -10,6 +10,13 @@
 #include "scheduling/random.hpp"
 
 namespace forefeel {
+
+namespace {
+constexpr double iterations = 4;   // of a state (cost.hpp)
+}  // namespace
+
+double CostModel::rest_seconds() const { return seconds(Vec3::Zero()) / iterations; }
+
 namespace {
 
 class ConstantCost final : public CostModel {
@@ -36,7 +43,8 @@ class LogNormalCost final : public CostModel {
 
 class RecordedCost final : public CostModel {
  public:
-  RecordedCost(std::vector<double> measured, std::uint64_t seed) : measured_(std::move(measured)), seed_(seed) {
+  RecordedCost(RecordedCosts measured, std::uint64_t seed)
+      : measured_(std::move(measured.solves)), rest_(measured.rest), seed_(seed) {
     std::sort(measured_.begin(), measured_.end());
   }
   // Inverse of the empirical distribution, linear between the measured times.
@@ -47,9 +55,11 @@ class RecordedCost final : public CostModel {
     const double w = place - static_cast<double>(i);
     return (1 - w) * measured_[i] + w * measured_[next];
   }
+  double rest_seconds() const override { return rest_; }
 
  private:
   std::vector<double> measured_;
+  double rest_;
   std::uint64_t seed_;
 };
 
@@ -85,10 +95,10 @@ std::unique_ptr<CostModel> parse(const std::string& spec, std::uint64_t seed) {
 }  // namespace
 
 std::unique_ptr<CostModel> make_cost(const std::string& spec, std::uint64_t seed,
-                                     const std::function<std::vector<double>()>& recorded) {
+                                     const std::function<RecordedCosts()>& recorded) {
   if (auto model = parse(spec, seed)) return model;
-  std::vector<double> measured = recorded();
-  if (measured.empty()) throw InputError("cost recorded", "no solve of this body could be measured");
+  RecordedCosts measured = recorded();
+  if (measured.solves.empty()) throw InputError("cost recorded", "no solve of this body could be measured");
   return std::make_unique<RecordedCost>(std::move(measured), seed);
 }
 

@@ -90,7 +90,7 @@ void Planner::receive(JobResult result, double now) {
     DispatchRecord& next = dispatches_[slot.members.front().dispatch];
     if (std::isnan(next.started)) next.started = result.finished;
   }
-  note_cost(result.finished - result.started);
+  note_cost(result.finished - result.started, options_.rest_first && result.state.at.isZero(0));
   if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
   if (hooks_.on_state) hooks_.on_state(result.state);
   if (!result.state.usable()) {
@@ -124,7 +124,9 @@ void Planner::observe(const HipSample& sample) {
   predictor_->observe(sample);
 }
 
-void Planner::note_cost(double seconds) {
+// What rest takes tells nothing of what the others will.
+void Planner::note_cost(double seconds, bool at_rest) {
+  if (at_rest) return;
   costs_.push_back(seconds);
   if (recent_costs_.size() == 31) recent_costs_.erase(recent_costs_.begin());
   recent_costs_.push_back(seconds);
@@ -223,6 +225,7 @@ void Planner::plan(double now) {
   slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
   if (slots_.empty() || (candidates_->empty() && !candidates_->may_grow())) return;
   if (std::ranges::all_of(slots_, &Slot::busy)) return consider_preemption(now);
+  if (rest_comes_first(now)) return;
   look(now);
   for (std::size_t worker = 0; worker < slots_.size() && !candidates_->empty(); ++worker) {
     if (slots_[worker].busy()) continue;
@@ -235,6 +238,20 @@ void Planner::plan(double now) {
     pending_.push_back(candidate.at);
     for (const Candidate& c : beside) pending_.push_back(c.at);
   }
+}
+
+// While nothing is known. The others begin once the hand has moved a third of a spacing, or rest is known: where it goes
+// is worth the few milliseconds until then, since what they begin takes them ten times as long.
+bool Planner::rest_comes_first(double now) {
+  if (!options_.rest_first || !space_.empty()) return false;
+  if (dispatches_.empty()) {
+    const std::optional<Candidate> rest = candidates_->take_rest();
+    if (!rest) return false;
+    dispatch(0, *rest, 1.0, {}, now);
+    slots_[0].rest = true;
+    began_at_ = hip_.at;
+  }
+  return slots_[0].rest && slots_[0].busy() && (hip_.at - began_at_).norm() < space_.options().spacing / 3;
 }
 
 // The open candidates next to one, the best first: they share its factor.
@@ -274,7 +291,7 @@ std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, d
 void Planner::dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now) {
   const Start* start = nearest_start(candidate.at);
   Slot& slot = slots_[static_cast<std::size_t>(worker)];
-  slot = {.cancelling = false, .members = {}, .since = now};
+  slot = {.cancelling = false, .members = {}, .since = now, .rest = false};
   Job job{.dispatch = record_dispatch(worker, candidate, priority, start ? start->dispatch : -1, now),
           .at = candidate.at,
           .start = start ? start->equilibrium : nullptr,
@@ -310,7 +327,7 @@ void Planner::consider_preemption(double now) {
       const auto before = preemptions_.find(member.candidate.order);
       return before != preemptions_.end() && before->second >= 2;
     });
-    if (slot.cancelling || enough) continue;
+    if (slot.cancelling || slot.rest || enough) continue;
     gather_pending(&slot);
     const PlannerView seen = view(now);
     const double gain = policy_->priority(waiting, seen);

@@ -53,6 +53,7 @@ class Planner {
     bool cancelling = false;
     std::vector<Member> members;                     // of its job that are not back yet, in the order they are solved
     double since = 0;
+    bool rest = false;                               // its job is the state at rest
     bool busy() const { return !members.empty(); }
   };
   struct Start {                                     // a solution to start from
@@ -70,10 +71,11 @@ class Planner {
   void gather_pending(const Slot* but);
   std::uint32_t record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now);
   void dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now);
+  bool rest_comes_first(double now);                 // whether nothing else is dispatched yet
   void consider_preemption(double now);
   const Start* nearest_start(const Vec3& x) const;
   void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
-  void note_cost(double seconds);
+  void note_cost(double seconds, bool at_rest);
   void note_surprise(const State& state);            // before it is inserted
   void mark_used(const Model& model, double now);
   Model* free_model();
@@ -95,7 +97,7 @@ class Planner {
   std::vector<Model*> free_;
   HipSample hip_;
   bool dirty_ = false, published_ = false;
-  Vec3 updated_at_ = Vec3::Zero();
+  Vec3 updated_at_ = Vec3::Zero(), began_at_ = Vec3::Zero();
   std::uint32_t updated_n_ = 0;
 
   std::vector<Slot> slots_;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "geometry/state_file.hpp"
+#include "scheduling/cost.hpp"
 #include "scheduling/session.hpp"
 #include "scheduling/state_solver.hpp"
 
@@ -37,8 +38,9 @@ class ReferenceService {
   void learn(std::span<const State> states);
   const std::optional<std::string>& note() const { return note_; }   // why there is no cache, if one was asked for
 
-  // Times of a fixed sample of solves from a neighbour, measured once per body and kept beside the cache [s].
-  std::vector<double> recorded_costs();
+  // Times of a fixed sample of solves from a neighbour and of the state at rest, measured once per body and kept beside
+  // the cache.
+  RecordedCosts recorded_costs();
 
  private:
   struct Key {
@@ -60,11 +62,14 @@ class ReferenceService {
   std::shared_ptr<LinearBasis> linear_;
   StateSolverOptions solver_options_;
   Box box_;
-  std::filesystem::path costs_file_;
+  std::filesystem::path costs_file_, rest_cost_file_;
   std::size_t thread_count_;
-  std::vector<double> measured_costs();   // from their file, else solved for now
+  std::vector<double> measured_costs();
+  std::vector<double> measured_rest_costs();
+  // Those in the file, else measured now and written there.
+  std::vector<double> kept(const std::filesystem::path& file, std::vector<double> (ReferenceService::*measured)());
   std::mutex costs_mutex_;
-  std::vector<double> costs_;
+  RecordedCosts costs_;
   std::optional<std::string> note_;
 
   mutable std::mutex mutex_;

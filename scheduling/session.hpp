@@ -45,6 +45,9 @@ struct SessionOptions {
   std::optional<std::filesystem::path> arrivals;   // CSV t,x,y,z, rows in any order: states become known at given times
   std::optional<std::filesystem::path> replay;     // a run folder: HIP and arrivals as recorded there
   bool preempt = true;
+  // The first job of a session that knows nothing is the state at rest: its force is zero, its stiffness one factorisation
+  // (cost.hpp), so that it is there long before any other, and the first model is the body's tangent at rest.
+  bool rest_first = true;
   // Rest is known from the start: its force is zero, its stiffness comes from one factorisation before the first frame. The
   // hand then feels the body's tangent at once, and nothing has to fade in from zero.
   bool rest_known = false;
@@ -140,7 +143,7 @@ struct SessionResult {
   std::size_t preempted = 0;
   double generated_energy = 0, work = 0;     // energy observer [J]
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
-  std::vector<double> solve_seconds;         // of each solve of the session, virtual or real
+  std::vector<double> solve_seconds;         // of each solve of the session but rest first, virtual or real
   int workers = 0;                           // that took part
 };
 

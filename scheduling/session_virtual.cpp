@@ -51,7 +51,7 @@ class EventQueue {
 class SimulatedWorkers final : public Generator {
  public:
   SimulatedWorkers(int workers, const SessionOptions& options, const CostModel& cost, ReferenceService& references, EventQueue& events)
-      : cost_(cost), share_(options.batch_share), latency_(ns(options.latency)), references_(references), events_(events),
+      : cost_(cost), rest_first_(options.rest_first), share_(options.batch_share), latency_(ns(options.latency)), references_(references), events_(events),
         running_(static_cast<std::size_t>(workers)) {}
 
   void set_now(Nanoseconds now) { now_ = now; }
@@ -109,7 +109,7 @@ class SimulatedWorkers final : public Generator {
   };
 
   Nanoseconds add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share, Nanoseconds begin) {
-    Nanoseconds cost = ns(share * cost_.seconds(at));
+    Nanoseconds cost = ns(share * (rest_first_ && at.isZero(0) ? cost_.rest_seconds() : cost_.seconds(at)));
     if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
     const Nanoseconds end = begin + std::max<Nanoseconds>(1, cost);
     solves.push_back({.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
@@ -119,6 +119,7 @@ class SimulatedWorkers final : public Generator {
   }
 
   const CostModel& cost_;
+  bool rest_first_;
   double share_;
   Nanoseconds latency_, now_ = 0;
   ReferenceService& references_;

@@ -59,6 +59,10 @@ Solver& StateSolver::solver() {
   return *solver_;
 }
 
+void StateSolver::prepare() {
+  if (!linear_) solver();
+}
+
 SolveOutcome StateSolver::reference(const Vec3& x) {
   if (linear_) return linear_->at(x, options_.displacements);
   SolveOptions options;

@@ -42,6 +42,7 @@ class StateSolver {
   // linear: null unless is_linear(*body).
   StateSolver(std::shared_ptr<const Body> body, std::shared_ptr<LinearBasis> linear, Options options);
 
+  void prepare();                                                                    // lays out the factor before the first job
   SolveOutcome reference(const Vec3& x);                                             // tight, on the reference branch
   // From a known solution (null: rest); the reference branch where that fails.
   SolveOutcome from(const Equilibrium* start, const Vec3& x, std::stop_token stop);

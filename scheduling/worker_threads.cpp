@@ -11,6 +11,7 @@ void WorkerThreads::serve() {
   int worker = -1;
   try {
     StateSolver solver(body_, linear_, options_);
+    solver.prepare();   // at the same time as the others; the session may wait for its first state
     std::unique_lock lock(mutex_);
     if (stopped_) return;
     worker = static_cast<int>(slots_.size());

@@ -22,7 +22,7 @@ std::vector<double> draws(const CostModel& model, int count) {
   return costs;
 }
 
-const auto none = [] { return std::vector<double>{}; };
+const auto none = [] { return RecordedCosts{}; };
 
 }  // namespace
 
@@ -35,10 +35,17 @@ TEST_CASE("cost models have the distribution they name") {
   CHECK(paper.front() >= 0.1);
   CHECK(paper.back() <= 1.0);
   CHECK(paper[10000] == Approx(std::sqrt(0.1)).epsilon(0.03));
-  const auto recorded = draws(*make_cost("recorded", 1, [] { return std::vector<double>{0.01, 0.03, 0.02}; }), 20000);
+  const auto recorded = draws(*make_cost("recorded", 1, [] { return RecordedCosts{{0.01, 0.03, 0.02}, 0.004}; }), 20000);
   CHECK(recorded.front() >= 0.01);
   CHECK(recorded.back() <= 0.03);
   CHECK(recorded[10000] == Approx(0.02).epsilon(0.02));
+}
+
+TEST_CASE("the state at rest costs one of four iterations, or what was measured") {
+  CHECK(make_cost("constant:0.02", 1, none)->rest_seconds() == Approx(0.005));
+  const auto paper = make_cost("paper", 7, none);
+  CHECK(paper->rest_seconds() == Approx(0.25 * paper->seconds(Vec3::Zero())));
+  CHECK(make_cost("recorded", 1, [] { return RecordedCosts{{0.01, 0.03}, 0.004}; })->rest_seconds() == 0.004);
 }
 
 TEST_CASE("a cost depends on seed and place alone") {
@@ -66,13 +73,15 @@ TEST_CASE("unknown costs are refused") {
 TEST_CASE("recorded costs are measured once, however many ask at the same time; rest has no -0") {
   const SessionInput input = testing::small_input();
   ReferenceService service(input, 2);
-  std::vector<double> lists[4];
+  RecordedCosts lists[4];
   {
     std::vector<std::jthread> threads;
     for (auto& list : lists) threads.emplace_back([&] { list = service.recorded_costs(); });
   }
-  CHECK(lists[0].size() == 48);
-  for (const auto& list : lists) CHECK(list == lists[0]);
+  CHECK(lists[0].solves.size() == 48);
+  CHECK(lists[0].rest > 0);
+  for (const auto& list : lists) CHECK(list.solves == lists[0].solves);
+  for (const auto& list : lists) CHECK(list.rest == lists[0].rest);
   const State rest = service.get(Vec3::Zero());
   for (int i = 0; i < 3; ++i) CHECK_FALSE((rest.force[i] == 0 && std::signbit(rest.force[i])));
 }

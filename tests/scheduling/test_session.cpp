@@ -94,14 +94,14 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   CHECK(over == 0);
   for (const DispatchRecord& d : r.dispatch) {
     CHECK(d.started <= d.finished);
-    if (d.status == "solved") CHECK(d.finished - d.started == Approx(0.01).margin(2e-9));
+    if (d.status == "solved") CHECK(d.finished - d.started == Approx(d.at.isZero(0) ? 0.0025 : 0.01).margin(2e-9));
     CHECK(d.known == d.finished);
     CHECK(d.worker >= 0);
     CHECK(d.worker < 4);
     CHECK(d.parent < static_cast<std::int64_t>(d.id));
   }
-  // Four workers of 10 ms each: 400 states a second from the first instant.
-  CHECK(r.frames[105].known == 40);
+  // Rest after 2.5 ms, then four workers of 10 ms each: 400 states a second.
+  CHECK(r.frames[105].known == 41);
   // Once the box is full, what is inside it is safe and exact to well under the JND.
   const FrameRecord& late = r.frames.back();
   CHECK(late.known == 125);
@@ -125,6 +125,48 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   CHECK(shares == Approx(1));
   CHECK(json["error"]["samples"].get<std::size_t>() > 40);
   CHECK(json["load"].get<double>() > 0);
+}
+
+TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factorisation; the first model is its tangent") {
+  for (const std::string placement : {"lattice", "adaptive", "path"})
+    for (const bool fast : {false, true}) {
+      CAPTURE(placement, fast);
+      SessionOptions options = virtual_options(0.3);
+      options.placement = placement;
+      options.workers = 3;
+      options.cost = "constant:0.08";
+      options.latency = 0.001;
+      options.device = fast ? "path:lissajous,speed=0.5" : "path:press,speed=0.02";
+      const SessionResult r = run_session(small_input(), options);
+      REQUIRE(r.dispatch.size() > 3);
+      const DispatchRecord& rest = r.dispatch.front();
+      CHECK(rest.at == Vec3::Zero());
+      CHECK(rest.status == "solved");
+      CHECK(rest.started == Approx(0.001));
+      CHECK(rest.finished == Approx(0.021));
+      CHECK(rest.known == Approx(0.022));
+      // The others wait for the hand to move a third of a spacing, at most for rest.
+      double others = INFINITY;
+      for (const DispatchRecord& d : r.dispatch)
+        if (d.id > 0) others = std::min(others, d.started);
+      const auto moved = std::ranges::find_if(r.frames, [&](const FrameRecord& f) { return f.at.norm() >= small_input().space.spacing / 3; });
+      const double told = std::min(moved == r.frames.end() ? INFINITY : moved->t, rest.known);
+      CHECK(others == Approx(told + 0.001));
+      CHECK((others < rest.finished) == fast);
+      for (const FrameRecord& f : r.frames) {
+        REQUIRE(f.switch_change <= f.switch_bound);
+        if (f.known == 0) CHECK(f.force == Vec3::Zero());
+        if (f.model == 1) CHECK((f.undamped + r.states[0].stiffness * f.at).norm() <= 1e-9 * (1 + f.undamped.norm()));
+      }
+      CHECK(r.states[0].at == Vec3::Zero());
+      CHECK(r.start_solved_failed[0] == 0);
+      CHECK(std::ranges::count(r.states, Vec3(Vec3::Zero()), &State::at) == 1);
+      options.rest_first = false;   // then it costs what any other does
+      const SessionResult plain = run_session(small_input(), options);
+      CHECK(plain.dispatch.front().started == Approx(0.001));
+      for (const DispatchRecord& d : plain.dispatch)
+        if (d.status == "solved") CHECK(d.finished - d.started == Approx(0.08));
+    }
 }
 
 TEST_CASE("summary: every key of the contract") {
