@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -164,9 +165,18 @@ void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, S
   options.mpi = mpi;
 }
 
-// What is wrong with the device or the cost was said by the scene unless it was given here.
-bool from_scene(const InputError& error, const SessionArguments& given) {
-  return (error.where().starts_with("device") && !given.device) || (error.where().starts_with("cost") && !given.cost);
+// What is wrong with the device, the cost or the box was said by the scene unless it was given here: names file, line and key.
+InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given) {
+  const std::string problem = std::string(error.what()).substr(std::min(std::string(error.what()).size(), error.where().size() + 2));
+  const auto of = [&](const char* kind, bool here, const std::string& place) {
+    return error.where().starts_with(kind) && !here ? place : std::string();
+  };
+  if (const std::string place = of("state_space.box", false, scene.box_place); !place.empty()) return {place, problem};
+  std::string place = of("device", given.device.has_value(), scene.device_place);
+  if (place.empty()) place = of("cost", given.cost.has_value(), scene.cost_place);
+  if (place.empty()) return error;
+  const std::size_t space = error.where().find(' ');   // "device path:press,speed=x"
+  return {place, space == std::string::npos ? problem : fmt::format("'{}' {}", error.where().substr(space + 1), problem)};
 }
 
 int run_session_command(const Globals& globals, const SessionArguments& given, const std::shared_ptr<MpiGroup>& mpi) {
@@ -186,9 +196,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   try {
     check_session(input, options);
   } catch (const InputError& error) {
-    if (!from_scene(error, given)) throw;
-    throw InputError(scene.file.string() + ": session: " + error.where(),
-                     std::string(error.what()).substr(error.where().size() + 2));
+    throw at_its_place(error, scene, given);
   }
   if (options.mpi && options.mpi->rank() > 0) {
     options.mpi->serve(input.body, {.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements});
@@ -210,12 +218,14 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
       input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); });
   progress.reset();
 
+  std::future<nlohmann::ordered_json> prediction =
+      std::async(std::launch::async, [&] { return prediction_json(result, options.frame); });
   write_run_files(run, result, options);
   write_states_csv(run / "states.csv", result.states);
   nlohmann::ordered_json summary = summary_json(result, input, options);
   summary["spacing"] = scene.space.spacing;
   if (scene.chosen_spacing) summary["spacing_auto"] = to_json(*scene.chosen_spacing);
-  summary["prediction"] = prediction_json(result, options.frame);   // [s], [m]
+  summary["prediction"] = prediction.get();   // [s], [m]
   summary["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
   file.write(summary.dump(2) + "\n");

@@ -128,7 +128,8 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   }
   if (!arguments.output.empty()) write_states_csv(arguments.output, states);
   if (globals.json) print_json(document);
-  if (!globals.json)
+  const bool kept = globals.quiet && !arguments.output.empty();   // the file has them
+  if (!globals.json && !kept)
     for (std::size_t i = 0; i < states.size(); ++i)
       answer(globals, line_for(states[i]) +
                        (mesh_errors.empty() ? "" : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <future>
 
 #include "apps/page.hpp"
 #include "apps/plot.hpp"
@@ -145,10 +146,15 @@ std::string figure(const Figure& f) {
 std::string pictures(const Run& run, const Scene& scene) {
   if (!have_gnuplot())
     return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
-  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(run.summary) +
-                     figure(time_figure(run)) + figure(start_figure(run));
-  html += "<h2>What was known where</h2>\n" + figure(slice_figure(run, scene.space));
-  if (has_deadlines(run)) html += "<h2>Deadlines</h2>\n" + figure(deadline_figure(run));
+  // Each is a gnuplot of its own: side by side.
+  const auto drawn = [](auto make) { return std::async(std::launch::async, [make] { return figure(make()); }); };
+  std::future<std::string> slice = drawn([&] { return slice_figure(run, scene.space); });
+  std::future<std::string> time = drawn([&] { return time_figure(run); });
+  std::future<std::string> start = drawn([&] { return start_figure(run); });
+  std::future<std::string> deadlines = has_deadlines(run) ? drawn([&] { return deadline_figure(run); }) : std::future<std::string>();
+  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(run.summary) + time.get() + start.get();
+  html += "<h2>What was known where</h2>\n" + slice.get();
+  if (deadlines.valid()) html += "<h2>Deadlines</h2>\n" + deadlines.get();
   return html;
 }
 

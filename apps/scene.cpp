@@ -295,6 +295,9 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
     throw session.wrong("select", "only one of model.select and session.select");
   scene.model.select = session.word("select", select_words).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
+  scene.device_place = session.where("device");
+  scene.cost_place = session.where("cost");
+  scene.box_place = space.where("box");
   scene.body_source = body_source(table, file);
   if (like && like->body_source == scene.body_source)
     share_body(*like, scene);

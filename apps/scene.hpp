@@ -27,6 +27,7 @@ struct Scene {
   SessionOptions session;                  // .model is the same as above
   Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
   std::string hash;                        // of the scene as overridden, without comments
+  std::string device_place, cost_place, box_place;   // where the scene says them: "liver.toml:30: session.device"
   std::vector<std::string> warnings;
   std::string body_source;                 // the sections that make the body, as text
 };

@@ -88,7 +88,8 @@ std::vector<NodeIndex> checked_nodes(const SceneTable& table, const std::string&
     nodes.push_back(static_cast<NodeIndex>(number));
   }
   std::ranges::sort(nodes);
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  if (const auto twice = std::ranges::adjacent_find(nodes); twice != nodes.end())
+    throw InputError(table.where(key), fmt::format("names node {} twice, expected each node once", *twice));
   return nodes;
 }
 

@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <utility>
 
@@ -24,6 +26,21 @@ bool is_special(const fs::path& file) {
 
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// Those that a killed process left behind: .NAME.PID-N.part of a process that is no more.
+void sweep_parts(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const std::string prefix = "." + name + ".";
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string found = entry.path().filename().string();
+    if (!found.starts_with(prefix) || !found.ends_with(".part")) continue;
+    int process = 0;
+    const char* const begin = found.data() + prefix.size();
+    const auto [end, bad] = std::from_chars(begin, found.data() + found.size(), process);
+    if (bad != std::errc{} || *end != '-' || process <= 0) continue;
+    if (::kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
+  }
 }
 
 }  // namespace
@@ -48,6 +65,7 @@ OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
     descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     static std::atomic<unsigned> counter{0};
+    sweep_parts(folder_of(file_), file_.filename().string());
     temporary_ = folder_of(file_) / fmt::format(".{}.{}-{}.part", file_.filename().string(), ::getpid(), counter++);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   }

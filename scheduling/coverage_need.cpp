@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/coverage_query.hpp"
 #include "geometry/simd.hpp"
 #include "scheduling/random.hpp"
 
@@ -56,6 +57,24 @@ void add_worth(std::size_t count, const double* __restrict xyz, const double* q,
 
 }  // namespace
 
+struct CoverageNeed::Index {
+  PointOctree points;
+  DelaunayIndex delaunay;
+  std::vector<Thresholds> limits;   // by scale
+
+  explicit Index(const StateSpaceOptions& options) {
+    const double h = options.spacing;
+    for (const int multiple : multiples) limits.emplace_back(options.coverage, multiple * h, options.merge_distance * h);
+  }
+  void insert(std::size_t k, const Vec3& at) {
+    const StateId id{static_cast<std::uint32_t>(k)};
+    if (delaunay.insert(id, at, {points.nearest(at).id}) == id) points.insert(id.value, at);
+  }
+  Label label(const Vec3& q, std::size_t scale) const {
+    return CoverageQuery(points, delaunay).label(q, {points.nearest(q).id}, limits[scale]);
+  }
+};
+
 CoverageNeed::CoverageNeed(NeedOptions options) : options_(options) {}
 CoverageNeed::~CoverageNeed() = default;
 
@@ -64,12 +83,9 @@ void CoverageNeed::begin(const StateSpace& space) {
   known_ = 0;
   missed_ = seen_ = {};
   box_.clear();
-  StateSpaceOptions options = space.options();
+  const StateSpaceOptions& options = space.options();
   const double h = options.spacing;
-  for (int s = 0; s < scales; ++s) {
-    options.spacing = multiples[s] * h;
-    spaces_[static_cast<std::size_t>(s)] = std::make_unique<StateSpace>(options);
-  }
+  index_ = std::make_unique<Index>(options);
   // Cubes of about 2 h that fill the box; no more than some thousand of them.
   const Vec3 size = options.box.size();
   double side = 2 * h;
@@ -85,7 +101,7 @@ void CoverageNeed::begin(const StateSpace& space) {
 }
 
 void CoverageNeed::relabel(Place& place, std::size_t s) const {
-  if (place.label[s] != Label::safe) place.label[s] = spaces_[s]->label(place.at);
+  if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s);
 }
 
 // Labels never get worse, so what is safe at a spacing is not asked again, nor what a state is too far away to change:
@@ -95,11 +111,7 @@ void CoverageNeed::learn(const StateSpace& space, std::span<const float> surpris
   for (; known_ < space.size(); ++known_) {
     const State& state = space[StateId{static_cast<std::uint32_t>(known_)}];
     if (known_ < surprises.size() && std::isfinite(surprises[known_])) teach(state.at, surprises[known_]);
-    for (auto& index : spaces_) {
-      State bare = state;
-      bare.displacements.reset();
-      index->insert(std::move(bare));
-    }
+    index_->insert(known_, state.at);
     for (Place& place : box_) {
       const double near = (place.at - state.at).norm() / h;
       for (std::size_t s = 0; s < scales; ++s)
@@ -114,7 +126,7 @@ void CoverageNeed::learn(const StateSpace& space, std::span<const float> surpris
 // The coarsest spacing at which the place lay in the blank or a gap before its state came.
 void CoverageNeed::teach(const Vec3& at, double surprise) {
   for (std::size_t s = 0; s < scales; ++s) {
-    const Label label = spaces_[s]->label(at);
+    const Label label = index_->label(at, s);
     if (label == Label::safe || label == Label::sparse) continue;
     seen_[s] += 1;
     missed_[s] += surprise > 1 ? 1 : 0;

@@ -58,7 +58,8 @@ class CoverageNeed {
 
   NeedOptions options_;
   const StateSpace* space_ = nullptr;
-  std::array<std::unique_ptr<StateSpace>, scales> spaces_;   // the same states at 4 h, 2 h, h
+  struct Index;
+  std::unique_ptr<Index> index_;     // one triangulation of the states for the three spacings
   std::array<double, scales> importance_{};                  // N_H
   std::array<double, scales> missed_{}, seen_{};             // states that came into a lack at H, and the model's misses
   std::size_t known_ = 0;

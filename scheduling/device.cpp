@@ -312,10 +312,9 @@ Trace read_trace(const std::filesystem::path& file) {
       throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
                        fmt::format("time goes back to {} s after {} s, expected growing times", table.at(i, 0),
                                    trace.times.back() + table.at(0, 0)));
-    if (!trace.times.empty() && t == trace.times.back()) {
-      trace.positions.back() = x;   // two rows of one time: the later one holds
-      continue;
-    }
+    if (!trace.times.empty() && t == trace.times.back())
+      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+                       fmt::format("a second row at {} s, expected growing times", table.at(i, 0)));
     trace.times.push_back(t);
     trace.positions.push_back(x);
   }

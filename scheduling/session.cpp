@@ -72,6 +72,8 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
     plan.arrivals = std::move(replay.arrivals);
     plan.given_arrivals = true;
   } else {
+    if (options.device.starts_with("path:") && !(input.space.box.size().maxCoeff() > 0))
+      throw InputError("state_space.box", "is a point, expected room for a path");
     plan.device = make_device(options.device, {.box = input.space.box,
                                                .inward = input.inward,
                                                .seed = options.seed,
@@ -120,6 +122,9 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file) {
   for (std::size_t i = 0; i < table.rows(); ++i) {
     if (table.at(i, 0) < 0)
       throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]), "t is negative, expected seconds from the start");
+    if (table.at(i, 0) > 86400)
+      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+                       fmt::format("t is {} s, expected at most 86400, a day", table.at(i, 0)));
     arrivals.push_back({table.at(i, 0), Vec3(table.at(i, 1), table.at(i, 2), table.at(i, 3))});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
@@ -207,8 +212,8 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
   else
     run_real(plan, references, result, show);
   note_stiffness(plan.device->limits(), options.device, result);
-  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   analyse(input, options, references, result, show);
+  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 

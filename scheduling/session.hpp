@@ -135,7 +135,7 @@ struct SessionResult {
   std::vector<DispatchRecord> dispatch;
   std::vector<SwitchRecord> switches;
   std::vector<State> states;                 // all known at the end, those of the start first
-  double wall_seconds = 0;
+  double wall_seconds = 0;                   // of the session, its labels and its references; not of reading and writing files
   bool realtime_priority = false, memory_locked = false, interrupted = false;
   std::vector<std::string> notes;            // what the system did not permit, what failed
   // Everything that summary.json holds but provenance is derived from the above in run_files.hpp.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <set>
 #include <tuple>
 
@@ -49,6 +50,22 @@ void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double 
   frame.staleness = (frame.undamped - fresh).norm() / scale;
 }
 
+// Forces of models made anew at the sampled frames from all states known then. Touches nothing that labels change.
+std::vector<Vec3> forces_of_all_known(const SessionInput& input, const SessionOptions& options, const SessionResult& result,
+                                      const std::vector<std::size_t>& samples) {
+  StateSpace space(input.space);
+  SessionModel updater(space, options);
+  std::vector<Vec3> forces(samples.size(), Vec3::Zero());
+  std::size_t inserted = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const FrameRecord& frame = result.frames[samples[i]];
+    for (; inserted < std::min<std::size_t>(frame.known, result.states.size()); ++inserted) space.insert(result.states[inserted]);
+    updater.forget();   // no set of an earlier moment has a say
+    if (!space.empty()) forces[i] = updater.model_at(frame.at).force(frame.at);
+  }
+  return forces;
+}
+
 }  // namespace
 
 void analyse(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
@@ -59,10 +76,10 @@ void analyse(const SessionInput& input, const SessionOptions& options, Reference
     if (result.frames[k].sampled || result.frames[k].first_visit) samples.push_back(k);
   for (const std::size_t k : samples) references.request(result.frames[k].at);   // solved while labels are made
 
+  std::future<std::vector<Vec3>> fresh_forces =
+      std::async(std::launch::async, [&] { return forces_of_all_known(input, options, result, samples); });
   StateSpace space(input.space);
-  SessionModel updater(space, options);
-  std::size_t inserted = 0, sample = 0, grown_at = 0;
-  std::vector<Vec3> fresh(samples.size(), Vec3::Zero());
+  std::size_t inserted = 0, grown_at = 0;
   const auto total = static_cast<double>(result.frames.size());
   for (std::size_t k = 0; k < result.frames.size(); ++k) {
     FrameRecord& frame = result.frames[k];
@@ -72,13 +89,9 @@ void analyse(const SessionInput& input, const SessionOptions& options, Reference
     }
     const bool as_before = k > 0 && grown_at < k && frame.at == result.frames[k - 1].at;   // a hand at rest
     frame.label = as_before ? result.frames[k - 1].label : space.label(frame.at);
-    if (sample < samples.size() && samples[sample] == k) {
-      updater.forget();   // no set of an earlier moment has a say
-      if (!space.empty()) fresh[sample] = updater.model_at(frame.at).force(frame.at);
-      ++sample;
-    }
     if (show && k % 500 == 0) show({.t = static_cast<double>(k), .seconds = total, .known = inserted, .phase = "labels"});
   }
+  const std::vector<Vec3> fresh = fresh_forces.get();
   std::size_t failed = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const State reference = references.get(result.frames[samples[i]].at);

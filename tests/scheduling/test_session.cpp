@@ -169,6 +169,29 @@ TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factor
     }
 }
 
+TEST_CASE("times that cannot be and a box without room are refused, naming the row or the key") {
+  const ScratchFolder folder("refused");
+  const auto refused = [&](const char* name, const std::string& rows, bool arrivals) {
+    std::ofstream(folder / name) << "t,x,y,z\n" << rows;
+    SessionOptions options = virtual_options(0.1);
+    if (arrivals) options.arrivals = folder / name;
+    else options.device = "trace:" + (folder / name).string();
+    try {
+      check_session(small_input(), options);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(refused("twice.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.1,0,0,-0.002\n", false), Catch::Contains("twice.csv:4: a second row at 0.1 s"));
+  CHECK(refused("good.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.2,0,0,-0.002\n", false).empty());
+  CHECK_THAT(refused("late.csv", "0,0,0,0\n1e300,0,0,-0.006\n", true), Catch::Contains("late.csv:3") && Catch::Contains("86400"));
+  CHECK(refused("same.csv", "1,0,0,0\n1,0,0,-0.006\n", true).empty());   // states may come together
+  SessionInput point = small_input();
+  point.space.box = {Vec3::Zero(), Vec3::Zero()};
+  CHECK_THROWS_WITH(check_session(point, virtual_options(0.1)), Catch::Contains("state_space.box") && Catch::Contains("room"));
+}
+
 TEST_CASE("summary: every key of the contract") {
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.2);
