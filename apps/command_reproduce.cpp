@@ -82,6 +82,9 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
   if (arguments.gap && *arguments.gap + 2 > options.depth)
     throw InputError("--gap", fmt::format("is {} spacings, expected at most {}: the depth is {}", *arguments.gap, options.depth - 2, options.depth));
   if (!std::isfinite(options.travel)) throw InputError("--travel", fmt::format("is {}, expected 0.01 to 1000 m", options.travel));
+  for (auto workers = options.workers.begin(); workers != options.workers.end(); ++workers)
+    if (std::find(options.workers.begin(), workers, *workers) != workers)
+      throw InputError("--workers", fmt::format("names {} twice, expected each number once", *workers));
   options.gap = arguments.gap.value_or(options.gap);
   return options;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -129,11 +130,15 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
     const char* verdict = c.comparison.verdict() == 0                               ? "not shown"
                           : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
                                                                                     : "worse";
-    say(globals,
-        fmt::format("  {} against {}{}: {}{:.3g} [{:.3g}, {:.3g}], {}", study.axes.front().values[c.a].text,
-                    study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
-                    scaled(c.comparison.bootstrap.mean), scaled(c.comparison.bootstrap.low),
-                    scaled(c.comparison.bootstrap.high), verdict));
+    const auto interval = [&](const ConfidenceInterval& of) {
+      return std::isfinite(of.low) && std::isfinite(of.high) ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
+                                                             : std::string("none");
+    };
+    // Few pairs or one trace give no interval; both must exclude zero for a verdict.
+    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}", study.axes.front().values[c.a].text,
+                             study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
+                             scaled(c.comparison.bootstrap.mean), interval(c.comparison.bootstrap),
+                             interval(c.comparison.student), verdict));
   }
 }
 
@@ -152,6 +157,11 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   check_writable(folder / "cells.csv");
   write_whole(folder / "study.json", manifest(plan).dump(1) + "\n");
   StudyResult result = run_study(plan, folder, globals);
+  if (result.interrupted) {
+    warn(globals, fmt::format("interrupted after {} of {} cells; the same command goes on from here",
+                              result.resumed + result.ran, plan.cells.size()));
+    return 1;
+  }
   add_regret(plan.study, result.cells);
   const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
   std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
@@ -184,7 +194,10 @@ void add_study(CLI::App& app, Commands& commands) {
   CLI::App& sub = add_command(app, commands, "study",
                               "Every combination of policies, devices, models …; table, ranking, report",
                               [&commands, arguments] { return run_command(commands.globals, *arguments); });
-  sub.add_option("STUDY", arguments->study, "Study (TOML)")->required();
+  sub.add_option("STUDY", arguments->study,
+                 "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states which the motion needs per "
+                 "second, but for those known at the start, are L times what the workers solve per second, messages included")
+      ->required();
   sub.add_option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
       ->required()
       ->type_name("DIR/");

@@ -49,7 +49,7 @@ std::vector<Step> steps() {
   all.push_back({"+ rest first (default)", "\"session.rest_first\" = true\n"});
   all.push_back({"default, constant-velocity prediction", "\"session.predictor\" = \"constant-velocity\"\n"});
   all.push_back({"default, adaptive placement", "\"session.predictor\" = \"kalman\"\n\"session.placement\" = \"adaptive\"\n"});
-  all.push_back({"default, motion known (clairvoyant)", "\"session.placement\" = \"lattice\"\npolicy = \"clairvoyant\"\n"});
+  all.push_back({"default, motion known (clairvoyant)", "\"session.placement\" = \"lattice\"\npolicy = \"clairvoyant-greedy\"\n"});
   all.push_back({"default without the damped switch", "policy = \"coverage\"\nswitch = \"none\"\n"});
   all.push_back({"default, rest known before the start", "switch = \"smooth\"\n\"session.rest_known\" = true\n"});
   // The others with rest first too: for them the nearest state is that at rest anyway, now at the cost of a factorisation.
@@ -85,8 +85,7 @@ std::string study_text(const Laboratory& laboratory, const ReproduceOptions& run
   text += fmt::format("\n[sustained]\ntravel = {}\nshare = 0.95\ntolerance = 0.07\nlow = 0.015625\nhigh = 2.0\n", runs.travel);
   for (const Step& step : steps()) text += fmt::format("\n[[step]]\nname = \"{}\"\n{}", step.name, step.changes);
   text += "\n[vary]\nworkers = [";
-  for (const int workers : runs.workers) text += fmt::format("{}{}", workers == runs.workers.front() ? "" : ", ", workers);
-  return text + "]\n";
+  return text + fmt::format("{}]\n", fmt::join(runs.workers, ", "));
 }
 
 using Speeds = std::vector<std::vector<double>>;   // [step][workers], geometric mean over the seeds; 0: below the least
@@ -199,6 +198,7 @@ Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions& runs, c
   write_text(folder / "speed.toml", study_text(laboratory, runs));
   const StudyPlan plan = plan_study(read_study(folder / "speed.toml", laboratory.globals().set));
   const StudyResult result = run_study(plan, folder / "speed", laboratory.globals());
+  if (result.interrupted) return {.summary = {{"interrupted", true}}, .html = {}, .lines = {}, .unmet = {"interrupted; the same command goes on from here"}};
   const Speeds speeds = speeds_of(plan.study, plan, result);
   const std::vector<double> before = best_predecessor(speeds, runs);
   write_csv(folder, speeds, before, runs);

@@ -226,7 +226,12 @@ std::string Reader::rebased(const std::string& key, const toml::node& node) cons
 void Reader::read_set(std::span<const std::string> set) {
   for (const std::string& text : set) {
     const std::string key = text.substr(0, text.find('='));
-    claim(key == "model.select" ? "session.select" : key, "--set " + key, "fixed");
+    const std::string canonical = key == "model.select" ? "session.select" : key;
+    if (const auto found = claimed_.find(canonical); found != claimed_.end() && found->second.first == "fixed") {
+      claimed_.erase(found);   // what the study fixes, --set may fix otherwise
+      std::erase_if(study_.fixed, [&](const std::string& other) { return other.starts_with(canonical + "="); });
+    }
+    claim(canonical, "--set " + key, "fixed");
     if (key == "session.clock" && text.find("virtual") == std::string::npos)
       throw InputError("--set " + key, "expected 'virtual': the cells of a study must repeat");
     study_.fixed.push_back(text);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -130,14 +131,23 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
   const double h = options.visit_cell > 0 ? options.visit_cell : scene.space.spacing;
   const auto frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   NeededStates needed(scene.space.box, h);
+  if (options.rest_known) needed.know(Vec3::Zero());
   for (std::size_t k = 0; k < frames; ++k) needed.visit(device->position(static_cast<double>(k) * options.frame, Vec3::Zero()));
   return static_cast<double>(needed.count()) / options.seconds;
 }
 
-std::string cost_for_load(double load, int workers, double demand) {
+std::string cost_for_load(double load, const SessionOptions& options, double demand, const std::string& where) {
   const double sigma =
       std::log(10.0) / (2 * 1.959964);  // 95 % within a factor of ten, as the paper's 0.1 to 1 s
-  const double mean = load * workers / demand;
+  const double batch = std::max(options.batch, 1);
+  const double job = load * options.workers * batch / demand;
+  const double mean = (job - 2 * options.latency) / (1 + (batch - 1) * options.batch_share);
+  if (!(mean > 0))
+    throw InputError(where, fmt::format("holds {}, but a message of {} s each way alone makes the load {:.3g}; expected more",
+                                        load, options.latency, 2 * options.latency * demand / (options.workers * batch)));
+  if (mean > 1e6)
+    throw InputError(where, fmt::format("holds {}, for which a solve takes {:.3g} s; expected a load of at most {:.3g}", load,
+                                        mean, load * 1e6 / mean));
   return fmt::format("lognormal:{},{}", mean * std::exp(-0.5 * sigma * sigma), sigma);
 }
 
@@ -175,7 +185,7 @@ StudyPlan plan_study(Study given) {
                            fmt::format("device '{}' needs no state of the box, expected a "
                                        "motion through it",
                                        cell.options.device));
-        cell.options.cost = cost_for_load(*load, cell.options.workers, demand);
+        cell.options.cost = cost_for_load(*load, cell.options, demand, axis_place(study, "target_load"));
       }
       cell.key = key_of(scene, cell.options, study);
       plan.cells.push_back(std::move(cell));

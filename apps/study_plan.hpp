@@ -31,12 +31,14 @@ StudyPlan plan_study(Study study);
 SessionInput session_input(const Scene& scene);  // without known states, with the cache folder
 
 // States of the lattice that a motion needs, the corners in the box of every lattice cell it passes, per
-// second: the numerator of the summary's `load`. Where visit_cell is set its cells count, so that methods on lattices
-// of different spacing bear the same load.
+// second, rest left out where it is known from the start: the numerator of the summary's `load`. Where visit_cell is
+// set its cells count, so that methods on lattices of different spacing bear the same load.
 double states_needed_per_second(const Scene& scene, const SessionOptions& options);
-// Cost model under which `load` holds: log-normal with the spread of the paper's times and mean
-// load x workers / demand.
-std::string cost_for_load(double load, int workers, double demand);
+// Cost model under which `load` holds: log-normal with the spread of the paper's times and mean c, where a
+// worker gives b states (the batch) in the time of their solves and a message each way:
+//   load = demand / (workers b / (c (1 + (b - 1) batch_share) + 2 latency))
+// InputError at `where` where c is not above 0 (the messages alone are more than the load) or is more than 1e6 s.
+std::string cost_for_load(double load, const SessionOptions& options, double demand, const std::string& where);
 // "path:NAME,speed=V"; InputError for a device that is no path or that names its speed already.
 std::string device_at_speed(const std::string& device, double speed, const std::string& where);
 

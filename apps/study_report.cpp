@@ -186,8 +186,9 @@ std::string ranking_section(const Study& study, const AxisRanking& entry, std::s
   }
   html += "</table>\n";
   if (std::ranges::find(axis.values, std::string("clairvoyant"), &StudyValue::text) != axis.values.end())
-    html += "<p class=\"muted\">clairvoyant knows the motion, not the best order of solves: another policy may do better in a cell, and its "
-            "regret is then below zero.</p>\n";
+    html += "<p class=\"muted\">clairvoyant knows the motion and the costs: it rehearses the session under every policy but the placebos, with the "
+            "motion known and without, and takes the best at first visits. No policy it knows has a regret below zero there; "
+            "better orders of solves may exist, so that regrets are at least what is shown.</p>\n";
   return html + fmt::format("<p class=\"muted\">{} traces and seeds{}.</p>\n", entry.ranking.blocks,
                             entry.ranking.dropped > 0 ? fmt::format("; {} more lack a value and are left out",
                                                                     entry.ranking.dropped)

@@ -13,6 +13,7 @@
 #include <mutex>
 #include <thread>
 
+#include "apps/interrupt.hpp"
 #include "apps/study_speed.hpp"
 #include "geometry/output_file.hpp"
 #include "scheduling/reference_service.hpp"
@@ -263,18 +264,26 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
   References references(static_cast<int>(threads));
   Ticker ticker(globals, todo.size(), result.resumed);
   std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
   std::mutex failed_mutex;
   std::exception_ptr failed;
+  const InterruptWatch watch;
   const auto work = [&] {
-    for (std::size_t item = next++; item < todo.size(); item = next++) {
+    for (std::size_t item = next++; item < todo.size() && !watch.raised(); item = next++) {
       try {
-        const StudyCell& cell = plan.cells[todo[item]];
+        StudyCell cell = plan.cells[todo[item]];
+        cell.options.interrupted = &watch.flag();
         SessionInput input = session_input(plan.scenes[cell.scene]);
         input.references = references.of(input);
         const auto show = [&](double part) { ticker.at(item, part); };
         result.cells[todo[item]] = plan.study.sustained ? run_sustained(plan, cell, input, show)
                                                         : run_plain(plan, cell, input, show);
+        if (watch.raised()) {   // the session may have been cut
+          result.cells[todo[item]] = {};
+          break;
+        }
         write_record(folder, cell, result.cells[todo[item]]);
+        ++done;
         ticker.at(item, 1.0);
       } catch (...) {
         const std::lock_guard guard(failed_mutex);
@@ -288,7 +297,9 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
     for (std::size_t i = 1; i < std::min(threads, todo.size()); ++i) pool.emplace_back(work);
     work();
   }
-  if (failed) std::rethrow_exception(failed);
+  if (failed && !watch.raised()) std::rethrow_exception(failed);
+  result.interrupted = watch.raised() && done < todo.size();
+  result.ran = done;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -19,6 +19,7 @@ using CellColumns = nlohmann::ordered_json;
 struct StudyResult {
   std::vector<CellColumns> cells;  // as StudyPlan::cells
   std::size_t ran = 0, resumed = 0;
+  bool interrupted = false;        // by a signal: cells that were not done are empty
   double seconds = 0;  // wall
 };
 
@@ -33,6 +34,7 @@ struct StudyResult {
 CellColumns cell_columns(const SessionResult& result, const SessionInput& input,
                          const SessionOptions& options);
 
+// A first SIGINT or SIGTERM ends it: the cells done stay, those under way are left out.
 // Another process that writes to the same folder is refused. Throws what a session throws; cells done stay.
 StudyResult run_study(const StudyPlan& plan, const std::filesystem::path& folder, const Globals& globals);
 

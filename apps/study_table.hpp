@@ -10,8 +10,8 @@
 namespace forefeel {
 
 // Adds to each cell, where the policy `clairvoyant` is among what varies, its regret: how much less than the
-// clairvoyant policy it has in the same cell otherwise. It knows the motion, not the best order of solves: where another
-// policy did better in a cell, its regret is below zero.
+// clairvoyant policy it has in the same cell otherwise. It takes the best schedule of
+// those it rehearses, every policy but the placebos: below zero is only the regret of a policy it does not know.
 //   regret.within_jnd, regret.first_visit.within_jnd
 void add_regret(const Study& study, std::vector<CellColumns>& cells);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "geometry/error.hpp"
 #include "geometry/regions.hpp"
@@ -25,7 +26,10 @@ Placement check_placement(const std::string& name) {
 
 Candidates::Candidates(const StateSpace& space, std::span<const State> failed, Placement placement)
     : space_(space), placement_(placement) {
-  for (const State& state : failed) gone_[key(state.at)] = true;
+  for (const State& state : failed) {
+    gone_[key(state.at)] = true;
+    failed_.push_back(state.at);
+  }
   const double h = space.options().spacing;
   const Box& box = space.options().box;
   if (placement == Placement::adaptive) {
@@ -59,13 +63,29 @@ void Candidates::add(const Vec3& x, bool passing) {
   std::vector<StateId> nearest;
   space_.nearest(x, 1, nearest);
   if (!nearest.empty()) c.delta = (space_[nearest[0]].at - x).norm();
-  if (passing && c.delta < 0.5 * space_.options().spacing) return;
-  place_[where] = static_cast<std::uint32_t>(open_.size());
-  open_.push_back(c);
+  if (placement_ == Placement::path && c.delta < 0.5 * space_.options().spacing) return;
+  if (passing && (too_near(x, under_way_) || too_near(x, failed_))) return;
+  open_one(c);
   changed_ = true;
 }
 
-Candidate Candidates::take(std::size_t i) {
+void Candidates::open_one(const Candidate& candidate) {
+  place_[key(candidate.at)] = static_cast<std::uint32_t>(open_.size());
+  open_.push_back(candidate);
+}
+
+bool Candidates::too_near(const Vec3& x, std::span<const Vec3> places) const {
+  const double least = 0.5 * space_.options().spacing;
+  return std::ranges::any_of(places, [&](const Vec3& p) { return (x - p).squaredNorm() < least * least; });
+}
+
+std::optional<std::size_t> Candidates::index_of(const Candidate& candidate) const {
+  const auto found = place_.find(key(candidate.at));
+  if (found == place_.end() || open_[found->second].order != candidate.order) return {};
+  return found->second;
+}
+
+Candidate Candidates::remove(std::size_t i) {
   const Candidate taken = open_[i];
   place_.erase(key(taken.at));
   if (i + 1 != open_.size()) {
@@ -84,18 +104,65 @@ std::optional<Candidate> Candidates::take_rest() {
   return take(found->second);
 }
 
+Candidate Candidates::take(std::size_t i) {
+  const Candidate taken = remove(i);
+  if (placement_ == Placement::path) {
+    under_way_.push_back(taken.at);
+    hold_back(taken.at);
+  }
+  return taken;
+}
+
+// Those of this step too near to `at` go, those of the lattice wait.
+void Candidates::hold_back(const Vec3& at) {
+  for (std::size_t i = open_.size(); i-- > 0;)
+    if (too_near(open_[i].at, {&at, 1})) {
+      const Candidate near = remove(i);
+      if (near.passing)
+        gone_.erase(key(near.at));
+      else
+        held_.push_back(near);
+    }
+}
+
+// What nothing holds back any more is open again; what a known state is near to is not needed.
+void Candidates::release() {
+  for (Candidate& candidate : std::exchange(held_, {})) {
+    candidate = refreshed(candidate);
+    if (candidate.delta < 0.5 * space_.options().spacing) continue;
+    if (too_near(candidate.at, under_way_)) {
+      held_.push_back(candidate);
+      continue;
+    }
+    gone_.erase(key(candidate.at));
+    open_one(candidate);
+  }
+}
+
 void Candidates::put_back(Candidate candidate) {
   gone_.erase(key(candidate.at));
+  std::erase(under_way_, candidate.at);
+  release();
   if (candidate.passing || place_.contains(key(candidate.at))) return;   // the next step places anew
-  candidate = refreshed(candidate);
-  place_[key(candidate.at)] = static_cast<std::uint32_t>(open_.size());
-  open_.push_back(candidate);
+  open_one(refreshed(candidate));
+}
+
+void Candidates::fail(const Vec3& at) {
+  if (placement_ != Placement::path) return;
+  std::erase(under_way_, at);
+  failed_.push_back(at);
+  release();
 }
 
 void Candidates::learn(const Vec3& known) {
   if (const auto found = place_.find(key(known)); found != place_.end()) {
     const Vec3 difference = open_[found->second].at - known;
-    if (difference.norm() < 1e-6 * space_.options().spacing) take(found->second);
+    if (difference.norm() < 1e-6 * space_.options().spacing) remove(found->second);
+  }
+  if (placement_ == Placement::path) {
+    hold_back(known);
+    std::erase(under_way_, known);
+    release();
   }
   for (Candidate& c : open_) c.delta = std::min(c.delta, (c.at - known).norm());
   changed_ = true;
@@ -129,7 +196,7 @@ void Candidates::follow(std::span<const Prediction> path, double now) {
   if (placement_ != Placement::path) return;
   for (std::size_t i = open_.size(); i-- > 0;)
     if (open_[i].passing) {
-      gone_.erase(key(take(i).at));
+      gone_.erase(key(remove(i).at));
     }
   const Box& box = space_.options().box;
   for (const Prediction& p : path) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "geometry/coverage_query.hpp"
@@ -13,6 +15,7 @@ namespace {
 
 constexpr double reach = 2;                                // of a state, in spacings H
 constexpr double surely = 2;                               // spacings: the path is as good as its deviation is below
+constexpr double least_need = 1e-15;                       // less is none
 constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};   // H / h
 
 double lack(Label label, int scale) {
@@ -197,38 +200,82 @@ void CoverageNeed::look(const PlannerView& view) {
   weigh_scales(view.with_stiffness);
   weigh(view);
   if (options_.shuffle) shuffle_labels();
+  gather_needs();
+  gather_corners(view);
+  pend(view.pending);
 }
 
-void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<const Vec3> pending,
-                         std::span<double> out) const {
+void CoverageNeed::gather_needs() {
+  NeedLeft::Needs inverses;
+  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
+  std::vector<Vec3> at;
+  std::vector<NeedLeft::Needs> all;
+  for (const Place& place : places_) {
+    NeedLeft::Needs needs;
+    for (std::size_t s = 0; s < scales; ++s) needs[s] = place.weight * importance_[s] * lack(place.label[s], static_cast<int>(s));
+    if (!(*std::ranges::max_element(needs) > least_need)) continue;
+    at.push_back(place.at);
+    all.push_back(needs);
+  }
+  left_.begin(at, all, inverses);
+}
+
+// The path in steps of half a spacing, each stretch with the weight of the prediction it leads to.
+void CoverageNeed::gather_corners(const PlannerView& view) {
+  corners_.clear();
+  if (!view.in_cells || view.predicted.empty()) return;
+  const double h = view.space.options().spacing, solve = std::max(view.solve_seconds, 1e-3);
+  const Box& box = view.space.options().box;
+  double sum = 0;
+  for (const Prediction& p : view.predicted) sum += urgency(p.horizon, solve);
+  std::map<std::tuple<long, long, long>, double> cells;   // the most urgent moment in each
+  Vec3 last = folded(view.predicted[0].at, box);
+  for (const Prediction& p : view.predicted) {
+    const Vec3 next = folded(p.at, box);
+    const double weight = options_.path_share * urgency(p.horizon, solve) / sum;
+    const int steps = 1 + static_cast<int>(std::min((next - last).norm() / (0.5 * h), 1000.0));
+    for (int i = 1; i <= steps; ++i) {
+      const Vec3 cell = ((last + (next - last) * i / steps) / h).array().floor();
+      double& most = cells[{std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}];
+      most = std::max(most, weight);
+    }
+    last = next;
+  }
+  for (const auto& [cell, weight] : cells) {
+    std::vector<Vec3> lacking;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto [i, j, k] = cell;
+      const Vec3 at = h * Vec3(static_cast<double>(i + (corner & 1)), static_cast<double>(j + (corner >> 1 & 1)),
+                               static_cast<double>(k + (corner >> 2)));
+      if (!space_->find(at).valid()) lacking.push_back(at);
+    }
+    for (const Vec3& at : lacking) corners_.emplace_back(at, weight / static_cast<double>(lacking.size()));
+  }
+}
+
+void CoverageNeed::pend(std::span<const Vec3> pending) { left_.set(pending); }
+
+void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double> out) const {
   std::ranges::fill(out, 0.0);
-  const double h = space_ ? space_->options().spacing : 1.0;
+  if (!space_) return;
   const std::size_t count = candidates.size();
   std::vector<double> xyz(3 * count);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < 3; ++k) xyz[k * count + i] = candidates[i].at[static_cast<Eigen::Index>(k)];
   double inverses[scales];
-  for (int s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * h, 2);
-  const double farthest = 1 / *std::ranges::min_element(inverses);   // squared: beyond it a pending state mends nothing
-  for (const Place& place : places_) {
-    double needs[scales], largest = 0;
-    for (int s = 0; s < scales; ++s) {
-      needs[s] = place.weight * importance_[static_cast<std::size_t>(s)] * lack(place.label[static_cast<std::size_t>(s)], s);
-      largest = std::max(largest, needs[s]);
-    }
-    if (!(largest > 1e-15)) continue;
-    for (const Vec3& p : pending) {
-      const double d2 = (place.at - p).squaredNorm();
-      if (d2 >= farthest) continue;
-      for (int s = 0; s < scales; ++s) needs[s] *= 1 - std::max(0.0, 1 - d2 * inverses[s]);
-    }
+  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
+  for (std::size_t i = 0; i < left_.places(); ++i) {
+    NeedLeft::Needs needs = left_.left(i);
     bool any = false;
     for (double& need : needs) {
-      if (!(need > 1e-15)) need = 0;
+      if (!(need > least_need)) need = 0;
       any = any || need > 0;
     }
-    if (any) add_worth(count, xyz.data(), place.at.data(), needs, inverses, out.data());
+    if (any) add_worth(count, xyz.data(), left_.at(i).data(), needs.data(), inverses, out.data());
   }
+  for (const auto& [at, more] : corners_)
+    for (std::size_t i = 0; i < count; ++i)
+      if ((candidates[i].at - at).squaredNorm() < 1e-12 * space_->options().spacing * space_->options().spacing) out[i] += more;
 }
 
 }  // namespace forefeel

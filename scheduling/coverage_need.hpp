@@ -12,13 +12,17 @@
 // over the states p that are being solved. w(q) is how soon the hand may be at q. The places are points of the path
 // ahead, as predicted or as known, folded into the box where it leaves it, and one in each cube of 2 h of the box, which
 // take over what an uncertain prediction does not say.
+// A model that interpolates in lattice cells needs more than labels tell: to each corner of a cell that the path ahead
+// crosses, w over the number of corners that the cell still lacks is added.
 
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "scheduling/need_left.hpp"
 #include "scheduling/policy.hpp"
 
 namespace forefeel {
@@ -35,10 +39,11 @@ class CoverageNeed {
   explicit CoverageNeed(NeedOptions options);
   ~CoverageNeed();
 
-  // Once a planning step: labels of all places now, and w.
+  // Once a planning step: labels of all places now, and w, and the states that are being solved.
   void look(const PlannerView& view);
+  void pend(std::span<const Vec3> pending);   // others are being solved than when it looked
   // V of each candidate given the states that are being solved; never negative.
-  void worth(std::span<const Candidate> candidates, std::span<const Vec3> pending, std::span<double> out) const;
+  void worth(std::span<const Candidate> candidates, std::span<double> out) const;
 
  private:
   struct Place {
@@ -55,6 +60,8 @@ class CoverageNeed {
   void weigh(const PlannerView& view);
   static double urgency(double t, double solve);
   void shuffle_labels();
+  void gather_needs();
+  void gather_corners(const PlannerView& view);
 
   NeedOptions options_;
   const StateSpace* space_ = nullptr;
@@ -65,6 +72,8 @@ class CoverageNeed {
   std::size_t known_ = 0;
   std::vector<Place> box_;           // fixed; labels kept up to date
   std::vector<Place> places_;        // of this step: the path ahead, then the box
+  std::vector<std::pair<Vec3, double>> corners_;   // unknown ones of the cells ahead, and what each adds
+  NeedLeft left_;                    // of those that need anything
 };
 
 }  // namespace forefeel

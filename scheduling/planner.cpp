@@ -17,6 +17,8 @@ std::vector<State> failed_of(const std::vector<State>& states) {
   return failed;
 }
 
+double finite(double priority) { return std::isfinite(priority) ? priority : std::numeric_limits<double>::lowest(); }
+
 }  // namespace
 
 Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
@@ -77,7 +79,6 @@ void Planner::receive(JobResult result, double now) {
   const bool began = result.state.status != SolveStatus::cancelled || result.finished > result.started;
   record.started = began ? result.started : unknown;
   record.finished = result.finished;
-  record.known = now;
   if (result.state.status == SolveStatus::cancelled) {
     record.status = began ? "preempted" : "withdrawn";
     preempted_ += began ? 1 : 0;
@@ -86,16 +87,20 @@ void Planner::receive(JobResult result, double now) {
     candidates_->put_back(candidate);
     return;
   }
+  record.known = now;
   if (slot.busy()) {   // a job's states are solved in their order
     DispatchRecord& next = dispatches_[slot.members.front().dispatch];
     if (std::isnan(next.started)) next.started = result.finished;
   }
+  jobs_ += slot.counted || slot.rest ? 0 : 1;
+  slot.counted = true;
   note_cost(result.finished - result.started, options_.rest_first && result.state.at.isZero(0));
   if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
   if (hooks_.on_state) hooks_.on_state(result.state);
   if (!result.state.usable()) {
     record.status = "failed";
     ++failed_;
+    candidates_->fail(candidate.at);
     notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(), result.state.at.y(),
                                  result.state.at.z(), name(result.state.status)));
     return;
@@ -183,6 +188,7 @@ PlannerView Planner::view(double now) const {
           .workers = generator_.workers(),
           .pending = pending_,
           .with_stiffness = options_.model.data == Data::force_and_stiffness,
+          .in_cells = options_.method != "rbf",
           .surprises = surprises_};
 }
 
@@ -206,8 +212,7 @@ void Planner::rank(double now) {
   const auto open = candidates_->open();
   priorities_.resize(open.size());
   policy_->prioritise(open, view(now), priorities_);
-  for (double& p : priorities_)
-    if (!std::isfinite(p)) p = std::numeric_limits<double>::lowest();
+  for (double& p : priorities_) p = finite(p);
 }
 
 // Equal priorities by the lattice's own order, so that the result depends on nothing else.
@@ -220,23 +225,77 @@ std::size_t Planner::best() const {
   return best;
 }
 
+void Planner::rank_for_many(double now) {
+  rank(now);
+  ranked_.clear();
+  const auto open = candidates_->open();
+  for (std::size_t i = 0; i < open.size(); ++i) ranked_.push_back({priorities_[i], open[i], pending_.size()});
+  std::make_heap(ranked_.begin(), ranked_.end());
+}
+
+// The best open candidate given what is pending now, when less was as they were ranked: the first of the heap are
+// ranked again until the first of all is one of them, since the others can only have fallen..
+std::size_t Planner::best_of_many(double now, double& priority) {
+  constexpr std::size_t at_once = 8;
+  std::vector<Candidate> again;
+  std::vector<double> worth;
+  for (;;) {
+    again.clear();
+    while (!ranked_.empty() && again.size() < at_once) {
+      const Ranked top = ranked_.front();
+      const bool as_now = top.pending == pending_.size();
+      if (as_now && !again.empty()) break;
+      std::pop_heap(ranked_.begin(), ranked_.end());
+      ranked_.pop_back();
+      const auto place = candidates_->index_of(top.candidate);
+      if (!place) continue;
+      if (!as_now) {
+        again.push_back(top.candidate);
+      } else if (policy_->at_most(top.priority) == top.priority) {
+        priority = top.priority;
+        return *place;
+      } else {
+        break;   // others may be worth more by now
+      }
+    }
+    if (again.empty()) {
+      rank_for_many(now);
+      const std::size_t place = best();
+      priority = priorities_[place];
+      return place;
+    }
+    worth.resize(again.size());
+    policy_->prioritise(again, view(now), worth);
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      ranked_.push_back({finite(worth[i]), again[i], pending_.size()});
+      std::push_heap(ranked_.begin(), ranked_.end());
+    }
+  }
+}
+
 // One after the other: what is worth solving depends on what was just given out.
 void Planner::plan(double now) {
   slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
   if (slots_.empty() || (candidates_->empty() && !candidates_->may_grow())) return;
-  if (std::ranges::all_of(slots_, &Slot::busy)) return consider_preemption(now);
+  auto idle_workers = std::ranges::count_if(slots_, [](const Slot& slot) { return !slot.busy(); });
+  if (idle_workers == 0) return consider_preemption(now);
   if (rest_comes_first(now)) return;
   look(now);
-  for (std::size_t worker = 0; worker < slots_.size() && !candidates_->empty(); ++worker) {
+  const bool many = idle_workers > 1 && options_.batch == 1 && std::isfinite(policy_->at_most(1));
+  if (many) rank_for_many(now);
+  for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty(); ++worker) {
     if (slots_[worker].busy()) continue;
-    rank(now);
-    const std::size_t chosen = best();
-    const double priority = priorities_[chosen];
+    if (!many) rank(now);
+    double priority = 0;
+    const std::size_t chosen = many ? best_of_many(now, priority) : best();
+    if (!many) priority = priorities_[chosen];
+    std::vector<std::pair<double, Candidate>> near = neighbours_of(chosen);
     const Candidate candidate = candidates_->refreshed(candidates_->take(chosen));
-    const std::vector<Candidate> beside = take_neighbours(candidate);
+    const std::vector<Candidate> beside = take_neighbours(std::move(near));
     dispatch(static_cast<int>(worker), candidate, priority, beside, now);
     pending_.push_back(candidate.at);
     for (const Candidate& c : beside) pending_.push_back(c.at);
+    if (--idle_workers > 0) policy_->pend(view(now));
   }
 }
 
@@ -254,22 +313,26 @@ bool Planner::rest_comes_first(double now) {
   return slots_[0].rest && slots_[0].busy() && (hip_.at - began_at_).norm() < space_.options().spacing / 3;
 }
 
-// The open candidates next to one, the best first: they share its factor.
-std::vector<Candidate> Planner::take_neighbours(const Candidate& of) {
+// The open candidates next to one, with their priorities.
+std::vector<std::pair<double, Candidate>> Planner::neighbours_of(std::size_t chosen) const {
+  std::vector<std::pair<double, Candidate>> near;
+  if (options_.batch < 2) return near;
+  const auto open = candidates_->open();
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (i != chosen && !open[i].passing && (open[i].at - open[chosen].at).norm() <= 1.1 * space_.options().spacing)
+      near.emplace_back(priorities_[i], open[i]);
+  return near;
+}
+
+// The best of them: they share a factor with the one they are next to.
+std::vector<Candidate> Planner::take_neighbours(std::vector<std::pair<double, Candidate>> near) {
   std::vector<Candidate> taken;
-  const double reach = 1.1 * space_.options().spacing;
-  while (static_cast<int>(taken.size()) + 1 < options_.batch) {
-    const auto open = candidates_->open();
-    std::size_t next = open.size();
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if ((open[i].at - of.at).norm() > reach || open[i].passing) continue;
-      if (next == open.size() || priorities_[i] > priorities_[next] ||
-          (priorities_[i] == priorities_[next] && open[i].order < open[next].order))
-        next = i;
-    }
-    if (next == open.size()) break;
-    taken.push_back(candidates_->refreshed(candidates_->take(next)));
-    priorities_[next] = priorities_[candidates_->open().size()];   // take() puts the last one there
+  std::ranges::sort(near, [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second.order < b.second.order;
+  });
+  for (const auto& [priority, candidate] : near) {
+    if (static_cast<int>(taken.size()) + 1 >= options_.batch) break;
+    if (const auto place = candidates_->index_of(candidate)) taken.push_back(candidates_->refreshed(candidates_->take(*place)));
   }
   return taken;
 }
@@ -291,7 +354,7 @@ std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, d
 void Planner::dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now) {
   const Start* start = nearest_start(candidate.at);
   Slot& slot = slots_[static_cast<std::size_t>(worker)];
-  slot = {.cancelling = false, .members = {}, .since = now, .rest = false};
+  slot = {.cancelling = false, .counted = false, .members = {}, .since = now, .rest = false};
   Job job{.dispatch = record_dispatch(worker, candidate, priority, start ? start->dispatch : -1, now),
           .at = candidate.at,
           .start = start ? start->equilibrium : nullptr,
@@ -330,6 +393,7 @@ void Planner::consider_preemption(double now) {
     if (slot.cancelling || slot.rest || enough) continue;
     gather_pending(&slot);
     const PlannerView seen = view(now);
+    policy_->pend(seen);
     const double gain = policy_->priority(waiting, seen);
     const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
     double worth = 0;
@@ -413,6 +477,7 @@ void Planner::finish(SessionResult& result) {
   result.start_solved_failed = {start_, solved_, failed_};
   result.preempted = preempted_;
   result.solve_seconds = std::move(costs_);
+  result.jobs = jobs_;
   result.notes.insert(result.notes.end(), notes_.begin(), notes_.end());
 }
 

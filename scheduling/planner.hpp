@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "scheduling/candidates.hpp"
@@ -50,11 +51,19 @@ class Planner {
     Candidate candidate;
   };
   struct Slot {                                      // one per worker
-    bool cancelling = false;
+    bool cancelling = false, counted = false;
     std::vector<Member> members;                     // of its job that are not back yet, in the order they are solved
     double since = 0;
     bool rest = false;                               // its job is the state at rest
     bool busy() const { return !members.empty(); }
+  };
+  struct Ranked {                                    // a heap of them has the best on top
+    double priority = 0;
+    Candidate candidate;
+    std::size_t pending = 0;                         // so many were when it was ranked
+    friend bool operator<(const Ranked& a, const Ranked& b) {
+      return a.priority != b.priority ? a.priority < b.priority : a.candidate.order > b.candidate.order;
+    }
   };
   struct Start {                                     // a solution to start from
     Vec3 at;
@@ -67,7 +76,10 @@ class Planner {
   void rank(double now);                             // priorities of the open candidates
   void look(double now);                             // before anything is ranked at this time
   std::size_t best() const;                          // index of the open candidate to solve next
-  std::vector<Candidate> take_neighbours(const Candidate& of);
+  void rank_for_many(double now);                    // into the heap
+  std::size_t best_of_many(double now, double& priority);
+  std::vector<std::pair<double, Candidate>> neighbours_of(std::size_t chosen) const;
+  std::vector<Candidate> take_neighbours(std::vector<std::pair<double, Candidate>> near);
   void gather_pending(const Slot* but);
   std::uint32_t record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now);
   void dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now);
@@ -110,10 +122,11 @@ class Planner {
 
   std::vector<Prediction> predicted_;
   std::vector<double> priorities_;
+  std::vector<Ranked> ranked_;
   std::vector<Vec3> pending_;                        // where states are being solved
   std::vector<DispatchRecord> dispatches_;
   std::vector<SwitchRecord> updates_;                // one per published model
-  std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0;
+  std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0, jobs_ = 0;
   std::vector<std::string> notes_;
   Label label_ = Label::blank;
 };

@@ -17,7 +17,7 @@ std::map<std::string, PolicyFactory>& registry() {
       {"fifo", make_fifo},         {"nearest", make_nearest},
       {"direction", make_direction}, {"coverage", make_coverage},
       {"coarse-to-fine", make_coarse_to_fine}, {"error", make_error},
-      {"clairvoyant", make_clairvoyant},
+      {"clairvoyant", make_clairvoyant},  {"clairvoyant-greedy", make_clairvoyant},
       {"shuffled", make_shuffled}, {"clairvoyant-shuffled", make_clairvoyant_shuffled}};
   return policies;
 }
@@ -30,6 +30,8 @@ double share_along(const Vec3& a, const Vec3& b, const Vec3& q) {
 }
 
 }  // namespace
+
+double Policy::at_most(double) const { return std::numeric_limits<double>::infinity(); }
 
 void Policy::prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const {
   for (std::size_t i = 0; i < candidates.size(); ++i) out[i] = priority(candidates[i], view);

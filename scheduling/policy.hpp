@@ -37,6 +37,7 @@ struct PlannerView {
   int workers = 1;
   std::span<const Vec3> pending;                 // where states are being solved [m]
   bool with_stiffness = true;                    // the model uses the stiffness of states: each reaches farther
+  bool in_cells = false;                         // it interpolates in lattice cells, and needs all corners of the HIP's
   // By state id, for policies that ask: how far the model of the states before it was from the state when it came,
   // over the JND of its force; NaN where nobody looked. May be shorter than the space.
   std::span<const float> surprises = {};
@@ -55,15 +56,19 @@ class Policy {
  public:
   virtual ~Policy() = default;
   virtual std::string_view name() const = 0;
-  // Called once before the candidates of a planning step are ranked, possibly several times with growing `pending`:
-  // the place for what is the same for all of them.
+  // Called once before the candidates of a planning step are ranked: the place for what is the same for all of them.
   virtual void look(const PlannerView&) {}
+  // Nothing but `pending` changed since then: more was given out, or a job is weighed as if it were not.
+  virtual void pend(const PlannerView&) {}
   // Whether Candidate::region is asked for; keeping the labels of all candidates costs more than ranking them.
   virtual bool reads_regions() const { return true; }
   // Whether PlannerView::surprises is asked for; each costs a fit.
   virtual bool reads_surprises() const { return false; }
   // The worth of solving the candidate next: finite, not negative, larger is sooner. Preemption compares ratios.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
+  // The most that a candidate of this priority can be worth once more is pending in the same step; never falls as the
+  // priority grows. Where it is the priority itself only the best are ranked again. Infinite: nothing is known, all are.
+  virtual double at_most(double priority) const;
   // All candidates of a planning step at once; override where they share work. Writes #candidates values.
   virtual void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const;
 };

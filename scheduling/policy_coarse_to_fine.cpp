@@ -20,6 +20,7 @@ class CoarseToFine final : public Policy {
  public:
   std::string_view name() const override { return "coarse-to-fine"; }
   bool reads_regions() const override { return false; }
+  double at_most(double priority) const override { return priority; }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double s = level_spacing(candidate.at, view.space.options().spacing);
     return s / (s + distance_to_path(candidate.at, view));

@@ -2,9 +2,11 @@
 // be there (coverage_need.hpp), so that what is blank, gap or sparse on the predicted path turns safe soonest. Where
 // nothing is lacking any more: outward from the HIP.
 //   coverage      the path as predicted
-//   clairvoyant   the path as it will be
+//   clairvoyant-greedy   the path as it will be; clairvoyant under the virtual clock rehearses besides (session.cpp)
 //   shuffled      the placebo: the same labels, permuted among the places; what it loses is what labels are worth
-//   clairvoyant-shuffled   the placebo of clairvoyant: what labels are worth where the motion is no guess
+//   clairvoyant-shuffled   the placebo of clairvoyant-greedy: what labels are worth where the motion is no guess
+
+#include <algorithm>
 
 #include "scheduling/coverage_need.hpp"
 #include "scheduling/policies.hpp"
@@ -19,19 +21,22 @@ class CoveragePolicy final : public Policy {
   bool reads_regions() const override { return false; }
   bool reads_surprises() const override { return true; }
   void look(const PlannerView& view) override { need_.look(view); }
+  void pend(const PlannerView& view) override { need_.pend(view.pending); }
+  double at_most(double priority) const override { return priority < nothing ? priority : std::max(priority, 2 * nothing); }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     double worth = 0;
     prioritise({&candidate, 1}, view, {&worth, 1});
     return worth;
   }
   void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const override {
-    need_.worth(candidates, view.pending, out);
+    need_.worth(candidates, out);
     const double h = view.space.options().spacing;
     for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (out[i] < 1e-9) out[i] += 1e-9 * h / (h + distance_to_path(candidates[i].at, view));
+      if (out[i] < nothing) out[i] += nothing * h / (h + distance_to_path(candidates[i].at, view));
   }
 
  private:
+  static constexpr double nothing = 1e-9;   // worth below which the distance decides
   std::string_view name_;
   CoverageNeed need_;
 };

@@ -15,6 +15,7 @@ class ErrorPolicy final : public Policy {
  public:
   std::string_view name() const override { return "error"; }
   bool reads_regions() const override { return false; }
+  double at_most(double priority) const override { return priority; }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing, solve = std::max(view.solve_seconds, 1e-3);
     double chance = 0;

@@ -11,6 +11,7 @@ class Fifo final : public Policy {
  public:
   std::string_view name() const override { return "fifo"; }
   bool reads_regions() const override { return false; }
+  double at_most(double priority) const override { return priority; }
   double priority(const Candidate& candidate, const PlannerView&) const override {
     const double outward = 1e-6 / (1.0 + candidate.order);
     return std::isfinite(candidate.requested) ? 1 / (1 + std::abs(candidate.requested)) + outward : outward;

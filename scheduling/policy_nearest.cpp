@@ -10,6 +10,7 @@ class Nearest final : public Policy {
  public:
   std::string_view name() const override { return "nearest"; }
   bool reads_regions() const override { return false; }
+  double at_most(double priority) const override { return priority; }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing;
     const double near = h / (h + (candidate.at - view.hip.at).norm());

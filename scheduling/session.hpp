@@ -144,6 +144,7 @@ struct SessionResult {
   double generated_energy = 0, work = 0;     // energy observer [J]
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
   std::vector<double> solve_seconds;         // of each solve of the session but rest first, virtual or real
+  std::size_t jobs = 0;                      // that these came in; each took its worker two messages more
   int workers = 0;                           // that took part
 };
 

@@ -130,13 +130,17 @@ Json switch_json(const SessionResult& result, const SessionOptions& options) {
           {"drift", {{"ms50", drift(result, 0.05)}, {"ms100", drift(result, 0.1)}, {"ms300", drift(result, 0.3)}}}};
 }
 
+// States needed per second of motion, those known at the start left out, over states solved per second by the workers
+// when all are busy: a job takes its worker the solves and a message each way.
 double load(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
   const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
   NeededStates needed(input.space.box, h);
+  for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) needed.know(result.states[i].at);
   for (const FrameRecord& f : result.frames) needed.visit(f.at);
   if (result.frames.empty() || result.solve_seconds.empty() || result.workers == 0) return unknown;
   const double seconds = result.frames.back().t + (result.frames.size() > 1 ? result.frames[1].t : 0);
-  const double total = std::accumulate(result.solve_seconds.begin(), result.solve_seconds.end(), 0.0);
+  const double messages = options.clock == Clock::virtual_time ? 2 * options.latency * static_cast<double>(result.jobs) : 0;
+  const double total = std::accumulate(result.solve_seconds.begin(), result.solve_seconds.end(), messages);
   const double rate = result.workers * static_cast<double>(result.solve_seconds.size()) / total;
   return static_cast<double>(needed.count()) / seconds / rate;
 }
@@ -166,7 +170,7 @@ Json summary_json(const SessionResult& result, const SessionInput& input, const 
   json["policy"] = options.policy;
   json["select"] = name(options.model.select);
   json["seed"] = options.seed;
-  json["device"] = options.device;
+  json["device"] = options.replay ? "replay:" + options.replay->string() : options.device;
   json["wall_seconds"] = result.wall_seconds;
   json["realtime_priority"] = result.realtime_priority;
   json["memory_locked"] = result.memory_locked;

@@ -133,6 +133,7 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   check_refused(shop, "reproduce timming beam.toml -o out", {"did you mean 'timing'"});
   check_refused(shop, "reproduce speed --set state_space.spacing=0.012 -o out", {"state_space.spacing", "predecessor"});
   check_refused(shop, "reproduce speed --travel nan -o out", {"--travel"});
+  check_refused(shop, "reproduce speed --workers 2 4 4 -o out", {"--workers", "4 twice"});
   check_refused(shop, "reproduce speed --set session.workers=3 -o out", {"session.workers"});
   check_refused(shop, "reproduce speed --set session.cost=bogus -o out", {"cost bogus"});
   check_refused(shop, "reproduce all --set session.policy=fifo -o out", {"session.policy"});

@@ -102,6 +102,58 @@ TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again")
   b.planner.plan(0.002);
   REQUIRE(b.generator.jobs.size() == 1);
   CHECK(b.generator.jobs.at(0).at == x);
+  SessionResult result;
+  b.planner.finish(result);
+  REQUIRE(result.dispatch.size() == 2);
+  CHECK(result.dispatch[0].status == "preempted");
+  CHECK(std::isnan(result.dispatch[0].known));   // nothing became known
+}
+
+namespace {
+
+// Coverage as a policy that says nothing about how its priorities change: all are ranked anew after each dispatch.
+class RankedAnew final : public Policy {
+ public:
+  std::string_view name() const override { return "ranked-anew"; }
+  bool reads_surprises() const override { return true; }
+  bool reads_regions() const override { return false; }
+  void look(const PlannerView& view) override { policy_->look(view); }
+  void pend(const PlannerView& view) override { policy_->look(view); }
+  double priority(const Candidate& candidate, const PlannerView& view) const override { return policy_->priority(candidate, view); }
+
+ private:
+  std::unique_ptr<Policy> policy_ = make_policy("coverage", {});
+};
+
+}  // namespace
+
+TEST_CASE("planner: for many workers the best are found as if all were ranked anew after each dispatch") {
+  register_policy("ranked-anew", [](const PolicyOptions&) { return std::make_unique<RankedAnew>(); });
+  std::vector<std::vector<DispatchRecord>> given;
+  for (const std::string policy : {"coverage", "ranked-anew"}) {
+    SessionOptions options = testing::virtual_options();
+    options.policy = policy;
+    Bench b(options, 40, 0.1);
+    double now = 0;
+    for (int round = 0; round < 12; ++round) {
+      now += 0.01;
+      b.planner.observe({.t = now, .at = 0.012 * Vec3(std::sin(9 * now), std::cos(3 * now), std::sin(2 * now)), .velocity = {0.1, 0, 0}});
+      b.planner.plan(now);
+      for (int worker = round % 3; worker < 40; worker += 3)
+        if (b.generator.jobs.count(worker)) b.planner.receive(b.generator.end(worker, now), now);
+    }
+    SessionResult result;
+    b.planner.finish(result);
+    given.push_back(std::move(result.dispatch));
+  }
+  REQUIRE(given[0].size() == given[1].size());
+  CHECK(given[0].size() > 100);
+  for (std::size_t i = 0; i < given[0].size(); ++i) {
+    CAPTURE(i);
+    REQUIRE(given[0][i].at == given[1][i].at);
+    CHECK(given[0][i].priority == given[1][i].priority);
+    CHECK(given[0][i].worker == given[1][i].worker);
+  }
 }
 
 TEST_CASE("planner: a failed solve is recorded and not tried again") {

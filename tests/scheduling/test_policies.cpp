@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -5,6 +7,7 @@
 
 #include "geometry/error.hpp"
 #include "scheduling/candidates.hpp"
+#include "scheduling/need_left.hpp"
 #include "scheduling/policy.hpp"
 #include "scheduling/predictor.hpp"
 #include "scheduling/random.hpp"
@@ -88,6 +91,17 @@ TEST_CASE("policies prefer what their names say") {
     CAPTURE(name);
     CHECK(worth(name, ahead) > worth(name, far_behind));
   }
+  // By the time to reach: what the hand has passed, or passes before it could be solved, comes last.
+  PlannerView slow = view;
+  slow.solve_seconds = 0.2;   // 12 mm of way
+  const auto direction = make_policy("direction", {});
+  const auto at = [&](double x, double y) { return direction->priority({.at = Vec3(x, y, 0), .delta = 0.01}, slow); };
+  CHECK(at(0.018, 0) > at(0.024, 0));
+  CHECK(at(0.018, 0) > at(0.018, 0.006));
+  for (const double passed : {-0.001, -0.006, 0.004, 0.009}) {
+    CAPTURE(passed);
+    CHECK(at(0.024, 0.006) > at(passed, 0));
+  }
   Candidate coarse = ahead, fine = ahead;
   coarse.at = Vec3(0, 0.024, 0);
   fine.at = Vec3(0, 0.018, 0);
@@ -114,6 +128,24 @@ TEST_CASE("coverage: what is known or under way ahead is worth less") {
   CHECK(worth(empty, ahead, {&near, 1}) < 0.5 * alone);
   known.insert(spring(near));
   CHECK(worth(known, ahead, {}) < 0.5 * alone);   // its places have turned sparse
+}
+
+TEST_CASE("coverage: a model that interpolates in lattice cells gets the corners of those ahead first") {
+  StateSpaceOptions options = testing::small_input().space;
+  options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
+  StateSpace space(options);
+  for (const Vec3& x : lattice(options.box, options.spacing))   // all but one corner: safe everywhere, yet a cell is open
+    if ((x - Vec3(0.012, 0, 0)).norm() > 1e-6) space.insert(spring(x));
+  std::vector<Prediction> path;
+  for (int i = 0; i <= 8; ++i) path.push_back({.horizon = 0.05 * i, .at = Vec3(0.02 * i / 8, 0.001, 0.001), .deviation = 1e-3});
+  const auto worth = [&](bool in_cells) {
+    const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.05, 0, 0)},
+                           .predicted = path, .solve_seconds = 0.1, .workers = 2, .pending = {}, .in_cells = in_cells};
+    const auto policy = make_policy("coverage", {});
+    policy->look(view);
+    return policy->priority({.at = Vec3(0.012, 0, 0), .delta = 0.006}, view);
+  };
+  CHECK(worth(true) > worth(false) + 0.01);
 }
 
 TEST_CASE("coverage: which spacing counts is learnt from what the states that came were missed by") {
@@ -177,6 +209,42 @@ TEST_CASE("the placebo permutes labels among the places and nothing else") {
   ask("coverage", truth);
   ask("shuffled", placebo);
   CHECK(truth != placebo);
+}
+
+TEST_CASE("what places still need: products kept from call to call are those made anew") {
+  std::vector<Vec3> at, under_way;
+  std::vector<NeedLeft::Needs> needs;
+  const auto place = [](std::uint64_t i) { return Vec3(0.07 * Vec3(uniform(mix(5, i)), uniform(mix(6, i)), uniform(mix(7, i)))); };
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    at.push_back(place(i));
+    needs.push_back({uniform(mix(8, i)), uniform(mix(9, i)), i % 3 == 0 ? 0.0 : 1.0});
+  }
+  for (std::uint64_t i = 0; i < 60; ++i) under_way.push_back(place(1000 + i));
+  under_way.push_back(at[3]);   // mends that place wholly
+  NeedLeft::Needs inverses;
+  for (std::size_t s = 0; s < 3; ++s) inverses[s] = 1 / std::pow(std::array{0.048, 0.024, 0.012}[s], 2);
+  NeedLeft kept;
+  kept.begin(at, needs, inverses);
+  const auto expect = [&](const std::vector<Vec3>& now) {
+    kept.set(now);
+    for (std::size_t i = 0; i < at.size(); ++i)
+      for (std::size_t s = 0; s < 3; ++s) {
+        double left = needs[i][s];
+        for (const Vec3& p : now) left *= 1 - std::max(0.0, 1 - (at[i] - p).squaredNorm() * inverses[s]);
+        REQUIRE(kept.left(i)[s] == Approx(left).epsilon(1e-9).margin(1e-300));
+      }
+  };
+  expect({});
+  for (const std::size_t n : {1u, 2u, 40u, 61u}) expect({under_way.begin(), under_way.begin() + n});
+  for (const std::size_t out : {0u, 17u, 60u, 3u}) {
+    std::vector<Vec3> fewer = under_way;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(out));
+    expect(fewer);
+  }
+  expect(under_way);
+  expect({under_way.begin() + 30, under_way.end()});
+  std::reverse(under_way.begin(), under_way.end());
+  expect(under_way);
 }
 
 TEST_CASE("candidates are the unknown lattice points, each once") {

@@ -71,6 +71,24 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
   }
 }
 
+TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND at more first visits") {
+  for (const std::string device : {"path:reach,speed=0.15,tremor=0.0002", "path:line,speed=0.07"}) {
+    SessionOptions options = virtual_options(1);
+    options.cost = "lognormal:0.1,0.6";
+    options.device = device;
+    options.reference_step = 0.05;
+    const auto share = [&](const std::string& policy) {
+      options.policy = policy;
+      return summary_json(run_session(small_input(), options), small_input(), options)["error"]["first_visit"]["within_jnd"].get<double>();
+    };
+    const double bound = share("clairvoyant");
+    for (const std::string policy : {"coverage", "nearest", "direction", "clairvoyant-greedy"}) {
+      CAPTURE(device, policy);
+      CHECK(share(policy) <= bound);
+    }
+  }
+}
+
 TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything") {
   SessionInput input = small_input();
   SessionOptions options = virtual_options(2);
@@ -473,6 +491,21 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
     }
     CHECK((off > 0) == (placement == "path"));
   }
+  // What is being solved keeps free positions away as what is known does.
+  for (const std::string policy : {"nearest", "coverage"})
+    for (const int workers : {2, 8}) {
+      CAPTURE(policy, workers);
+      SessionOptions options = virtual_options(1);
+      options.placement = "path";
+      options.policy = policy;
+      options.workers = workers;
+      options.cost = "constant:0.03";
+      const SessionResult r = run_session(small_input(), options);
+      CHECK(r.states.size() > 20);
+      for (std::size_t i = 0; i < r.states.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          REQUIRE((r.states[i].at - r.states[j].at).norm() >= 0.5 * small_input().space.spacing - 1e-12);
+    }
   SessionOptions options = virtual_options(0.1);
   options.placement = "anywhere";
   CHECK_THROWS_AS(run_session(small_input(), options), InputError);
