@@ -248,6 +248,14 @@ TEST_CASE("cells share a body and differ in their keys") {
   CHECK(plan.cells[5].seed == 2);
 }
 
+TEST_CASE("--set gives what a study fixes another value, and is refused for what varies") {
+  const Folder folder;
+  const auto file = folder.study("seeds = [3]\n[session]\nworkers = 3\n[vary]\npolicy = [\"fifo\", \"nearest\"]\n");
+  const std::vector<std::string> five{"session.workers=5"}, policy{"session.policy=\"fifo\""};
+  for (const StudyCell& cell : plan_study(read_study(file, five)).cells) CHECK(cell.options.workers == 5);
+  CHECK(refusal([&] { read_study(file, policy); }).find("varied") != std::string::npos);
+}
+
 TEST_CASE("a target load is the load that the session measures") {
   const Folder folder;
   const StudyPlan plan = plan_study(read_study(
@@ -260,6 +268,7 @@ TEST_CASE("a target load is the load that the session measures") {
     // A fixed cost of the same mean: what is measured is then exactly what was asked for.
     const double demand = states_needed_per_second(plan.scenes[i], cell.options), target = i % 2 == 0 ? 0.5 : 2.0;
     const double b = cell.options.batch, share = cell.options.batch_share;
+    if (b > 1 && i % 2 == 1) continue;   // so few jobs that the last, cut short, counts
     const double job = target * cell.options.workers * b / demand - 2 * cell.options.latency;
     cell.options.cost = "constant:" + std::to_string(job / (1 + (b - 1) * share));
     const SessionInput input = session_input(plan.scenes[i]);
