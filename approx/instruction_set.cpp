@@ -7,6 +7,7 @@
 #include "approx/exact_sums.hpp"
 #include "approx/kernel_rows.hpp"
 #include "approx/kernel_sums.hpp"
+#include "approx/view_loops.hpp"
 
 namespace forefeel {
 
@@ -16,6 +17,7 @@ namespace forefeel {
   extern const rows::Loops row_loops;      \
   extern const sums::Loops sum_loops;      \
   extern const exact::Loops exact_loops;   \
+  extern const view::Loops view_loops;     \
   }
 FOREFEEL_DECLARE_LOOPS(portable)
 #ifdef FOREFEEL_MULTIVERSION
@@ -78,6 +80,10 @@ const rows::Loops& rows::loops() {
 }
 const exact::Loops& exact::loops() {
   static const Loops& chosen = FOREFEEL_CHOSEN(exact_loops);
+  return chosen;
+}
+const view::Loops& view::loops() {
+  static const Loops& chosen = FOREFEEL_CHOSEN(view_loops);
   return chosen;
 }
 const sums::Loops& sums::loops() {

@@ -276,7 +276,7 @@ double Model::hold_distance() const noexcept {
   return impl_->known ? impl_->hold : 0;
 }
 void Model::reserve(const ModelOptions& options) {
-  impl_->reserve(most_neighbours(options), options.data == Data::force_and_stiffness);
+  impl_->reserve(most_neighbours(options) + affine_places(options), options.data == Data::force_and_stiffness);
 }
 
 }  // namespace forefeel

@@ -1,9 +1,12 @@
 #include "approx/neighbours.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
+
+#include "approx/view_loops.hpp"
 
 namespace forefeel {
 namespace {
@@ -15,17 +18,20 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 // In spacings:
 constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
 constexpr double pulled_to = 0.25;  // before the nearest state of a side,
-constexpr double pulled_r = 2;      // and for r, which a layer or two suit well, before a single side
+constexpr double pulled_r = 2.2;      // and for r, which a layer or two suit well, before a single side, if n is for two
 constexpr double band = 0.4;        // of the key, over which a weight rises,
-constexpr double band_r5 = 1.2;     // and of r^5 on force, which trusts its outermost states farthest of all
+constexpr double band_r5 = 0.8;     // and of r^5 on force, which trusts its outermost states farthest of all,
+constexpr double band_r = 1.4;      // and of r, whose ridge is the least steep in w
 constexpr double farthest = 32;     // a far side
 constexpr double fading = 8;        // before that, over which it goes
-// Cosine to the axis within which a state counts for both sides.
-constexpr double between = 0.3;
-constexpr double least_weight = 1e-4;
+constexpr double at_hip = 0.25;     // within this of the HIP a state has hardly a direction
+constexpr double off_view = 100;    // what a state seems farther by, per square of how far it is off a view
+constexpr double in_view = 0.3;    // cosine to a view from which it is off it
+constexpr double turned = 0.93;     // cosine within which a state's own view is blended from the fixed ones
+constexpr double least_weight = 1e-7;
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
 const Vec3 aside(0.17, -0.11, 0.07);
-constexpr double least_ratio = 0.1;  // d_1 / d_2 from which the far side comes in
+constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in
 
 // From 0 to 1 on [0, 1], twice differentiable.
 double rise(double t) {
@@ -33,19 +39,72 @@ double rise(double t) {
   return t * t * t * (10 + t * (6 * t - 15));
 }
 
+// Radius of a half ball of n states, in spacings.
+double half_ball(std::size_t n) { return std::cbrt(1.5 * double(n) / M_PI); }
+
+// Evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for each cell of a grid
+// on the faces of a cube those within `turned` of some direction of the cell.
+struct Views {
+  static constexpr int pairs = 128, grid = 16;
+  std::vector<Vec3> all;
+  std::vector<std::uint16_t> about;
+  std::vector<std::size_t> first;  // in `about`, of each cell
+
+  Views() {
+    for (int k = 0; k < pairs; ++k) {
+      const double z = (k + 0.5) / pairs, r = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
+      all.push_back(Vec3(r * std::cos(angle), r * std::sin(angle), z));
+      all.push_back(-all.back());
+    }
+    const double least = std::cos(std::acos(turned) + std::sqrt(2.0) / grid);  // no cell reaches farther than that
+    for (int face = 0; face < 6; ++face)
+      for (int i = 0; i < grid; ++i)
+        for (int j = 0; j < grid; ++j) {
+          first.push_back(about.size());
+          Vec3 centre;
+          centre[face % 3] = face < 3 ? 1 : -1;
+          centre[(face + 1) % 3] = (2 * i + 1) / double(grid) - 1;
+          centre[(face + 2) % 3] = (2 * j + 1) / double(grid) - 1;
+          centre.normalize();
+          for (std::size_t k = 0; k < all.size(); ++k)
+            if (centre.dot(all[k]) > least) about.push_back(static_cast<std::uint16_t>(k));
+        }
+    first.push_back(about.size());
+  }
+  std::span<const std::uint16_t> of(const Vec3& u) const {
+    int axis;
+    const double length = u.cwiseAbs().maxCoeff(&axis);
+    const auto cell = [&](int d) {
+      return std::clamp(static_cast<int>(0.5 * grid * (1 + u[(axis + d) % 3] / length)), 0, grid - 1);
+    };
+    const auto at = static_cast<std::size_t>(((u[axis] > 0 ? axis : axis + 3) * grid + cell(1)) * grid + cell(2));
+    return std::span(about).subspan(first[at], first[at + 1] - first[at]);
+  }
+};
+const Views views;
+
+constexpr std::size_t lanes = 8;
+
 }  // namespace
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
     : space_(space), n_(options.neighbours), weighted_(weighted_neighbours(options)), most_(most_neighbours(options)),
       rule_(options.select), h_(space.options().spacing),
-      pulled_(options.kernel == Kernel::linear ? pulled_r : pulled_to),
-      band_(options.kernel == Kernel::quintic && options.data == Data::force ? band_r5 : band) {
-  const std::size_t room = std::max(most_candidates, 2 * weighted_ + 16);
-  found_.reserve(room);
-  candidates_.reserve(room);
-  keys_.reserve(room);
+      pulled_(options.kernel == Kernel::linear ? std::clamp(half_ball(most_) - 1.6, pulled_to, pulled_r) : pulled_to),
+      band_(options.kernel == Kernel::linear                                               ? band_r
+            : options.kernel == Kernel::quintic && options.data == Data::force ? band_r5
+                                                                               : band),
+      steep_(options.kernel == Kernel::linear ? 2 : 1) {
+  room_ = std::max(most_candidates, 2 * weighted_ + 16);
+  found_.reserve(room_);
+  candidates_.reserve(room_);
+  keys_.reserve(room_);
+  room_ = (room_ + lanes - 1) / lanes * lanes;
+  seen_.resize(arrays * room_);
+  views_.resize(views.all.size());
+  wanted_.reserve(views.all.size());
   last_.reserve(most_);
-  chosen_.reserve(2 * most_ + 4);
+  chosen_.reserve(room_);
 }
 
 void NeighbourSelector::forget() {
@@ -64,7 +123,7 @@ void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius
   for (const StateId id : found_) {
     const Vec3 away = space_[id].at - hip;
     const double distance = away.norm();
-    candidates_.push_back({distance, id, distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()), {0, 0}, {0, 0}});
+    candidates_.push_back({distance, id, distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()), distance});
   }
 }
 
@@ -75,7 +134,7 @@ void NeighbourSelector::keep_first(std::size_t count) {
   count = std::min(count, candidates_.size());
   const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(count);
   if (middle != candidates_.end()) std::nth_element(candidates_.begin(), middle, candidates_.end(), before);
-  for (auto c = candidates_.begin(); c != middle; ++c) chosen_.push_back({c->id, 1, 1});
+  for (auto c = candidates_.begin(); c != middle; ++c) chosen_.push_back({.id = c->id});
 }
 
 void NeighbourSelector::take_nearest(const Vec3& hip) {
@@ -85,105 +144,158 @@ void NeighbourSelector::take_nearest(const Vec3& hip) {
   keep_first(n_);
 }
 
-// Of the directions to the nearest states: their second moments, which two opposite sides share, and their
-// mean, which a single side has.
-Vec3 NeighbourSelector::main_axis(double nearest) const {
-  Mat3 second = Mat3::Zero();
-  Vec3 mean = Vec3::Zero();
-  double total = 0;
-  for (const Candidate& c : candidates_) {
-    const double near = 1 - (c.key - nearest) / (shell * h_);
-    if (near <= 0) continue;
-    const double w = near * near * c.key / (c.key + 0.1 * h_);  // a state at the HIP has no direction
-    second += w * c.towards * c.towards.transpose();
-    mean += w * c.towards;
-    total += w;
+// d_i and t_i of every candidate: those of the fixed views about it, each the nearest distance as it seems from
+// there and the mean direction to what seems about as near.
+void NeighbourSelector::look_round() {
+  const view::Loops& loops = view::loops();
+  const std::size_t n = candidates_.size(), padded = (n + lanes - 1) / lanes * lanes;
+  double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_, *seen = distance + room_;
+  wanted_.assign(views.all.size(), false);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Candidate& c = candidates_[i];
+    const double sharp = c.distance / (c.distance + at_hip * h_);
+    x[i] = sharp * c.towards[0];
+    y[i] = sharp * c.towards[1];
+    z[i] = sharp * c.towards[2];
+    distance[i] = c.distance;
+    if (c.distance > 0)
+      for (const std::uint16_t k : views.of(c.towards)) wanted_[k] = true;
   }
-  if (!(total > 0)) return Vec3::UnitX();
-  mean /= total;
-  Eigen::SelfAdjointEigenSolver<Mat3> solver;
-  solver.computeDirect(Mat3(second / total + 2 * mean * mean.transpose()));
-  return solver.eigenvectors().col(2);
-}
-
-NeighbourSelector::Side NeighbourSelector::side(std::size_t s) const {
-  Side found{infinite, Vec3::Zero()};
-  for (const Candidate& c : candidates_) found.distance = std::min(found.distance, c.key + c.beyond[s]);
-  for (const Candidate& c : candidates_) {
-    const double near = 1 - (c.key + c.beyond[s] - found.distance) / (shell * h_);
-    if (near > 0) found.towards += near * near * c.towards;
+  for (std::size_t i = n; i < padded; ++i) {
+    x[i] = y[i] = z[i] = 0;
+    distance[i] = 1e300;
   }
-  if (found.towards.norm() > 0) found.towards.normalize();
-  return found;
-}
-
-// The weights in a side that has `count` members.
-void NeighbourSelector::weigh(std::size_t s, const Vec3& centre, double count) {
-  const Vec3 from = centre + h_ * aside;
-  keys_.clear();
+  for (std::size_t k = 0; k < views.all.size(); ++k) {
+    if (!wanted_[k]) continue;
+    View& view = views_[k];
+    view.distance = loops.seen(padded, x, y, z, distance, views.all[k].data(), in_view, off_view * h_, seen);
+    loops.towards(padded, x, y, z, seen, view.distance, shell * h_, view.towards.data());
+    if (view.towards.norm() > 0) view.towards.normalize();
+  }
   for (Candidate& c : candidates_) {
-    if (c.beyond[s] == infinite) continue;
-    c.beyond[s] += (space_[c.id].at - from).norm();
-    keys_.push_back(c.beyond[s]);
+    double total = 0;
+    c.side_at = 0;
+    c.side_towards.setZero();
+    if (c.distance > 0)
+      for (const std::uint16_t k : views.of(c.towards)) {
+        const double about = views.all[k].dot(c.towards) - turned;
+        if (about <= 0) continue;
+        const double w = about * about;
+        total += w;
+        c.side_at += w * views_[k].distance;
+        c.side_towards += w * views_[k].towards;
+      }
+    if (total > 0) {
+      c.side_at /= total;
+      c.side_towards /= total;
+    } else {
+      c.side_at = c.distance;  // at the HIP itself
+    }
   }
-  if (keys_.empty()) return;
-  const auto rank = static_cast<std::size_t>(count);
-  double end = infinite;
-  if (rank < keys_.size()) {
-    const auto at = keys_.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(keys_.begin(), at, keys_.end());
-    const double key = *at, next = rank + 1 < keys_.size() ? *std::min_element(at + 1, keys_.end()) : key + h_;
-    end = key + (count - double(rank)) * (next - key);
+}
+
+// How much a side at this distance counts.
+double NeighbourSelector::share(double distance) const {
+  const double ratio = (nearest_ + h_) / (distance + h_), limit = std::max(farthest * h_, nearest_ + fading * h_);
+  return std::clamp((ratio - least_ratio) / (1 - least_ratio), 0.0, 1.0) *
+         std::clamp((limit - distance) / (fading * h_), 0.0, 1.0);
+}
+
+// 1 where the directions to what is about as near as the nearest cancel, or where something that counts lies
+// opposite to them.
+double NeighbourSelector::two_sided() const {
+  double total = 0;
+  Vec3 ahead = Vec3::Zero();
+  for (const Candidate& c : candidates_) {
+    const double near = 1 - (c.distance - nearest_) / (shell * h_);
+    if (near <= 0) continue;
+    total += near * near;
+    ahead += near * near * c.distance / (c.distance + at_hip * h_) * c.towards;
   }
-  for (Candidate& c : candidates_)
-    if (c.beyond[s] < end) c.weight[s] = rise((end - c.beyond[s]) / (band_ * h_));
+  const double one_sided = ahead.norm() / total;
+  double most = rise(1 - 2 * one_sided);
+  if (one_sided > 0)
+    for (const Candidate& c : candidates_)
+      most = std::max(most, share(c.distance) * rise(-c.towards.dot(ahead) / (one_sided * total)));
+  return most;
 }
 
 void NeighbourSelector::take_sides(const Vec3& hip) {
   found_.clear();
   space_.nearest(hip, 1, found_);
-  const double nearest = (space_[found_.front()].at - hip).norm();
+  nearest_ = (space_[found_.front()].at - hip).norm();
   const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(weighted_));  // of a half ball of n, in spacings
-  const double limit = std::max(farthest * h_, nearest + fading * h_);
-  gather(hip, weighted_ + weighted_ / 4 + 8, std::max(nearest + reach * h_, std::min(nearest / least_ratio, limit)));
-
-  const Vec3 axis = main_axis(nearest);
-  for (Candidate& c : candidates_)
-    for (const std::size_t s : {0u, 1u}) {
-      const double of_it = rise(0.5 + 0.5 * c.towards.dot(s == 0 ? axis : Vec3(-axis)) / between);
-      c.beyond[s] = of_it > 1e-3 ? 0.5 * h_ * (1 / of_it - 1) : infinite;
-    }
-  Side sides[2] = {side(0), side(1)};
-  const std::size_t far = sides[0].distance <= sides[1].distance ? 1 : 0;
-  const double d1 = sides[1 - far].distance, d2 = sides[far].distance;
-  if (d2 < limit && d1 > least_ratio * d2)
-    bridge_ = (d1 / d2 - least_ratio) / (1 - least_ratio) * std::min(1.0, (limit - d2) / (fading * h_));
-  const double all = double(most_ - 1), second = bridge_ * all * d1 / (d1 + d2);
-  const double pulled = pulled_ + bridge_ * (pulled_to - pulled_);
-  for (const std::size_t s : {1 - far, far}) {
-    const double count = bridge_ == 0 && s != far ? all : s == far ? second : all - second;
-    if (count > 0) weigh(s, hip + std::max(0.0, sides[s].distance - pulled * h_) * sides[s].towards, count);
+  const double limit = std::max(farthest * h_, nearest_ + fading * h_);
+  const double wide = std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit + shell * h_));
+  gather(hip, weighted_ + weighted_ / 4 + 8, wide);
+  double whole = infinite;  // nothing is missing up to here
+  if (candidates_.size() < space_.size()) {
+    whole = wide;
+    for (const Candidate& c : candidates_) whole = std::max(whole, c.distance);
   }
+  look_round();
+
+  const double both = two_sided(), pulled = pulled_ + both * (pulled_to - pulled_);
+  bridge_ = rise((both - 0.1) / 0.5);
+  keys_.clear();
+  for (Candidate& c : candidates_) {
+    c.share = share(c.side_at);
+    c.narrow = std::cbrt(c.share * (nearest_ + h_) / (c.side_at + h_));
+    c.key = infinite;
+    if (!(c.narrow > 0)) continue;
+    const Vec3 from = hip + std::max(0.0, c.side_at - pulled * h_) * c.side_towards + h_ * aside;
+    c.key = (space_[c.id].at - from).norm() / c.narrow;
+    keys_.push_back(c.key);
+  }
+  if (keys_.empty()) return;
+  double end = infinite;
+  if (keys_.size() > most_ - 1) {
+    const auto at = keys_.begin() + static_cast<std::ptrdiff_t>(most_ - 1);
+    std::nth_element(keys_.begin(), at, keys_.end());
+    end = *at;
+  }
+  radius_ = end < infinite ? end : *std::ranges::max_element(keys_);
+  weigh(hip, end, whole);
+}
+
+void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
+  // Where the set is wider than states a spacing apart would make it, weights rise the more slowly.
+  const double usual = half_ball(most_), wide_band = band_ * std::max(h_, radius_ / usual);
+  double total = 0;
+  Vec3 mean = Vec3::Zero();
+  for (Candidate& c : candidates_) {
+    c.rank = 0;
+    if (!(c.key < end)) continue;
+    c.rank = std::clamp(std::min((end - c.key) * c.narrow / wide_band, (whole - c.distance) / (band_ * h_)), 0.0, 1.0);
+    const double w = rise(c.rank);
+    total += w;
+    mean += w * (space_[c.id].at - hip);
+  }
+  if (total > 0) mean /= total;
   for (const Candidate& c : candidates_) {
-    const std::size_t near = 1 - far;
-    const double weight = 1 - (1 - c.weight[0]) * (1 - c.weight[1]);
-    if (weight > least_weight) chosen_.push_back({c.id, weight, c.weight[near]});
+    const double w = rise(c.rank);
+    if (!(w > least_weight)) continue;
+    // A lone state on the far side decides over a way of that length, and the outermost of a near one over two
+    // spacings, however little they count beside others.
+    const double apart = 1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / h_ - 1.5 * usual);
+    chosen_.push_back({c.id, w, w * rise(2 * c.share - 1), std::pow(apart, steep_ * (1 - c.rank))});
   }
 }
 
 Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
   out.clear();
-  bridge_ = 0;
+  bridge_ = radius_ = 0;
   if (space_.empty()) return Label::blank;
   const Label label = space_.label(hip);
   chosen_.clear();
   if (rule_ == Select::nearest) {
     space_.nearest(hip, n_, found_);
-    for (const StateId id : found_) chosen_.push_back({id, 1, 1});
+    for (const StateId id : found_) chosen_.push_back({.id = id});
   } else if (label == Label::safe || space_.size() <= n_ || n_ == 1) {
     take_nearest(hip);  // where all fit there is nothing to choose, and of one neighbour nothing to weigh
   } else {
     take_sides(hip);
+    if (chosen_.empty()) take_nearest(hip);
   }
   std::ranges::sort(chosen_, {}, &Neighbour::id);
   if (chosen_.size() > most_) chosen_.resize(most_);

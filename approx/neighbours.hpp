@@ -3,17 +3,17 @@
 //   nearest   the n nearest (paper 3.1), nothing else
 //   label     safe, or n states at most in all: the nearest; members of the last set stay until another state
 //             is nearer by 5 % (hysteresis). Elsewhere every member has a weight 0 < w <= 1 that is a continuous
-//             function of the HIP, so that states enter and leave gradually (RbfFit: a ridge that falls from
-//             infinity to 0 as w rises to 1):
-//               two sides s = 1, 2 along the main axis of the directions to the nearest states
-//               d_s, t_s   distance of a side's nearest state, mean direction to those about as near
-//               beta  rises from 0 at d_1 = d_2 / 10 to 1 at d_1 = d_2: how much of a bridge it is
-//               n_2 = beta n d_1 / (d_1 + d_2), n never less than weighted_neighbours()
-//               key  distance from q_s = x + (d_s - h / 4) t_s (for r: 2 h): of a half ball of the boundary instead of a
+//             function of the HIP x, so that states enter and leave gradually (RbfFit: a ridge that falls from
+//             infinity to 0 as w rises to 1). With d_1 the distance of the nearest state, and as seen along the way
+//             to state i (what lies more than about 80 degrees off it seems farther, ever more so):
+//               d_i, t_i   distance of what is nearest there, mean direction to what is about as near
+//               beta_i     rises from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1: how much that side counts
+//               c_i = (beta_i (d_1 + h) / (d_i + h))^(1/3), which makes the numbers of members go as 1 / distance
+//               key_i = |x_i - x - (d_i - h / 4) t_i| / c_i (for r: 2 h): of a half ball of the boundary instead of a
 //                    layer or two of it, whose polynomial would not be determined
-//               w  rises from 0 at the key of rank n_s (between ranks: in proportion) to 1 within band h
-//             So the far side of a gap enters when it hardly counts and leaves likewise; in a blank area side
-//             2 is empty.
+//               w_i  rises from 0 at the key of rank n to 1 within band h
+//             n is never less than weighted_neighbours(). So the far side of a gap enters when it hardly counts and
+//             leaves likewise, and there is no axis and no number of sides that could change at once.
 
 #include <vector>
 
@@ -25,6 +25,10 @@ struct Neighbour {
   StateId id;
   double weight = 1;  // w
   double near = 1;    // its part in the side that is nearer to the HIP
+  // Length in spacings over which it decides: two, of a lone state beyond a gap the gap's, and
+  // falling to 1 as w rises to 1.
+  double reach = 1;
+  bool operator==(const Neighbour&) const = default;
 };
 
 // n where members have weights: of fewer states one that comes or goes decides alone how steep the force is,
@@ -36,6 +40,11 @@ constexpr std::size_t weighted_neighbours(const ModelOptions& options) {
 constexpr std::size_t most_neighbours(const ModelOptions& options) {
   return weighted_neighbours(options) + weighted_neighbours(options) / 6;
 }
+// Without stiffness a set with weights is held by as many places about it that carry the affine fit of the set
+// and count hardly: a polynomial term that one state more would determine alone comes in gradually too.
+constexpr std::size_t affine_places(const ModelOptions& options) {
+  return options.select == Select::label && options.data == Data::force ? 10 : 0;
+}
 
 class NeighbourSelector {
  public:
@@ -45,37 +54,47 @@ class NeighbourSelector {
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
   // How much the last set counts as a bridge between two sides: 0 for one side, 1 in the middle.
   double bridge() const { return bridge_; }
+  double radius() const { return radius_; }  // the key of rank n [m]; 0 where there are no weights
   void forget();  // drops hysteresis
 
  private:
   struct Candidate {
-    double key;  // distance [m], less for a member of the last set
+    double key;  // distance [m], less for a member of the last set; key_i where there are weights
     StateId id;
-    Vec3 towards;          // unit direction from the HIP
-    double beyond[2];      // key of each side, infinite where it is not of that side
-    double weight[2];
+    Vec3 towards;  // unit direction from the HIP
+    double distance;
+    double side_at = 0;  // d_i
+    Vec3 side_towards = Vec3::Zero();  // t_i
+    double share = 0, narrow = 0;  // beta_i, c_i
+    double rank = 0;               // 0 at the last key, 1 a band before it
   };
-  struct Side {
+  struct View {
     double distance;
     Vec3 towards;
   };
+  static constexpr std::size_t arrays = 5;  // of look_round()
   void take_nearest(const Vec3& hip);
   void take_sides(const Vec3& hip);
   void gather(const Vec3& hip, std::size_t least, double radius);
-  Vec3 main_axis(double nearest) const;
-  Side side(std::size_t s) const;
-  void weigh(std::size_t s, const Vec3& from, double count);
+  void look_round();
+  double share(double distance) const;
+  double two_sided() const;
+  void weigh(const Vec3& hip, double end, double whole);
   void keep_first(std::size_t count);
 
   const StateSpace& space_;
   std::size_t n_, weighted_, most_;  // of members that count in full, where they have weights, and in part
   Select rule_;
   double h_, pulled_, band_;  // the last two in spacings
+  double steep_;              // power of the length over which a state decides
   std::vector<StateId> found_, last_;
   std::vector<Candidate> candidates_;
   std::vector<Neighbour> chosen_;
-  double bridge_ = 0;
-  std::vector<double> keys_;
+  std::vector<double> keys_, seen_;
+  std::vector<View> views_;
+  std::vector<bool> wanted_;  // of the views
+  std::size_t room_ = 0;
+  double nearest_ = 0, bridge_ = 0, radius_ = 0;
 };
 
 }  // namespace forefeel

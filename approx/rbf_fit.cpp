@@ -182,10 +182,10 @@ void RbfFit::clear() {
 void RbfFit::place(std::size_t slot, const Sample& sample) {
   const bool known = sample.stiffness.allFinite();
   slot_[slot] = {sample, true, level_.hermite && known, 0};
-  slot_array(in_use)[slot] = 1;
-  slot_array(share)[slot] = sample.weight;
+  slot_array(in_use)[slot] = sample.state ? 1 : 0;
+  slot_array(share)[slot] = sample.state ? sample.weight : 0;
   weighted_ = weighted_ || sample.weight < 1 || sample.near < 1;
-  slot_array(force_norm)[slot] = sample.force.norm();
+  slot_array(force_norm)[slot] = slot_array(share)[slot] * sample.force.norm();
   slot_array(stiffness_norm)[slot] = known ? sample.stiffness.norm() : 0;
   for (std::size_t c = 0; c < 3; ++c) {
     slot_array(force + c)[slot] = sample.force[Eigen::Index(c)];
@@ -233,7 +233,7 @@ void RbfFit::functionals(std::size_t slot) {
 double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const double w = slot_[slot].sample.weight;
   if (w >= 1) return options_.ridge;
-  const double h = (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_;
+  const double h = (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;
   const int k = level_.power - (functional > 0 ? 2 : 0);
   return options_.ridge + border_pivot(level_.power, level_.hermite, functional == 0) * std::pow(h, k) * (1 / w - 1);
 }

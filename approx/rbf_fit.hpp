@@ -29,10 +29,12 @@ struct Sample {
   StateId id;
   Vec3 at, force;
   Mat3 stiffness;  // NaN where not known
-  // 0 < w <= 1: how much its data count. A ridge c h^k (1 / w - 1) on its rows lets it go out of the model
+  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows lets it go out of the model
   // gradually, so that a weight that is a continuous function of the HIP makes the model one.
   double weight = 1;
+  double reach = 1;  // as in Neighbour
   double near = 1;  // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
+  bool state = true;  // false: a place that carries data, but is no state (affine_places)
 };
 
 class RbfFit {
@@ -50,8 +52,9 @@ class RbfFit {
   void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
                   std::vector<StateId>& missing) const;
 
-  // The model for a HIP at `hip`, `bridge` as in NeighbourSelector. Allocates only where `out` was not reserved.
-  void write(Model::Impl& out, const Vec3& hip, double bridge = 0);
+  // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius(). Allocates only
+  // where `out` was not reserved.
+  void write(Model::Impl& out, const Vec3& hip, double bridge = 0, double half_ball = 0);
   // For tests and benches: always update, or always refit.
   enum class Mode { automatic, update, refit };
   void set_mode(Mode mode) { mode_ = mode; }
@@ -85,11 +88,11 @@ class RbfFit {
   void enter(std::size_t slot);
   void gather();
   void solve();
-  void write_tangent(Model::Impl& out, const Vec3& hip, double bridge);
+  void write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball);
   void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& mean);
   void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest, double farthest);
   Mat3 slope_of_sum(const Model::Impl& out, const Vec3& at) const;
-  void set_bound(Model::Impl& out, std::size_t nearest);
+  void set_bound(Model::Impl& out);
   void leave(std::size_t slot);
   bool write_sum(Model::Impl& out);
   bool has_lost_digits(const Model::Impl& out);

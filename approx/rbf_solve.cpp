@@ -79,16 +79,27 @@ double largest_of(const double* values, std::size_t n) {
 
 }  // namespace
 
-// The bound B; where no stiffness is known, twice the largest secant from the nearest state stands for K.
-void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
+// The bound B; where no stiffness is known, twice the largest secant from the mean of the states stands for K.
+void RbfFit::set_bound(Model::Impl& out) {
   double largest = largest_of(slot_array(stiffness_norm), slots_);
   if (largest == 0) {
-    const double least = 1e-3 * largest_of(slot_array(away), slots_) * scale_;
+    Vec3 at = Vec3::Zero(), mean = Vec3::Zero();  // position, force
+    double total = 0, squared = 0;
     for (std::size_t s = 0; s < slots_; ++s) {
-      if (!slot_[s].alive) continue;
-      const double apart = (slot_[s].sample.at - slot_[nearest].sample.at).norm();
-      if (apart > least && apart > 0)
-        largest = std::max(largest, 2 * (slot_[s].sample.force - slot_[nearest].sample.force).norm() / apart);
+      const double w = slot_array(share)[s];
+      if (!(w > 0)) continue;
+      const Vec3 apart = slot_[s].sample.at - centre_;
+      total += w;
+      at += w * apart;
+      mean += w * slot_[s].sample.force;
+      squared += w * apart.squaredNorm();
+    }
+    at /= total;
+    mean /= total;
+    const double least = 0.5 * std::sqrt(std::max(0.0, squared / total - at.squaredNorm()));
+    for (std::size_t s = 0; s < slots_; ++s) {
+      const double w = slot_array(share)[s], apart = std::max(least, (slot_[s].sample.at - centre_ - at).norm());
+      if (w > 0 && apart > 0) largest = std::max(largest, 2 * w * (slot_[s].sample.force - mean).norm() / apart);
     }
   }
   out.largest_stiffness = largest;
@@ -97,7 +108,7 @@ void RbfFit::set_bound(Model::Impl& out, std::size_t nearest) {
 
 // Tangent, hold distance and bound (see model_data.hpp). Shares fall to zero at the farthest state and with a
 // state's weight, so that the tangent moves gradually as the set does.
-void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge) {
+void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball) {
   const sums::Loops& loops = sums::loops();
   Vec3 y = scaled(hip);
   if (const double distance = y.stableNorm(); !(distance < 1e8)) {  // so far that distances would overflow
@@ -107,7 +118,11 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge) {
       y.setZero();
   }
   double extent[5], reach[2], sum[19];
-  loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), extent);
+  if (weighted_) {
+    std::fill_n(slot_array(away), slot_stride_, 0.0);
+    for (std::size_t s = 0; s < slots_; ++s) if (slot_[s].alive) slot_array(away)[s] = slot_[s].sample.near;
+  }
+  loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(weighted_ ? away : share), extent);
   loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
                   reach);
   const double nearest = reach[0];
@@ -116,7 +131,7 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge) {
     farthest = nearest;
     total = 0;
     for (std::size_t s = 0; s < slots_; ++s) {
-      total += slot_array(share)[s];
+      total += slot_[s].alive ? slot_[s].sample.near : 0;
       farthest = std::max(farthest, nearest + slot_array(share)[s] * (slot_array(away)[s] - nearest));
     }
   }
@@ -126,16 +141,16 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge) {
 
   const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;
   const double radius = std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? mean.squaredNorm() : 0))) * scale_;
-  double length = std::max(radius, options_.length);
+  double length = std::max(weighted_ && half_ball > 0 ? 0.68 * half_ball : radius, options_.length);
   if (length == 0 && base.stiffness.norm() > 0) length = base.force.norm() / base.stiffness.norm();
   if (!(length > 0)) length = base.at.norm() > 0 ? 0.25 * base.at.norm() : 0.005;
   out.trust = 1.5 * length * inverse_scale_;
   out.hold = 4 * length;
-  set_bound(out, first);
+  set_bound(out);
   out.bridge = bridge;
   if (out.power != 0) write_hull(out, out.hull, true, mean);
   out.quick = out.power != 0 && bridge == 0 ? out.hull.inner_squared : -1;
-  if (out.power != 0 && bridge > 0) write_hull(out, out.whole, false, mean);
+  if (out.power != 0 && bridge > 0) write_hull(out, out.whole, false, y);
 
   const double origin[3] = {px_[first], py_[first], pz_[first]};
   loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), slot_data_.data(), slot_stride_,
@@ -237,14 +252,14 @@ Mat3 RbfFit::slope_of_sum(const Model::Impl& out, const Vec3& at) const {
   return norm > out.largest_stiffness ? Mat3(slope * (out.largest_stiffness / norm)) : slope;
 }
 
-void RbfFit::write(Model::Impl& out, const Vec3& hip, double bridge) {
+void RbfFit::write(Model::Impl& out, const Vec3& hip, double bridge, double half_ball) {
   out.clear();
   if (alive_ == 0) return;
   out.reserve(alive_, level_.hermite);
   std::size_t carrying = 0;
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
-    out.states.push_back(slot_[s].sample.id);
+    if (slot_[s].sample.state) out.states.push_back(slot_[s].sample.id);
     if ((slot_[s].dropped & 1u) == 0) ++carrying;
   }
   out.centre = centre_;
@@ -258,9 +273,9 @@ void RbfFit::write(Model::Impl& out, const Vec3& hip, double bridge) {
     gather();
     added_.assign(gathered_.begin(), gathered_.end());
     refit(added_);
-    return write(out, hip, bridge);
+    return write(out, hip, bridge, half_ball);
   }
-  write_tangent(out, hip, bridge);
+  write_tangent(out, hip, bridge, half_ball);
   out.known = true;
   out.prepare();
 }

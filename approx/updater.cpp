@@ -1,9 +1,11 @@
 #include "approx/updater.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "approx/neighbours.hpp"
+#include "approx/polynomial.hpp"
 #include "approx/rbf_fit.hpp"
 #include "geometry/error.hpp"
 
@@ -19,10 +21,40 @@ void check(const ModelOptions& options) {
     throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");
 }
 
-Sample sample_of(StateId id, const State& state, double weight = 1, double near = 1) {
-  Sample sample{id, state.at, state.force, state.stiffness, weight, near};
+Sample sample_of(StateId id, const State& state, double weight = 1, double near = 1, double reach = 1) {
+  Sample sample{id, state.at, state.force, state.stiffness, weight, reach, near};
   if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
   return sample;
+}
+
+// Adds the places of affine_places(), where the anchors of a polynomial of degree 2 are, each with the affine fit
+// of the samples as its force.
+void add_affine_places(std::vector<Sample>& samples, double h) {
+  constexpr double weight = 0.001;
+  double total = 0;
+  const Vec3 origin = samples.front().at;
+  Vec3 mean = Vec3::Zero(), force = Vec3::Zero();
+  for (const Sample& s : samples) {
+    total += s.weight;
+    mean += s.weight * (s.at - origin);
+    force += s.weight * s.force;
+  }
+  mean = origin + mean / total;
+  force /= total;
+  Mat3 spread = Mat3::Zero(), cross = Mat3::Zero();
+  for (const Sample& s : samples) {
+    const Vec3 x = s.at - mean;
+    spread += s.weight / total * x * x.transpose();
+    cross += s.weight / total * (s.force - force) * x.transpose();
+  }
+  const double radius = std::sqrt(spread.trace());
+  const Mat3 slope = cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse();
+  for (std::uint32_t j = 0; j < max_terms; ++j) {
+    const auto a = anchor(j);
+    const Vec3 x = radius * Vec3(a[0], a[1], a[2]);
+    samples.push_back({.id = {0xffffff00u + j}, .at = mean + x, .force = force + slope * x, .stiffness = Mat3::Constant(unknown),
+                       .weight = weight, .reach = std::max(1.0, radius / h), .near = 0, .state = false});
+  }
 }
 
 }  // namespace
@@ -40,14 +72,14 @@ struct ModelUpdater::Impl {
   bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
 
   Impl(const StateSpace& known, ModelOptions wished)
-      : space(known), options(wished), fit(wished, most_neighbours(wished)), selector(known, wished) {
+      : space(known), options(wished), fit(wished, most_neighbours(wished) + affine_places(wished)), selector(known, wished) {
     const std::size_t most = most_neighbours(options);
     wanted.reserve(most);
     chosen.reserve(most);
     last_weighted.reserve(most);
     removed.reserve(most);
     missing.reserve(most);
-    added.reserve(most);
+    added.reserve(most + affine_places(options));
   }
 };
 
@@ -77,16 +109,13 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   const auto partly = [](const Neighbour& c) { return c.weight < 1 || c.near < 1; };
   const bool weighted = std::ranges::any_of(m.chosen, partly);
   const bool same_set = m.removed.empty() && m.added.empty();
-  const bool same_weights = weighted ? std::ranges::equal(m.chosen, m.last_weighted,
-                                                          [](const Neighbour& a, const Neighbour& b) {
-                                                            return a.id == b.id && a.weight == b.weight &&
-                                                                   a.near == b.near;
-                                                          })
+  const bool same_weights = weighted ? std::ranges::equal(m.chosen, m.last_weighted)
                                      : m.last_weighted.empty();
   bool refit = false;
   if (!same_weights || (m.fresh && !(same_set && m.from_scratch))) {
     m.added.clear();
-    for (const Neighbour& c : m.chosen) m.added.push_back(sample_of(c.id, m.space[c.id], c.weight, c.near));
+    for (const Neighbour& c : m.chosen) m.added.push_back(sample_of(c.id, m.space[c.id], c.weight, c.near, c.reach));
+    if (weighted && affine_places(m.options) > 0) add_affine_places(m.added, m.space.options().spacing);
     m.fit.refit(m.added);
     refit = m.from_scratch = true;
   } else if (!same_set) {
@@ -97,7 +126,7 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   if (weighted) m.last_weighted.assign(m.chosen.begin(), m.chosen.end());
   m.fresh = false;
   out.reserve(m.options);
-  m.fit.write(out.impl(), hip, m.selector.bridge());
+  m.fit.write(out.impl(), hip, m.selector.bridge(), m.selector.radius());
   out.impl().serial = ++m.serial;
   if (report != nullptr) {
     report->replaced = m.added.size();

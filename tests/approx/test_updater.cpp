@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "approx/neighbours.hpp"
 #include "approx/updater.hpp"
@@ -105,7 +106,12 @@ TEST_CASE("By label: a gap has both sides in balance, and crossing it shows no j
       if (std::abs(x) < 1e-9) {
         CHECK(left + right <= most_neighbours(options));
         CHECK(left + right >= options.neighbours);
-        CHECK(std::abs(double(left) - double(right)) <= 2);
+        NeighbourSelector selector(space, options);
+        std::vector<Neighbour> chosen;
+        selector.select(hip, chosen);
+        double weight[2] = {};
+        for (const Neighbour& c : chosen) weight[space[c.id].at[0] < 0 ? 0 : 1] += c.weight;
+        CHECK(std::abs(weight[0] - weight[1]) <= 0.2 * (weight[0] + weight[1]));
       }
       left_most = std::max(left_most, left);
       right_most = std::max(right_most, right);
@@ -127,8 +133,9 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
   for (const int half_gap : {5, 7, 10})
     for (const ModelOptions& options : models)
       for (const double offset : {0.0, 0.013}) {
+        if (options.kernel == Kernel::linear && half_gap > 7) continue;  // sees that far with one layer only
         const bool many = options.neighbours == 100 && options.kernel != Kernel::cubic;
-        if (many && (offset > 0 || half_gap < (options.kernel == Kernel::linear ? 10 : 7))) continue;  // to be quick
+        if (many && (offset > 0 || half_gap < 7)) continue;  // to be quick
         CAPTURE(half_gap, name(options.kernel), name(options.data), offset);
         const StateSpace space = slab({{-half_gap - 6, -half_gap}, {half_gap, half_gap + 6}});
         ModelUpdater updater(space, options), back(space, options);
@@ -152,6 +159,69 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
         }
         CHECK(worst < 1);
       }
+}
+
+// Two blocks of 5 x 7 x 7 states. Beside the gap, above its edges and on slanted ways there is no axis that tells
+// the sides apart, and few neighbours without stiffness do not always determine the polynomial.
+TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with however few neighbours") {
+  const std::vector<std::pair<Vec3, Vec3>> ways = {{{0.001, 0, 0.002}, {0.001, 0.06, 0.002}},
+                                                   {{0, 0, 0.002}, {0, 0.06, 0.002}},
+                                                   {{0.001, 0, 0.002}, {0.001, 0.05, 0.045}},
+                                                   {{-0.06, -0.03, 0.002}, {0.06, 0.03, -0.012}},
+                                                   {{-0.05, 0.0013, 0.0021}, {0.05, 0.0013, 0.0021}}};
+  for (const double gap : {0.036, 0.048}) {
+    StateSpaceOptions in;
+    in.spacing = h;
+    StateSpace space(in);
+    for (const int side : {-1, 1})
+      for (int i = 0; i <= 4; ++i)
+        for (int j = -3; j <= 3; ++j)
+          for (int k = -3; k <= 3; ++k) space.insert(field_state(Vec3(side * (0.5 * gap + i * h), j * h, k * h)));
+    for (ModelOptions options : models)
+      for (const std::size_t n : {20, 25}) {
+        options.neighbours = n;
+        CAPTURE(gap, name(options.kernel), name(options.data), n);
+        ModelUpdater updater(space, options);
+        const auto force = [&](const Vec3& x) {
+          updater.forget();
+          return updater.model_at(x).force(x);
+        };
+        for (const auto& [from, to] : ways) {
+          const int steps = static_cast<int>((to - from).norm() / 2e-4);
+          double worst = 0, at = 0;
+          Vec3 before = force(from);
+          bool safe = space.label(from) == Label::safe;
+          for (int i = 1; i <= steps; ++i) {
+            const Vec3 x = from + (to - from) * (double(i) / steps);
+            const Vec3 now = force(x);
+            const double change = (now - before).norm();
+            const bool was_safe = std::exchange(safe, space.label(x) == Label::safe);  // where sets change at once
+            if (change > worst && !safe && !was_safe) {
+              worst = change;
+              at = double(i - 1) / steps;
+            }
+            before = now;
+          }
+          // Halving the steepest step again and again: what is left of a jump stays, what is continuous vanishes.
+          double low = at, high = at + 1.0 / steps;
+          Vec3 f_low = force(from + (to - from) * low), f_high = force(from + (to - from) * high);
+          for (int halving = 0; halving < 16; ++halving) {
+            const double middle = 0.5 * (low + high);
+            const Vec3 f = force(from + (to - from) * middle);
+            if ((f - f_low).norm() > (f_high - f).norm()) {
+              high = middle;
+              f_high = f;
+            } else {
+              low = middle;
+              f_low = f;
+            }
+          }
+          const Vec3 x = from + (to - from) * low;
+          CAPTURE(x.transpose(), worst);
+          CHECK((f_high - f_low).norm() < 1e-4);  // over about 3 nm
+        }
+      }
+  }
 }
 
 TEST_CASE("By label: of however few neighbours, moving before a flat face shows no jump above the JND") {

@@ -1,0 +1,20 @@
+#pragma once
+// Leaf loops over all states as seen from the HIP, compiled for several instruction sets (instruction_set.hpp).
+// n is a multiple of 8; x, y, z: directions u_i, shortened for states at the HIP itself.
+
+#include <cstddef>
+
+namespace forefeel::view {
+
+struct Loops {
+  // Distances as they seem along v: seen[i] = |x_i - x| + scale max(0, cosine - u_i . v)^2. Returns the least.
+  double (*seen)(std::size_t n, const double* x, const double* y, const double* z, const double* distance,
+                 const double v[3], double cosine, double scale, double* seen);
+  // out = sum_i max(0, 1 - (seen[i] - nearest) / depth)^2 u_i
+  void (*towards)(std::size_t n, const double* x, const double* y, const double* z, const double* seen,
+                  double nearest, double depth, double out[3]);
+};
+
+const Loops& loops();  // those of approx_instruction_set()
+
+}  // namespace forefeel::view
