@@ -89,7 +89,7 @@ class RbfFit {
   void gather();
   void solve();
   void write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball);
-  void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& mean);
+  void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& centre);
   void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest, double farthest);
   Mat3 slope_of_sum(const Model::Impl& out, const Vec3& at) const;
   void set_bound(Model::Impl& out);

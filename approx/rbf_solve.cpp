@@ -120,7 +120,8 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
   double extent[5], reach[2], sum[19];
   if (weighted_) {
     std::fill_n(slot_array(away), slot_stride_, 0.0);
-    for (std::size_t s = 0; s < slots_; ++s) if (slot_[s].alive) slot_array(away)[s] = slot_[s].sample.near;
+    for (std::size_t s = 0; s < slots_; ++s)
+      if (slot_[s].alive) slot_array(away)[s] = slot_[s].sample.near;
   }
   loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(weighted_ ? away : share), extent);
   loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
@@ -177,15 +178,16 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
   out.tangent_force += out.tangent_jacobian * at;
 }
 
-// The planes about the states, those of less weight drawn to the mean: those of the nearer side, or of both.
-void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& mean) {
+// The planes about the states: those of the nearer side, drawn to their mean where they count less, or of both
+// sides, drawn to the HIP, which is between them however little the far one counts.
+void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& centre) {
   if (!weighted_) {
     const double* y = out.data.data();
     return hull.set(y, y + out.stride, y + 2 * out.stride, alive_, out.trust);
   }
   double* to[3] = {hull_.data(), hull_.data() + slot_stride_, hull_.data() + 2 * slot_stride_};
   const double* from[3] = {px_.data(), py_.data(), pz_.data()};
-  Vec3 middle = mean;
+  Vec3 middle = centre;
   if (near) {
     double total = 0;
     middle.setZero();
@@ -194,7 +196,7 @@ void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool ne
       total += slot_[s].sample.near;
       for (std::size_t d = 0; d < 3; ++d) middle[Eigen::Index(d)] += slot_[s].sample.near * from[d][s];
     }
-    middle = total > 0 ? Vec3(middle / total) : mean;
+    middle = total > 0 ? Vec3(middle / total) : centre;
   }
   std::size_t n = 0;
   for (std::size_t s = 0; s < slots_; ++s) {
