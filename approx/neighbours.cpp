@@ -18,7 +18,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 // In spacings:
 constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
 constexpr double pulled_to = 0.25;  // before the nearest state of a side,
-constexpr double pulled_r = 2.2;      // and for r, which a layer or two suit well, before a single side, if n is for two
+constexpr double pulled_r = 2.2;    // and for r, which a layer or two suit well, before a single side, if n is for two
 constexpr double band = 0.4;        // of the key, over which a weight rises,
 constexpr double band_r5 = 0.8;     // and of r^5 on force, which trusts its outermost states farthest of all,
 constexpr double band_r = 1.4;      // and of r, whose ridge is the least steep in w
@@ -26,7 +26,7 @@ constexpr double farthest = 32;     // a far side
 constexpr double fading = 8;        // before that, over which it goes
 constexpr double at_hip = 0.25;     // within this of the HIP a state has hardly a direction
 constexpr double off_view = 100;    // what a state seems farther by, per square of how far it is off a view
-constexpr double in_view = 0.3;    // cosine to a view from which it is off it
+constexpr double in_view = 0.3;      // cosine to a view from which it is off it
 constexpr double turned = 0.93;     // cosine within which a state's own view is blended from the fixed ones
 constexpr double least_weight = 1e-7;
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
@@ -275,8 +275,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
   for (const Candidate& c : candidates_) {
     const double w = rise(c.rank);
     if (!(w > least_weight)) continue;
-    // A lone state on the far side decides over a way of that length, and the outermost of a near one over two
-    // spacings, however little they count beside others.
+    // A lone state on the far side decides over a way of that length, however little it counts beside others.
     const double apart = 1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / h_ - 1.5 * usual);
     chosen_.push_back({c.id, w, w * rise(2 * c.share - 1), std::pow(apart, steep_ * (1 - c.rank))});
   }

@@ -5,11 +5,11 @@
 //             is nearer by 5 % (hysteresis). Elsewhere every member has a weight 0 < w <= 1 that is a continuous
 //             function of the HIP x, so that states enter and leave gradually (RbfFit: a ridge that falls from
 //             infinity to 0 as w rises to 1). With d_1 the distance of the nearest state, and as seen along the way
-//             to state i (what lies more than about 80 degrees off it seems farther, ever more so):
+//             to state i (what lies more than about 70 degrees off it seems farther, ever more so):
 //               d_i, t_i   distance of what is nearest there, mean direction to what is about as near
 //               beta_i     rises from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1: how much that side counts
 //               c_i = (beta_i (d_1 + h) / (d_i + h))^(1/3), which makes the numbers of members go as 1 / distance
-//               key_i = |x_i - x - (d_i - h / 4) t_i| / c_i (for r: 2 h): of a half ball of the boundary instead of a
+//               key_i = |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball of the boundary instead of a
 //                    layer or two of it, whose polynomial would not be determined
 //               w_i  rises from 0 at the key of rank n to 1 within band h
 //             n is never less than weighted_neighbours(). So the far side of a gap enters when it hardly counts and
@@ -25,7 +25,7 @@ struct Neighbour {
   StateId id;
   double weight = 1;  // w
   double near = 1;    // its part in the side that is nearer to the HIP
-  // Length in spacings over which it decides: two, of a lone state beyond a gap the gap's, and
+  // Length in spacings over which it decides: 1 of a state among others, of a lone one beyond a gap the gap's,
   // falling to 1 as w rises to 1.
   double reach = 1;
   bool operator==(const Neighbour&) const = default;
