@@ -33,6 +33,12 @@ constexpr double least_weight = 1e-7;
 const Vec3 aside(0.17, -0.11, 0.07);
 constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in
 
+// Cells of directions for culling: of two states in one, neither is off a view that the other one's side is blended
+// from (35.3 degrees across at most, and 21.6 to the view).
+constexpr int coarse = 4;
+constexpr double least_sharp = 0.55;  // of a state that hides others: it has a direction
+constexpr double first_end = 0.6;     // half balls of n states: keys looked at first
+
 // From 0 to 1 on [0, 1], twice differentiable.
 double rise(double t) {
   t = std::clamp(t, 0.0, 1.0);
@@ -71,13 +77,17 @@ struct Views {
         }
     first.push_back(about.size());
   }
+  static std::size_t cell_of(const Vec3& u, int cells) {
+    int axis = 0;
+    if (std::abs(u[1]) > std::abs(u[axis])) axis = 1;
+    if (std::abs(u[2]) > std::abs(u[axis])) axis = 2;
+    const double half = 0.5 * cells, per = half / std::abs(u[axis]);
+    const auto along = [&](int d) { return std::clamp(static_cast<int>(half + per * u[d]), 0, cells - 1); };
+    const int face = u[axis] > 0 ? axis : axis + 3;
+    return static_cast<std::size_t>((face * cells + along((axis + 1) % 3)) * cells + along((axis + 2) % 3));
+  }
   std::span<const std::uint16_t> of(const Vec3& u) const {
-    int axis;
-    const double length = u.cwiseAbs().maxCoeff(&axis);
-    const auto cell = [&](int d) {
-      return std::clamp(static_cast<int>(0.5 * grid * (1 + u[(axis + d) % 3] / length)), 0, grid - 1);
-    };
-    const auto at = static_cast<std::size_t>(((u[axis] > 0 ? axis : axis + 3) * grid + cell(1)) * grid + cell(2));
+    const std::size_t at = cell_of(u, grid);
     return std::span(about).subspan(first[at], first[at + 1] - first[at]);
   }
 };
@@ -88,9 +98,10 @@ constexpr std::size_t lanes = 8;
 }  // namespace
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
-    : space_(space), n_(options.neighbours), weighted_(weighted_neighbours(options)), most_(most_neighbours(options)),
+    : space_(space), n_(options.neighbours), weighted_(weighted_neighbours(options)), rank_(weighted_ + weighted_ / 6),
+      bridging_(bridging_neighbours(options)), most_(most_neighbours(options)),
       rule_(options.select), h_(space.options().spacing),
-      pulled_(options.kernel == Kernel::linear ? std::clamp(half_ball(most_) - 1.6, pulled_to, pulled_r) : pulled_to),
+      pulled_(options.kernel == Kernel::linear ? std::clamp(half_ball(rank_) - 1.6, pulled_to, pulled_r) : pulled_to),
       band_(options.kernel == Kernel::linear                                               ? band_r
             : options.kernel == Kernel::quintic && options.data == Data::force ? band_r5
                                                                                : band),
@@ -102,7 +113,8 @@ NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions
   room_ = (room_ + lanes - 1) / lanes * lanes;
   seen_.resize(arrays * room_);
   views_.resize(views.all.size());
-  wanted_.reserve(views.all.size());
+  views_seen_.reserve(views.all.size());
+  before_.resize(6 * coarse * coarse);
   last_.reserve(most_);
   chosen_.reserve(room_);
 }
@@ -123,7 +135,7 @@ void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius
   for (const StateId id : found_) {
     const Vec3 away = space_[id].at - hip;
     const double distance = away.norm();
-    candidates_.push_back({distance, id, distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()), distance});
+    candidates_.push_back({.key = distance, .id = id, .towards = distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()), .distance = distance});
   }
 }
 
@@ -144,54 +156,58 @@ void NeighbourSelector::take_nearest(const Vec3& hip) {
   keep_first(n_);
 }
 
-// d_i and t_i of every candidate: those of the fixed views about it, each the nearest distance as it seems from
-// there and the mean direction to what seems about as near.
+// All candidates, from near to far, for the loops; and what of them hides others.
 void NeighbourSelector::look_round() {
-  const view::Loops& loops = view::loops();
   const std::size_t n = candidates_.size(), padded = (n + lanes - 1) / lanes * lanes;
-  double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_, *seen = distance + room_;
-  wanted_.assign(views.all.size(), false);
+  double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
+  std::ranges::fill(before_, infinite);
   for (std::size_t i = 0; i < n; ++i) {
-    const Candidate& c = candidates_[i];
+    Candidate& c = candidates_[i];
     const double sharp = c.distance / (c.distance + at_hip * h_);
     x[i] = sharp * c.towards[0];
     y[i] = sharp * c.towards[1];
     z[i] = sharp * c.towards[2];
     distance[i] = c.distance;
-    if (c.distance > 0)
-      for (const std::uint16_t k : views.of(c.towards)) wanted_[k] = true;
+    c.cell = c.distance > 0 ? static_cast<std::uint32_t>(Views::cell_of(c.towards, coarse)) : 0;
+    if (sharp > least_sharp) before_[c.cell] = std::min(before_[c.cell], c.distance);
   }
   for (std::size_t i = n; i < padded; ++i) {
     x[i] = y[i] = z[i] = 0;
     distance[i] = 1e300;
   }
-  for (std::size_t k = 0; k < views.all.size(); ++k) {
-    if (!wanted_[k]) continue;
-    View& view = views_[k];
-    view.distance = loops.seen(padded, x, y, z, distance, views.all[k].data(), in_view, off_view * h_, seen);
-    loops.towards(padded, x, y, z, seen, view.distance, shell * h_, view.towards.data());
-    if (view.towards.norm() > 0) view.towards.normalize();
-  }
-  for (Candidate& c : candidates_) {
-    double total = 0;
-    c.side_at = 0;
-    c.side_towards.setZero();
-    if (c.distance > 0)
-      for (const std::uint16_t k : views.of(c.towards)) {
-        const double about = views.all[k].dot(c.towards) - turned;
-        if (about <= 0) continue;
-        const double w = about * about;
-        total += w;
-        c.side_at += w * views_[k].distance;
-        c.side_towards += w * views_[k].towards;
-      }
-    if (total > 0) {
-      c.side_at /= total;
-      c.side_towards /= total;
-    } else {
-      c.side_at = c.distance;  // at the HIP itself
+  views_seen_.assign(views.all.size(), 0);
+}
+
+// What is nearest as it seems along a fixed view, and the mean direction to what is about as near.
+const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
+  Eigen::Vector4d& at = views_[k];
+  if (views_seen_[k] != 0) return at;
+  views_seen_[k] = 1;
+  const double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
+  double* seen = seen_.data() + 4 * room_;
+  const std::size_t padded = (candidates_.size() + lanes - 1) / lanes * lanes;
+  const std::size_t end = view::loops().seen(padded, x, y, z, distance, views.all[k].data(), in_view, off_view * h_,
+                                             shell * h_, seen, &at[3]);
+  view::loops().towards(end, x, y, z, seen, at[3], shell * h_, at.data());
+  if (const double norm = at.head<3>().norm(); norm > 0) at.head<3>() /= norm;
+  return at;
+}
+
+// d_i and t_i: those of the fixed views about it.
+void NeighbourSelector::look_along(Candidate& c) {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  double total = 0;
+  if (c.distance > 0)
+    for (const std::uint16_t k : views.of(c.towards)) {
+      const double about = std::max(0.0, views.all[k].dot(c.towards) - turned);
+      if (about == 0) continue;
+      const double w = about * about;
+      total += w;
+      sum += w * view(k);
     }
-  }
+  sum /= total > 0 ? total : 1;
+  c.side_towards = sum.head<3>();
+  c.side_at = total > 0 ? sum[3] : c.distance;  // at the HIP itself
 }
 
 // How much a side at this distance counts.
@@ -220,6 +236,52 @@ double NeighbourSelector::two_sided() const {
   return most;
 }
 
+// Between two ranks, of which the second may be infinite.
+double NeighbourSelector::key_of(double rank) {
+  const auto first = static_cast<std::ptrdiff_t>(rank) - 1;
+  const double part = rank - std::floor(rank);
+  if (first >= std::ssize(keys_)) return infinite;
+  const auto at = keys_.begin() + first;
+  std::nth_element(keys_.begin(), at, keys_.end());
+  if (part == 0) return *at;
+  const double next = first + 1 < std::ssize(keys_) ? *std::min_element(at + 1, keys_.end()) : infinite;
+  return 1 / ((1 - part) / *at + part / next);
+}
+
+// The keys of all candidates that can be before the one of rank n, which it returns. No key is less than how far a
+// state is behind what hides it.
+double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank) {
+  keys_.clear();
+  for (Candidate& c : candidates_) {
+    c.key = infinite;
+    c.looked = false;
+  }
+  double limit = first_end * half_ball(rank_) * h_;
+  for (bool all = false;;) {
+    double next = infinite;
+    for (Candidate& c : candidates_) {
+      if (c.looked) continue;
+      const double hidden = c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_;
+      if (!all && hidden > limit) {
+        next = std::min(next, hidden);
+        continue;
+      }
+      c.looked = true;
+      look_along(c);
+      c.share = share(c.side_at);
+      c.narrow = std::cbrt(c.share * (nearest_ + h_) / (c.side_at + h_));
+      if (!(c.narrow > 0)) continue;
+      const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + h_ * aside;
+      c.key = (space_[c.id].at - from).norm() / c.narrow;
+      keys_.push_back(c.key);
+    }
+    const double end = key_of(rank);
+    if (end <= next) return end;
+    all = end == infinite;
+    limit = end;
+  }
+}
+
 void NeighbourSelector::take_sides(const Vec3& hip) {
   found_.clear();
   space_.nearest(hip, 1, found_);
@@ -237,30 +299,16 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
 
   const double both = two_sided(), pulled = pulled_ + both * (pulled_to - pulled_);
   bridge_ = rise((both - 0.1) / 0.5);
-  keys_.clear();
-  for (Candidate& c : candidates_) {
-    c.share = share(c.side_at);
-    c.narrow = std::cbrt(c.share * (nearest_ + h_) / (c.side_at + h_));
-    c.key = infinite;
-    if (!(c.narrow > 0)) continue;
-    const Vec3 from = hip + std::max(0.0, c.side_at - pulled * h_) * c.side_towards + h_ * aside;
-    c.key = (space_[c.id].at - from).norm() / c.narrow;
-    keys_.push_back(c.key);
-  }
+  const std::size_t others = space_.size() > rank_ + 2 ? space_.size() - rank_ - 2 : 0;
+  const double end = find_keys(hip, pulled * h_, double(rank_) + bridge_ * double(std::min(bridging_, others)));
   if (keys_.empty()) return;
-  double end = infinite;
-  if (keys_.size() > most_ - 1) {
-    const auto at = keys_.begin() + static_cast<std::ptrdiff_t>(most_ - 1);
-    std::nth_element(keys_.begin(), at, keys_.end());
-    end = *at;
-  }
   radius_ = end < infinite ? end : *std::ranges::max_element(keys_);
   weigh(hip, end, whole);
 }
 
 void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
   // Where the set is wider than states a spacing apart would make it, weights rise the more slowly.
-  const double usual = half_ball(most_), wide_band = band_ * std::max(h_, radius_ / usual);
+  const double usual = half_ball(rank_), wide_band = band_ * std::max(h_, radius_ / usual);
   double total = 0;
   Vec3 mean = Vec3::Zero();
   for (Candidate& c : candidates_) {

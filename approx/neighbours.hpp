@@ -15,6 +15,7 @@
 //             n is never less than weighted_neighbours(). So the far side of a gap enters when it hardly counts and
 //             leaves likewise, and there is no axis and no number of sides that could change at once.
 
+#include <cstdint>
 #include <vector>
 
 #include "approx/model.hpp"
@@ -37,8 +38,13 @@ constexpr std::size_t weighted_neighbours(const ModelOptions& options) {
   const std::size_t n = options.neighbours, least = options.data == Data::force ? 20 : 16;
   return options.select == Select::label && n > 1 && n < least ? least : n;
 }
+// How many come in between two sides, each of which would have about half of n.
+constexpr std::size_t bridging_neighbours(const ModelOptions& options) {
+  const std::size_t n = weighted_neighbours(options);
+  return options.select == Select::label && n > 1 ? (n < 32 ? n : 32) : 0;
+}
 constexpr std::size_t most_neighbours(const ModelOptions& options) {
-  return weighted_neighbours(options) + weighted_neighbours(options) / 6;
+  return weighted_neighbours(options) + weighted_neighbours(options) / 6 + bridging_neighbours(options);
 }
 // Without stiffness a set with weights is held by as many places about it that carry the affine fit of the set
 // and count hardly: a polynomial term that one state more would determine alone comes in gradually too.
@@ -67,23 +73,26 @@ class NeighbourSelector {
     Vec3 side_towards = Vec3::Zero();  // t_i
     double share = 0, narrow = 0;  // beta_i, c_i
     double rank = 0;               // 0 at the last key, 1 a band before it
-  };
-  struct View {
-    double distance;
-    Vec3 towards;
+    std::uint32_t cell = 0;        // of directions
+    bool looked = false;
   };
   static constexpr std::size_t arrays = 5;  // of look_round()
   void take_nearest(const Vec3& hip);
   void take_sides(const Vec3& hip);
   void gather(const Vec3& hip, std::size_t least, double radius);
   void look_round();
+  const Eigen::Vector4d& view(std::size_t k);
+  void look_along(Candidate& candidate);
+  double find_keys(const Vec3& hip, double pulled, double rank);
+  double key_of(double rank);
   double share(double distance) const;
   double two_sided() const;
   void weigh(const Vec3& hip, double end, double whole);
   void keep_first(std::size_t count);
 
   const StateSpace& space_;
-  std::size_t n_, weighted_, most_;  // of members that count in full, where they have weights, and in part
+  std::size_t n_, weighted_, rank_;  // of members that count in full, where they have weights, and in part
+  std::size_t bridging_, most_;      // that come in between two sides; and in all
   Select rule_;
   double h_, pulled_, band_;  // the last two in spacings
   double steep_;              // power of the length over which a state decides
@@ -91,8 +100,9 @@ class NeighbourSelector {
   std::vector<Candidate> candidates_;
   std::vector<Neighbour> chosen_;
   std::vector<double> keys_, seen_;
-  std::vector<View> views_;
-  std::vector<bool> wanted_;  // of the views
+  std::vector<Eigen::Vector4d> views_;  // direction, distance
+  std::vector<char> views_seen_;
+  std::vector<double> before_;  // the least distance in each cell of directions
   std::size_t room_ = 0;
   double nearest_ = 0, bridge_ = 0, radius_ = 0;
 };

@@ -73,13 +73,13 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
 
 // What the model leaves, into misfit_ and, by rows of the factor, into correction_; its largest entry.
 double RbfFit::misfit(const Model::Impl& out) {
-  const std::size_t b = rows_per_slot_, m = factor_.rows();
+  const std::size_t b = rows_per_slot_;
   exact::loops().misfit(out.power, b == 4, out.padded, out.data.data(), out.stride, out.polynomial[0].data(),
                         given_.data(), given_stride_, misfit_.data());
   double largest = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     double* to = correction_.data() + c * row_stride_;
-    std::fill_n(to, m + 8, 0.0);
+    std::fill_n(to, row_stride_, 0.0);  // all: of a larger set before it nothing may be left
     for (std::size_t i = 0; i < living_.size(); ++i)
       for (std::size_t t = 0; t < b; ++t) {
         const std::size_t row = living_[i] * b + t;

@@ -6,20 +6,25 @@
 namespace forefeel::FOREFEEL_ISA {
 namespace {
 
-double seen(std::size_t n, const double* x, const double* y, const double* z, const double* distance, const double v[3],
-            double cosine, double scale, double* seen) {
+std::size_t seen(std::size_t n, const double* x, const double* y, const double* z, const double* distance, const double v[3],
+                 double cosine, double scale, double depth, double* seen, double* nearest) {
+  constexpr std::size_t block = 32;
   const Pack a = same(v[0]), b = same(v[1]), c = same(v[2]), from = same(cosine), steep = same(scale), none = {};
   Pack least = same(1e300);
-  for (std::size_t i = 0; i < n; i += width) {
-    const Pack along = times_plus(load(x + i), a, times_plus(load(y + i), b, load(z + i) * c));
-    const Pack apart = from - along, off = apart > none ? apart : none;
-    const Pack far = times_plus(off * off, steep, load(distance + i));
-    store(seen + i, far);
-    least = far < least ? far : least;
+  *nearest = 1e300;
+  std::size_t i = 0;
+  while (i < n && !(distance[i] > *nearest + depth)) {
+    for (const std::size_t end = n - i < block ? n : i + block; i < end; i += width) {
+      const Pack along = times_plus(load(x + i), a, times_plus(load(y + i), b, load(z + i) * c));
+      const Pack apart = from - along, off = apart > none ? apart : none;
+      const Pack far = times_plus(off * off, steep, load(distance + i));
+      store(seen + i, far);
+      least = far < least ? far : least;
+    }
+    *nearest = least[0];
+    for (std::size_t t = 1; t < width; ++t) *nearest = least[t] < *nearest ? least[t] : *nearest;
   }
-  double nearest = least[0];
-  for (std::size_t t = 1; t < width; ++t) nearest = least[t] < nearest ? least[t] : nearest;
-  return nearest;
+  return i;
 }
 
 void towards(std::size_t n, const double* x, const double* y, const double* z, const double* seen, double nearest,
