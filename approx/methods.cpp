@@ -294,13 +294,16 @@ std::vector<Vec3> spread(const std::vector<Vec3>& points, std::size_t count) {
 
 }  // namespace
 
+std::size_t RbfNetwork::centres_of(std::size_t states, std::size_t wished) {
+  return std::min(states, wished > 0 ? wished : std::max<std::size_t>(10, states / 5));
+}
+
 RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
   std::vector<const State*> known;
   for (const State& s : states)
     if (s.usable()) known.push_back(&s);
   const std::size_t n = known.size();
-  if (centres == 0) centres = std::max<std::size_t>(10, n / 5);
-  centres = std::min(centres, n);
+  centres = centres_of(n, centres);
   // From the first on, whatever the distance to the origin of coordinates.
   const Vec3 origin = known[0]->at;
   Vec3 mean = Vec3::Zero();
@@ -387,10 +390,39 @@ Approximation::Approximation(Method method, std::span<const State> states, const
       field_ = RbfNetwork(states, options.centres);
       break;
   }
+  find_bound(states);
+}
+
+void Approximation::find_bound(std::span<const State> states) {
+  std::vector<const State*> known;
+  for (const State& s : states)
+    if (s.usable()) {
+      points_.insert(static_cast<std::uint32_t>(known.size()), s.at);
+      known.push_back(&s);
+    }
+  std::vector<PointOctree::Neighbour> near;
+  for (const State* s : known) {
+    largest_ = std::max(largest_, s->force.norm());
+    if (s->has_stiffness()) steepest_ = std::max(steepest_, s->stiffness.norm());
+    points_.nearest(s->at, 4, near);
+    const auto other = std::ranges::find_if(near, [](const auto& n) { return n.squared > 0; });
+    if (other != near.end())
+      steepest_ =
+          std::max(steepest_, (s->force - known[other->id]->force).norm() / std::sqrt(other->squared));
+  }
+}
+
+double Approximation::bound(const Vec3& x) const {
+  if (const Model* model = std::get_if<Model>(&field_)) return model->force_bound();
+  return largest_ + 2 * steepest_ * std::sqrt(points_.nearest(x).squared);
 }
 
 Vec3 Approximation::force(const Vec3& x) const {
-  return std::visit([&](const auto& field) { return Vec3(field.force(x)); }, field_);
+  const Vec3 force = std::visit([&](const auto& field) { return Vec3(field.force(x)); }, field_);
+  const double norm = force.norm();
+  if (norm <= largest_) return force;
+  const double most = bound(x);
+  return norm <= most ? force : Vec3(force * (most / norm));
 }
 
 }  // namespace forefeel

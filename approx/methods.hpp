@@ -3,12 +3,16 @@
 // covers it holds the force of the nearest state unless said otherwise.
 //   trilinear     on the lattice {k h}^3, cells with all eight corners (Matyska, Peterlik 2007)
 //   tricubic      cubic convolution on the lattice; quadratic ghost values beyond the border
-//   deflection    force-deflection curves along directions from rest, linear in depth, on from the last two states
+//   deflection    force-deflection curves along directions from rest, linear in depth, on from the last two
+//   states
 //                 beyond a curve's end, and between the three nearest directions (Mahvash, Hayward 2004)
 //   two_force     linear in position along the line through two states (Picinbono et al. 2002): those that a
 //                 simulation which computes forces along its way would have computed last, the two nearest
 //   offline_rbf   one RBF model of all states (Peterlik et al.)
 //   rbf_network   r^3 and linear p by least squares with fewer centres than states (De et al.)
+// None passes |f~(x)| <= max |F_i| + 2 S d(x), with d the distance to the nearest state and S the largest
+// stiffness known or secant |F_i - F_j| / |x_i - x_j| of a state and the nearest to it: beyond that the force
+// is shortened, so that what these methods do far from their states can be compared, but slams no device.
 
 #include <array>
 #include <cstdint>
@@ -19,6 +23,7 @@
 #include <vector>
 
 #include "approx/updater.hpp"
+#include "geometry/point_octree.hpp"
 
 namespace forefeel {
 
@@ -29,7 +34,7 @@ std::span<const Method> all_methods();
 struct MethodOptions {
   ModelOptions model{};     // offline_rbf
   double spacing = 0.006;   // lattice methods [m]
-  std::size_t centres = 0;  // rbf_network; 0: a fifth of the states, at least 10
+  std::size_t centres = 0;  // of rbf_network, see centres_of()
 };
 
 // The states by their lattice position; states off the lattice are left out.
@@ -80,6 +85,8 @@ class RbfNetwork {
   RbfNetwork(std::span<const State> states, std::size_t centres);
   Vec3 force(const Vec3& x) const;
   std::size_t centres() const { return centres_.size(); }
+  static std::size_t centres_of(std::size_t states,
+                                std::size_t wished);  // of so many states; wished 0: a fifth, at least 10
 
  private:
   Vec3 middle_ = Vec3::Zero();
@@ -94,9 +101,14 @@ class Approximation {
   // not suit.
   Approximation(Method method, std::span<const State> states, const MethodOptions& options);
   Vec3 force(const Vec3& x) const;
+  double bound(const Vec3& x) const;  // [N]; of offline_rbf the model's own
 
  private:
   std::variant<LatticeField, DeflectionCurves, TwoForce, RbfNetwork, Model> field_;
+  PointOctree points_;
+  double largest_ = 0, steepest_ = 0;
+
+  void find_bound(std::span<const State> states);
 };
 
 }  // namespace forefeel

@@ -18,23 +18,24 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 // In spacings:
 constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
 constexpr double pulled_to = 0.25;  // before the nearest state of a side,
-constexpr double pulled_r = 2.2;    // and for r, which a layer or two suit well, before a single side, if n is for two
-constexpr double band = 0.4;        // of the key, over which a weight rises,
-constexpr double band_r5 = 0.8;     // and of r^5 on force, which trusts its outermost states farthest of all,
-constexpr double band_r = 1.4;      // and of r, whose ridge is the least steep in w
-constexpr double farthest = 32;     // a far side
-constexpr double fading = 8;        // before that, over which it goes
-constexpr double at_hip = 0.25;     // within this of the HIP a state has hardly a direction
-constexpr double off_view = 100;    // what a state seems farther by, per square of how far it is off a view
-constexpr double in_view = 0.3;      // cosine to a view from which it is off it
-constexpr double turned = 0.93;     // cosine within which a state's own view is blended from the fixed ones
+constexpr double pulled_r =
+    2.2;  // and for r, which a layer or two suit well, before a single side, if n is for two
+constexpr double band = 0.4;      // of the key, over which a weight rises,
+constexpr double band_r5 = 0.8;   // and of r^5 on force, which trusts its outermost states farthest of all,
+constexpr double band_r = 1.4;    // and of r, whose ridge is the least steep in w
+constexpr double farthest = 32;   // a far side
+constexpr double fading = 8;      // before that, over which it goes
+constexpr double at_hip = 0.25;   // within this of the HIP a state has hardly a direction
+constexpr double off_view = 100;  // what a state seems farther by, per square of how far it is off a view
+constexpr double in_view = 0.3;   // cosine to a view from which it is off it
+constexpr double turned = 0.93;   // cosine within which a state's own view is blended from the fixed ones
 constexpr double least_weight = 1e-7;
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
 const Vec3 aside(0.17, -0.11, 0.07);
 constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in
 
-// Cells of directions for culling: of two states in one, neither is off a view that the other one's side is blended
-// from (35.3 degrees across at most, and 21.6 to the view).
+// Cells of directions for culling: of two states in one, neither is off a view that the other one's side is
+// blended from (35.3 degrees across at most, and 21.6 to the view).
 constexpr int coarse = 4;
 constexpr double least_sharp = 0.55;  // of a state that hides others: it has a direction
 constexpr double first_end = 0.6;     // half balls of n states: keys looked at first
@@ -46,10 +47,12 @@ double rise(double t) {
 }
 
 // Radius of a half ball of n states, in spacings.
-double half_ball(std::size_t n) { return std::cbrt(1.5 * double(n) / M_PI); }
+double half_ball(std::size_t n) {
+  return std::cbrt(1.5 * double(n) / M_PI);
+}
 
-// Evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for each cell of a grid
-// on the faces of a cube those within `turned` of some direction of the cell.
+// Evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for each cell of a
+// grid on the faces of a cube those within `turned` of some direction of the cell.
 struct Views {
   static constexpr int pairs = 128, grid = 16;
   std::vector<Vec3> all;
@@ -62,7 +65,8 @@ struct Views {
       all.push_back(Vec3(r * std::cos(angle), r * std::sin(angle), z));
       all.push_back(-all.back());
     }
-    const double least = std::cos(std::acos(turned) + std::sqrt(2.0) / grid);  // no cell reaches farther than that
+    const double least =
+        std::cos(std::acos(turned) + std::sqrt(2.0) / grid);  // no cell reaches farther than that
     for (int face = 0; face < 6; ++face)
       for (int i = 0; i < grid; ++i)
         for (int j = 0; j < grid; ++j) {
@@ -98,11 +102,17 @@ constexpr std::size_t lanes = 8;
 }  // namespace
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
-    : space_(space), n_(options.neighbours), weighted_(weighted_neighbours(options)), rank_(weighted_ + weighted_ / 6),
-      bridging_(bridging_neighbours(options)), most_(most_neighbours(options)),
-      rule_(options.select), h_(space.options().spacing),
-      pulled_(options.kernel == Kernel::linear ? std::clamp(half_ball(rank_) - 1.6, pulled_to, pulled_r) : pulled_to),
-      band_(options.kernel == Kernel::linear                                               ? band_r
+    : space_(space),
+      n_(options.neighbours),
+      weighted_(weighted_neighbours(options)),
+      rank_(weighted_ + weighted_ / 6),
+      bridging_(bridging_neighbours(options)),
+      most_(most_neighbours(options)),
+      rule_(options.select),
+      h_(space.options().spacing),
+      pulled_(options.kernel == Kernel::linear ? std::clamp(half_ball(rank_) - 1.6, pulled_to, pulled_r)
+                                               : pulled_to),
+      band_(options.kernel == Kernel::linear                                   ? band_r
             : options.kernel == Kernel::quintic && options.data == Data::force ? band_r5
                                                                                : band),
       steep_(options.kernel == Kernel::linear ? 2 : 1) {
@@ -135,7 +145,10 @@ void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius
   for (const StateId id : found_) {
     const Vec3 away = space_[id].at - hip;
     const double distance = away.norm();
-    candidates_.push_back({.key = distance, .id = id, .towards = distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()), .distance = distance});
+    candidates_.push_back({.key = distance,
+                           .id = id,
+                           .towards = distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()),
+                           .distance = distance});
   }
 }
 
@@ -186,8 +199,8 @@ const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
   const double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
   double* seen = seen_.data() + 4 * room_;
   const std::size_t padded = (candidates_.size() + lanes - 1) / lanes * lanes;
-  const std::size_t end = view::loops().seen(padded, x, y, z, distance, views.all[k].data(), in_view, off_view * h_,
-                                             shell * h_, seen, &at[3]);
+  const std::size_t end = view::loops().seen(padded, x, y, z, distance, views.all[k].data(), in_view,
+                                             off_view * h_, shell * h_, seen, &at[3]);
   view::loops().towards(end, x, y, z, seen, at[3], shell * h_, at.data());
   if (const double norm = at.head<3>().norm(); norm > 0) at.head<3>() /= norm;
   return at;
@@ -212,7 +225,8 @@ void NeighbourSelector::look_along(Candidate& c) {
 
 // How much a side at this distance counts.
 double NeighbourSelector::share(double distance) const {
-  const double ratio = (nearest_ + h_) / (distance + h_), limit = std::max(farthest * h_, nearest_ + fading * h_);
+  const double ratio = (nearest_ + h_) / (distance + h_),
+               limit = std::max(farthest * h_, nearest_ + fading * h_);
   return std::clamp((ratio - least_ratio) / (1 - least_ratio), 0.0, 1.0) *
          std::clamp((limit - distance) / (fading * h_), 0.0, 1.0);
 }
@@ -248,8 +262,8 @@ double NeighbourSelector::key_of(double rank) {
   return 1 / ((1 - part) / *at + part / next);
 }
 
-// The keys of all candidates that can be before the one of rank n, which it returns. No key is less than how far a
-// state is behind what hides it.
+// The keys of all candidates that can be before the one of rank n, which it returns. No key is less than how
+// far a state is behind what hides it.
 double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank) {
   keys_.clear();
   for (Candidate& c : candidates_) {
@@ -261,7 +275,8 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
     double next = infinite;
     for (Candidate& c : candidates_) {
       if (c.looked) continue;
-      const double hidden = c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_;
+      const double hidden =
+          c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_;
       if (!all && hidden > limit) {
         next = std::min(next, hidden);
         continue;
@@ -288,7 +303,8 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   nearest_ = (space_[found_.front()].at - hip).norm();
   const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(weighted_));  // of a half ball of n, in spacings
   const double limit = std::max(farthest * h_, nearest_ + fading * h_);
-  const double wide = std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit + shell * h_));
+  const double wide =
+      std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit + shell * h_));
   gather(hip, weighted_ + weighted_ / 4 + 8, wide);
   double whole = infinite;  // nothing is missing up to here
   if (candidates_.size() < space_.size()) {
@@ -300,7 +316,8 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   const double both = two_sided(), pulled = pulled_ + both * (pulled_to - pulled_);
   bridge_ = rise((both - 0.1) / 0.5);
   const std::size_t others = space_.size() > rank_ + 2 ? space_.size() - rank_ - 2 : 0;
-  const double end = find_keys(hip, pulled * h_, double(rank_) + bridge_ * double(std::min(bridging_, others)));
+  const double end =
+      find_keys(hip, pulled * h_, double(rank_) + bridge_ * double(std::min(bridging_, others)));
   if (keys_.empty()) return;
   radius_ = end < infinite ? end : *std::ranges::max_element(keys_);
   weigh(hip, end, whole);
@@ -314,7 +331,8 @@ void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
   for (Candidate& c : candidates_) {
     c.rank = 0;
     if (!(c.key < end)) continue;
-    c.rank = std::clamp(std::min((end - c.key) * c.narrow / wide_band, (whole - c.distance) / (band_ * h_)), 0.0, 1.0);
+    c.rank = std::clamp(std::min((end - c.key) * c.narrow / wide_band, (whole - c.distance) / (band_ * h_)),
+                        0.0, 1.0);
     const double w = rise(c.rank);
     total += w;
     mean += w * (space_[c.id].at - hip);

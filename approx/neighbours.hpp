@@ -2,19 +2,22 @@
 // The neighbour set of a HIP: the states whose data the current model uses.
 //   nearest   the n nearest (paper 3.1), nothing else
 //   label     safe, or n states at most in all: the nearest; members of the last set stay until another state
-//             is nearer by 5 % (hysteresis). Elsewhere every member has a weight 0 < w <= 1 that is a continuous
-//             function of the HIP x, so that states enter and leave gradually (RbfFit: a ridge that falls from
-//             infinity to 0 as w rises to 1). With d_1 the distance of the nearest state, and as seen along the way
-//             to state i (what lies more than about 70 degrees off it seems farther, ever more so):
+//             is nearer by 5 % (hysteresis). Elsewhere every member has a weight 0 < w <= 1 that is a
+//             continuous function of the HIP x, so that states enter and leave gradually (RbfFit: a ridge
+//             that falls from infinity to 0 as w rises to 1). With d_1 the distance of the nearest state, and
+//             as seen along the way to state i (what lies more than about 70 degrees off it seems farther,
+//             ever more so):
 //               d_i, t_i   distance of what is nearest there, mean direction to what is about as near
-//               beta_i     rises from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1: how much that side counts
-//               c_i = (beta_i (d_1 + h) / (d_i + h))^(1/3), which makes the numbers of members go as 1 / distance
-//               key_i = |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball of the boundary instead of a
+//               beta_i     rises from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1: how much that side
+//               counts c_i = (beta_i (d_1 + h) / (d_i + h))^(1/3), which makes the numbers of members go as 1
+//               / distance key_i = |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball
+//               of the boundary instead of a
 //                    layer or two of it, whose polynomial would not be determined
 //               w_i  rises from 0 at the key of rank n to 1 within band h
-//             n is never less than weighted_neighbours(), and between two sides up to bridging_neighbours() more come in,
-//             the key of a broken rank being between those of two. So the far side of a gap enters when it hardly counts
-//             and leaves likewise, and there is no axis and no number of sides that could change at once.
+//             n is never less than weighted_neighbours(), and between two sides up to bridging_neighbours()
+//             more come in, the key of a broken rank being between those of two. So the far side of a gap
+//             enters when it hardly counts and leaves likewise, and there is no axis and no number of sides
+//             that could change at once.
 
 #include <cstdint>
 #include <vector>
@@ -27,8 +30,8 @@ struct Neighbour {
   StateId id;
   double weight = 1;  // w
   double near = 1;    // its part in the side that is nearer to the HIP
-  // Length in spacings over which it decides: 1 of a state among others, of a lone one beyond a gap the gap's,
-  // falling to 1 as w rises to 1.
+  // Length in spacings over which it decides: 1 of a state among others, of a lone one beyond a gap the
+  // gap's, falling to 1 as w rises to 1.
   double reach = 1;
   bool operator==(const Neighbour&) const = default;
 };
@@ -47,8 +50,8 @@ constexpr std::size_t bridging_neighbours(const ModelOptions& options) {
 constexpr std::size_t most_neighbours(const ModelOptions& options) {
   return weighted_neighbours(options) + weighted_neighbours(options) / 6 + bridging_neighbours(options);
 }
-// Without stiffness a set with weights is held by as many places about it that carry the affine fit of the set
-// and count hardly: a polynomial term that one state more would determine alone comes in gradually too.
+// Without stiffness a set with weights is held by as many places about it that carry the affine fit of the
+// set and count hardly: a polynomial term that one state more would determine alone comes in gradually too.
 constexpr std::size_t affine_places(const ModelOptions& options) {
   return options.select == Select::label && options.data == Data::force ? 10 : 0;
 }
@@ -56,13 +59,13 @@ constexpr std::size_t affine_places(const ModelOptions& options) {
 class NeighbourSelector {
  public:
   NeighbourSelector(const StateSpace& space, const ModelOptions& options);
-  // At most options.neighbours of them, or most_neighbours() where some count in part only, ascending ids, into
-  // `out`; returns the label of the HIP.
+  // At most options.neighbours of them, or most_neighbours() where some count in part only, ascending ids,
+  // into `out`; returns the label of the HIP.
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
   // How much the last set counts as a bridge between two sides: 0 for one side, 1 in the middle.
   double bridge() const { return bridge_; }
   double radius() const { return radius_; }  // the key of rank n [m]; 0 where there are no weights
-  void forget();  // drops hysteresis
+  void forget();                             // drops hysteresis
 
  private:
   struct Candidate {
@@ -70,11 +73,11 @@ class NeighbourSelector {
     StateId id;
     Vec3 towards;  // unit direction from the HIP
     double distance;
-    double side_at = 0;  // d_i
+    double side_at = 0;                // d_i
     Vec3 side_towards = Vec3::Zero();  // t_i
-    double share = 0, narrow = 0;  // beta_i, c_i
-    double rank = 0;               // 0 at the last key, 1 a band before it
-    std::uint32_t cell = 0;        // of directions
+    double share = 0, narrow = 0;      // beta_i, c_i
+    double rank = 0;                   // 0 at the last key, 1 a band before it
+    std::uint32_t cell = 0;            // of directions
     bool looked = false;
   };
   static constexpr std::size_t arrays = 5;  // of look_round()

@@ -36,7 +36,7 @@ struct Reach {
 };
 
 struct Evaluation {
-  std::vector<Reach> reach;  // by point; empty for the older methods
+  std::vector<Reach> reach;  // by point; no tangent for the older methods
   std::vector<Vec3> forces;
   std::vector<Label> labels;
   std::vector<double> fit_us, evaluate_ns;
@@ -72,14 +72,16 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
   const bool stiffness =
       std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
   ModelOptions options;
-  const bool offline = arguments.method == "offline-rbf";  // of all states at once: on force unless asked otherwise
+  const bool offline =
+      arguments.method == "offline-rbf";  // of all states at once: on force unless asked otherwise
   options.kernel = arguments.kernel == "linear"  ? Kernel::linear
                    : arguments.kernel == "cubic" ? Kernel::cubic
                    : !arguments.kernel.empty()   ? Kernel::quintic
                    : stiffness && !offline       ? Kernel::quintic
                                                  : Kernel::cubic;
   if (arguments.data.empty())
-    options.data = stiffness && !offline && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
+    options.data =
+        stiffness && !offline && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
   else
     options.data = arguments.data == "force" ? Data::force : Data::force_and_stiffness;
   if (options.data == Data::force_and_stiffness && !stiffness)
@@ -147,6 +149,7 @@ Evaluation evaluate_older(Method method, const std::vector<State>& states, const
   result.fit_us.push_back(1e6 * since(start));
   for (const Vec3& x : points) {
     result.labels.push_back(space.coverage(x).label);
+    result.reach.push_back({field.bound(x), unknown, unknown});
     measure(field, x, result);
   }
   return result;
@@ -171,13 +174,31 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
 
 // Lattices, curves and lines are what they are; what is asked of them in vain is said.
 void warn_in_vain(const Globals& globals, const EvaluateArguments& arguments) {
-  if (arguments.method == "rbf" || arguments.method == "offline-rbf" || arguments.method == "rbf-network") return;
+  if (arguments.method == "rbf") return;
+  const bool offline = arguments.method == "offline-rbf";
   std::vector<std::string> vain;
-  if (!arguments.kernel.empty()) vain.push_back("--kernel");
-  if (!arguments.data.empty()) vain.push_back("--data");
-  if (arguments.neighbours) vain.push_back("--neighbours");
-  if (arguments.ridge != "0") vain.push_back("--ridge");
-  if (!vain.empty()) warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(vain, ", "), arguments.method));
+  if (!arguments.kernel.empty() && !offline) vain.push_back("--kernel");
+  if (!arguments.data.empty() && !offline) vain.push_back("--data");
+  if (arguments.neighbours && arguments.method != "rbf-network") vain.push_back("--neighbours");
+  if (arguments.ridge != "0" && !offline) vain.push_back("--ridge");
+  if (!vain.empty())
+    warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(vain, ", "), arguments.method));
+}
+
+// What the method uses; null what it has not.
+void describe(nlohmann::ordered_json& document, const Method method, const ModelOptions& options,
+              const MethodOptions& older) {
+  const bool moving = method == Method::rbf, offline = method == Method::offline_rbf,
+             network = method == Method::rbf_network;
+  const auto if_so = [&](const char* key, bool so, nlohmann::ordered_json value) {
+    document[key] = so ? std::move(value) : nlohmann::ordered_json();
+  };
+  if_so("kernel", moving || offline || network, name(network ? Kernel::cubic : options.kernel));
+  if_so("data", true, name(moving || offline ? options.data : Data::force));
+  if_so("neighbours", moving, options.neighbours);
+  if_so("centres", network, older.centres);
+  if_so("select", moving, name(options.select));
+  if_so("ridge", moving || offline, options.ridge);
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
@@ -212,7 +233,10 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
                               contradicting, method == Method::rbf ? "; the first one counts" : ""));
   if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
   MethodOptions older{.model = options, .spacing = space_options.spacing};
-  older.centres = arguments.neighbours.value_or(0);
+  if (method == Method::rbf_network)
+    older.centres =
+        RbfNetwork::centres_of(static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable)),
+                               arguments.neighbours.value_or(0));
   const Evaluation result = method == Method::rbf
                                 ? evaluate(space, points, options, globals)
                                 : evaluate_older(method, loaded.states, space, points, older);
@@ -228,13 +252,10 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     document["fit_us"] = number(fit_us);
     document["evaluate_ns"] = number(evaluate_ns);
     document["method"] = arguments.method;
-    document["kernel"] = name(options.kernel);
-    document["data"] = name(options.data);
-    document["neighbours"] = options.neighbours;
-    document["select"] = name(options.select);
+    describe(document, method, options, older);
     document["spacing"] = number(space_options.spacing);
-    document["ridge"] = options.ridge;
-    for (const char* key : {"force_bounds", "tangent_from", "held_from"}) document[key] = nlohmann::ordered_json::array();
+    for (const char* key : {"force_bounds", "tangent_from", "held_from"})
+      document[key] = nlohmann::ordered_json::array();
     for (const Reach& reach : result.reach) {
       document["force_bounds"].push_back(number(reach.bound));
       document["tangent_from"].push_back(number(reach.tangent));
@@ -246,13 +267,15 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   if (arguments.output.empty())
     for (std::size_t i = 0; i < points.size(); ++i)
       answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}",
-                               points[i][0], points[i][1], points[i][2], result.forces[i][0],
-                               result.forces[i][1], result.forces[i][2], name(result.labels[i])));
-  say(globals,
-      fmt::format(
-          "{} points from {} states: {}, {} on {}, {} neighbours; fit {:.1f} us, evaluation {:.0f} ns",
-          points.size(), space.size(), arguments.method, name(options.kernel), name(options.data),
-          options.neighbours, fit_us, evaluate_ns));
+                                  points[i][0], points[i][1], points[i][2], result.forces[i][0],
+                                  result.forces[i][1], result.forces[i][2], name(result.labels[i])));
+  std::string how;
+  if (method == Method::rbf || method == Method::offline_rbf)
+    how = fmt::format(", {} on {}", name(options.kernel), name(options.data));
+  if (method == Method::rbf) how += fmt::format(", {} neighbours", options.neighbours);
+  if (method == Method::rbf_network) how = fmt::format(", {} centres", older.centres);
+  say(globals, fmt::format("{} points from {} states: {}{}; fit {:.1f} us, evaluation {:.0f} ns",
+                           points.size(), space.size(), arguments.method, how, fit_us, evaluate_ns));
   return 0;
 }
 
@@ -274,8 +297,9 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
       ->check(CLI::IsMember({"force", "force+stiffness"}));
   sub.add_option("--neighbours", arguments->neighbours,
-                 "States in a model (default 25 with stiffness, else 100); outside safe regions no fewer than 16, without stiffness 20, "
-                 "unless 1 or --select nearest; centres of rbf-network")
+                 "States in a model (default 25 with stiffness, else 100); outside safe regions no fewer "
+                 "than 16, without stiffness 20, "
+                 "and up to 32 more between two sides, unless 1 or --select nearest; centres of rbf-network")
       ->check(above_zero);
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))

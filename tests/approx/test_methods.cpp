@@ -171,3 +171,39 @@ TEST_CASE("A network does not depend on the order of states, the unit of length 
       CHECK(apart(1e3, Vec3(1e6, 1e6, 1e6)) < 1e-8);
     }
 }
+
+// |f| <= max |F_i| + 2 S d, S recomputed here over all pairs, which can only be more.
+TEST_CASE("No older method passes its bound, however far out and however few states it has") {
+  std::vector<std::vector<State>> sets = {states_at(lattice_points(1, 0.01)), states_at(inside(40, 0.02, 3))};
+  for (const std::size_t few : {1u, 2u, 3u, 4u}) {
+    const auto& all = sets[1];
+    sets.emplace_back(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(few));
+  }
+  bool reached = false;
+  for (const auto& states : sets)
+    for (const Method method :
+         {Method::deflection, Method::two_force, Method::rbf_network, Method::trilinear}) {
+      if (method == Method::trilinear && &states != &sets[0]) continue;
+      const Approximation field(method, states, {.spacing = 0.01});
+      double largest = 0, steepest = 0;
+      for (const State& a : states) {
+        largest = std::max(largest, a.force.norm());
+        steepest = std::max(steepest, a.stiffness.norm());
+        for (const State& b : states)
+          if (a.at != b.at) steepest = std::max(steepest, (a.force - b.force).norm() / (a.at - b.at).norm());
+      }
+      for (const double size : {0.02, 0.14, 3.0, 1e6})
+        for (const Vec3& x : inside(60, size, 8)) {
+          double nearest = 1e300;
+          for (const State& s : states) nearest = std::min(nearest, (s.at - x).norm());
+          const Vec3 force = field.force(x);
+          REQUIRE(force.allFinite());
+          CHECK(force.norm() <= (1 + 1e-12) * (largest + 2 * steepest * nearest));
+          CHECK(force.norm() <= (1 + 1e-12) * std::max(field.bound(x), largest));
+          reached = reached || std::abs(force.norm() / field.bound(x) - 1) < 1e-9;
+        }
+      const Vec3 far(0.3, 0.2, -0.5);  // gradually
+      CHECK((field.force(far) - field.force(far + Vec3(1e-9, 0, 0))).norm() < 1e-5);
+    }
+  CHECK(reached);
+}

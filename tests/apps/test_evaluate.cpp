@@ -1,6 +1,8 @@
 // forefeel evaluate: against SciPy through the whole chain, hostile sets of states, options that cannot be.
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -176,4 +178,34 @@ TEST_CASE("evaluate and info say that states contradict each other, and the firs
         CHECK(outcome.json()["contradicting"] == (states == "other.csv" ? 2 : 0));
     }
   CHECK(once.json()["forces"][0][0].get<double>() == Approx(1));
+}
+
+TEST_CASE("evaluate says of every method what it uses, and keeps it below its bound", "[evaluate]") {
+  const Workshop shop;
+  std::string states = "x,y,z,fx,fy,fz\n";
+  for (const int i : {0, 1})
+    for (const int j : {0, 1})
+      for (const int k : {0, 1})
+        states += fmt::format("{},{},{},{},{},{}\n", 0.01 * i, 0.01 * j, 0.01 * k, i + 0.3 * j * k, j - 0.2 * i * i, k);
+  shop.write("states.csv", states);
+  shop.write("points.csv", "x,y,z\n0.004,0.005,0.006\n0.14,0.1,-0.03\n-3,2,1\n");
+  const std::string all = "evaluate states.csv --points points.csv --json --method ";
+  const auto uses = [&](const std::string& method) {
+    const nlohmann::json json = run(shop, all + method);
+    for (std::size_t i = 0; i < 3; ++i) {
+      INFO(method << " at point " << i);
+      CHECK(length(json["forces"][i]) <= (1 + 1e-12) * json["force_bounds"][i].get<double>());
+    }
+    std::vector<std::string> said;
+    for (const char* key : {"kernel", "data", "neighbours", "centres", "select", "ridge"})
+      said.push_back(json.at(key).is_null() ? "-" : json.at(key).dump());
+    return fmt::format("{}", fmt::join(said, " "));
+  };
+  CHECK(uses("rbf --kernel linear --neighbours 6") == R"("linear" "force" 6 - "label" 0.0)");
+  CHECK(uses("offline-rbf --kernel linear --neighbours 6") == R"("linear" "force" - - - 0.0)");
+  CHECK(uses("rbf-network") == R"("cubic" "force" - 8 - -)");
+  CHECK(uses("rbf-network --neighbours 5") == R"("cubic" "force" - 5 - -)");
+  for (const std::string method : {"trilinear", "tricubic", "deflection", "two-force"})
+    CHECK(uses(method) == R"(- "force" - - - -)");
+  CHECK(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err.find("--kernel, --ridge") != std::string::npos);
 }
