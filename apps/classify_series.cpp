@@ -34,7 +34,7 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
       throw InputError((folder / "dispatch.csv").string(), fmt::format("has no column {}, expected the file of a run", column));
   std::vector<Arrival> arrivals;
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    const std::string& status = table.text(row, "status");
+    const std::string_view status = table.text(row, "status");
     if (status != "solved" && status != "arrived") continue;
     const double known = table.number(row, "known"), finished = table.number(row, "finished");
     const double time = std::isfinite(known) ? known : finished;

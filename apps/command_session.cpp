@@ -120,10 +120,8 @@ std::string text_for(const SessionProgress& p) {
 }
 
 // What each predictor would have missed on this motion, against horizon.
-nlohmann::ordered_json prediction_json(const SessionResult& result, double frame) {
+nlohmann::ordered_json prediction_json(const std::vector<Vec3>& motion, double frame) {
   constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};   // [s]
-  std::vector<Vec3> motion;
-  for (const FrameRecord& f : result.frames) motion.push_back(f.at);
   nlohmann::ordered_json document = nlohmann::ordered_json::object();
   for (const std::string& name : predictor_names()) {
     auto& rows = document[name] = nlohmann::ordered_json::array();
@@ -154,6 +152,23 @@ void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::pat
   for (const auto& note : s["notes"]) say(globals, note.get<std::string>());
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
+
+// What is worked out and drawn from the motion and the states, on threads of their own while labels and errors are made.
+struct Meanwhile {
+  std::future<nlohmann::ordered_json> prediction;
+  std::future<void> states;   // in their file
+  Picture slices;
+
+  void begin(const SessionResult& result, const SessionOptions& options, const StateSpaceOptions& space, const fs::path& run) {
+    slices = begin_slices(result, space);
+    std::vector<Vec3> motion;
+    for (const FrameRecord& f : result.frames) motion.push_back(f.at);
+    prediction = std::async(std::launch::async, [motion = std::move(motion), frame = options.frame] {
+      return prediction_json(motion, frame);
+    });
+    states = std::async(std::launch::async, [all = result.states, file = run / "states.csv"] { write_states_csv(file, all); });
+  }
+};
 
 void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, SessionOptions& options) {
   if (options.clock != Clock::real)
@@ -214,23 +229,23 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
   const InterruptWatch watch;   // also while the files are written
   options.interrupted = &watch.flag();
+  Meanwhile meanwhile;
   const SessionResult result = run_session(
-      input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); });
+      input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); },
+      [&](const SessionResult& so_far) { meanwhile.begin(so_far, options, scene.space, run); });
   progress.reset();
 
-  std::future<nlohmann::ordered_json> prediction =
-      std::async(std::launch::async, [&] { return prediction_json(result, options.frame); });
   write_run_files(run, result, options);
-  write_states_csv(run / "states.csv", result.states);
+  meanwhile.states.get();
   nlohmann::ordered_json summary = summary_json(result, input, options);
   summary["spacing"] = scene.space.spacing;
   if (scene.chosen_spacing) summary["spacing_auto"] = to_json(*scene.chosen_spacing);
-  summary["prediction"] = prediction.get();   // [s], [m]
+  summary["prediction"] = meanwhile.prediction.get();   // [s], [m]
   summary["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
   file.write(summary.dump(2) + "\n");
   file.commit();
-  write_report(run, scene, globals);
+  write_report(run, scene, globals, meanwhile.slices);
   if (globals.json) print_json(summary);
   if (!globals.json) tell(globals, summary, run);
   if (!result.interrupted) return 0;

@@ -35,6 +35,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   nlohmann::ordered_json truth = to_json(report.truth);
   truth["held"] = number(report.truth.held());
   truth["samples"] = report.truth_samples;
+  truth["on_surface"] = report.truth_on_surface;
   truth["failed"] = report.truth_failed;
   truth["fresh"] = report.truth_is_fresh;
   document["error_true"] = truth;
@@ -51,10 +52,25 @@ std::string in_words(const ErrorQuantiles& q) {
 std::string in_words(const PlacementProgress& p) {
   if (p.truth_total > 0)
     return fmt::format("{} states, truth {} of {}", p.states, p.truth_done, p.truth_total);
-  return std::isfinite(p.estimate)
-             ? fmt::format("{} states, estimated error {:.3g} %", p.states, 100 * p.estimate)
-             : fmt::format("{} states", p.states);
+  const std::string states = fmt::format("{} of at most {} states", p.states, p.most_states);
+  return std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} %", states, 100 * p.estimate) : states;
 }
+
+// The share done: of the logarithm of the error, which falls about by halves, or of the states that there may be, whichever
+// is more; it never goes back.
+class Share {
+ public:
+  explicit Share(double error) : error_(error) {}
+  double operator()(const PlacementProgress& p) {
+    if (first_ == 0 && std::isfinite(p.estimate)) first_ = p.estimate;
+    if (first_ > error_ && p.estimate > 0) most_ = std::max(most_, std::log(first_ / p.estimate) / std::log(first_ / error_));
+    if (p.most_states > 0) most_ = std::max(most_, static_cast<double>(p.states) / static_cast<double>(p.most_states));
+    return most_ = std::clamp(most_, 0.0, 1.0);
+  }
+
+ private:
+  double error_, first_ = 0, most_ = 0;
+};
 
 // Why the answer is incomplete; empty where it is not.
 std::string complaint(const PlacementReport& report, double error) {
@@ -63,8 +79,8 @@ std::string complaint(const PlacementReport& report, double error) {
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
                        report.states, report.estimate.held(), error, report.failed);
   if (!report.truth_holds)
-    return fmt::format("the true error of {:.3g} at {} random positions is above {:.3g}", report.truth.held(),
-                       report.truth_samples, error);
+    return fmt::format("the true error of {:.3g} at {} positions is above {:.3g}", report.truth.held(),
+                       report.truth_samples + report.truth_on_surface, error);
   return {};
 }
 
@@ -84,18 +100,13 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   options.stop = stop.get_token();
 
   std::optional<Progress> progress(std::in_place, globals, "generate");
-  double first = 0;
+  Share share(error);
   std::optional<InterruptWatch> watch(std::in_place);
   const PlacementReport report = place_states(
       scene.body, options, file.read_all(), [&](State state) { file.append(std::span(&state, 1)); },
       [&](const PlacementProgress& p) {
         if (watch->raised()) stop.request_stop();
-        // The error falls about by halves: the share done is that of its logarithm.
-        if (first == 0 && std::isfinite(p.estimate)) first = p.estimate;
-        const bool known = first > error && p.estimate > error;
-        progress->show(
-            known ? std::clamp(std::log(first / p.estimate) / std::log(first / error), 0.0, 1.0) : 0.0,
-            in_words(p));
+        progress->show(share(p), in_words(p));
       });
   watch.reset();
   progress.reset();
@@ -107,7 +118,8 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
   if (report.truth_samples > 0)
     say(globals,
-        fmt::format("true error at {} random positions: {}{}", report.truth_samples, in_words(report.truth),
+        fmt::format("true error at {} random positions, the largest also at {} on the faces of the box: {}{}",
+                    report.truth_samples, report.truth_on_surface, in_words(report.truth),
                     report.truth_is_fresh ? "" : " (some of them became states)"));
   const std::string why = complaint(report, error);
   if (why.empty()) return 0;

@@ -56,7 +56,7 @@ Run read_run(const std::filesystem::path& folder) {
           read_summary(folder / "summary.json"),
           {}};
   for (std::size_t row = 0; row < run.dispatch.rows(); ++row) {
-    const std::string& status = run.dispatch.text(row, "status");
+    const std::string_view status = run.dispatch.text(row, "status");
     const double finished = run.dispatch.number(row, "finished"), known = run.dispatch.number(row, "known");
     if ((status != "solved" && status != "arrived") || !std::isfinite(finished)) continue;
     State state;
@@ -143,12 +143,16 @@ std::string figure(const Figure& f) {
   return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
 }
 
-std::string pictures(const Run& run, const Scene& scene) {
+SliceInput slice_input(const Run& run) {
+  return {{run.frames.numbers("x"), run.frames.numbers("y"), run.frames.numbers("z")}, run.frames.numbers("t"), run.states};
+}
+
+std::string pictures(const Run& run, const Scene& scene, Picture slice) {
   if (!have_gnuplot())
     return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
   // Each is a gnuplot of its own: side by side.
   const auto drawn = [](auto make) { return std::async(std::launch::async, [make] { return figure(make()); }); };
-  std::future<std::string> slice = drawn([&] { return slice_figure(run, scene.space); });
+  if (!slice.valid()) slice = drawn([&] { return slice_figure(slice_input(run), scene.space); }).share();
   std::future<std::string> time = drawn([&] { return time_figure(run); });
   std::future<std::string> start = drawn([&] { return start_figure(run); });
   std::future<std::string> deadlines = has_deadlines(run) ? drawn([&] { return deadline_figure(run); }) : std::future<std::string>();
@@ -222,7 +226,28 @@ std::string provenance_section(const Json& summary) {
 
 }  // namespace
 
-void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals&) {
+Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space) {
+  SliceInput slice;
+  for (const FrameRecord& f : result.frames) {
+    slice.t.push_back(f.t);
+    for (std::size_t axis = 0; axis < 3; ++axis) slice.path[axis].push_back(f.at[static_cast<Eigen::Index>(axis)]);
+  }
+  const auto take = [&](double known, const Vec3& at) {
+    State state;
+    state.at = at;
+    slice.states.emplace_back(known, std::move(state));
+  };
+  for (const DispatchRecord& d : result.dispatch)
+    if ((d.status == "solved" || d.status == "arrived") && std::isfinite(d.finished))
+      take(std::isfinite(d.known) ? d.known : d.finished, d.at);
+  for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) take(0.0, result.states[i].at);
+  std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
+  return std::async(std::launch::async, [slice = std::move(slice), space] {
+           return have_gnuplot() ? figure(slice_figure(slice, space)) : std::string();
+         }).share();
+}
+
+void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals&, const Picture& slice) {
   const Run run = read_run(run_folder);
   const Json& s = run.summary;
   std::string html = fmt::format(
@@ -232,7 +257,7 @@ void write_report(const std::filesystem::path& run_folder, const Scene& scene, c
       shown(at_path(s, {"policy"})), shown(at_path(s, {"switch", "rule"})), shown(at_path(s, {"workers"})),
       shown(at_path(s, {"select"})), shown(at_path(s, {"seed"})), scene.body->mesh.tets.size(),
       name(scene.body->material.law));
-  html += tiles(s) + notes(s, scene) + pictures(run, scene) + by_label_table(s) + all_numbers(s) +
+  html += tiles(s) + notes(s, scene) + pictures(run, scene, slice) + by_label_table(s) + all_numbers(s) +
           provenance_section(s);
   OutputFile file(run_folder / "report.html");
   file.write(html_page("Forefeel: " + scene.file.filename().string(), html));

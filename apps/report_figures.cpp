@@ -39,7 +39,7 @@ double largest(const std::vector<double>& values, double at_least) {
 std::string strip_blocks(const Run& run, const std::vector<double>& t) {
   std::array<std::string, labels.size()> boxes;
   for (std::size_t begin = 0, end = 0; begin < t.size(); begin = end) {
-    const std::string& text = run.frames.text(begin, "label");
+    const std::string_view text = run.frames.text(begin, "label");
     while (end < t.size() && run.frames.text(end, "label") == text) ++end;
     const double until = end < t.size() ? t[end] : t.back();
     for (std::size_t i = 0; i < labels.size(); ++i)
@@ -169,6 +169,7 @@ struct LabelBoxes {
       Label label;
     };
     std::vector<Strip> open;
+    PathWalk walk;
     const auto close = [&](const Strip& strip, int row) {
       const double left = window.left + strip.begin * step, right = window.left + strip.end * step;
       const double low = window.bottom + strip.row * step, high = window.bottom + row * step;
@@ -182,7 +183,7 @@ struct LabelBoxes {
         Vec3 q = Vec3::Constant(plane.level);
         q[plane.across] = window.left + (i + 0.5) * step;
         q[plane.up] = window.bottom + (row + 0.5) * step;
-        const Label label = space.coverage(q).label;
+        const Label label = space.label(q, walk);
         if (here.empty() || here.back().label != label) here.push_back({i, i, row, label});
         here.back().end = i + 1;
       }
@@ -200,24 +201,34 @@ struct LabelBoxes {
   }
 };
 
-std::string panel(const Run& run, const StateSpaceOptions& options, const Plane& plane, const Window& window,
-                  const std::array<std::vector<double>, 3>& path, const std::vector<double>& t, double until,
-                  int number) {
-  StateSpace space(options);
+// The states known so far, and where they are drawn [mm].
+struct KnownStates {
+  StateSpace space;
   std::string in_plane, elsewhere;
-  for (const auto& [known_at, state] : run.states) {
-    if (known_at > until || !space.insert(state).is_new) continue;
-    const bool near = std::abs(state.at[plane.through] - plane.level) <= 0.5 * options.spacing;
-    (near ? in_plane : elsewhere) +=
-        fmt::format("{:.5g} {:.5g}\n", 1e3 * state.at[plane.across], 1e3 * state.at[plane.up]);
+  std::size_t taken = 0;   // of the slice's
+
+  void grow(const SliceInput& slice, const Plane& plane, double until) {
+    for (; taken < slice.states.size() && slice.states[taken].first <= until; ++taken) {
+      const State& state = slice.states[taken].second;
+      if (!space.insert(state).is_new) continue;
+      const bool near = std::abs(state.at[plane.through] - plane.level) <= 0.5 * space.options().spacing;
+      (near ? in_plane : elsewhere) +=
+          fmt::format("{:.5g} {:.5g}\n", 1e3 * state.at[plane.across], 1e3 * state.at[plane.up]);
+    }
   }
-  const LabelBoxes boxes(space, plane, window, 110);
+};
+
+std::string panel(const SliceInput& slice, KnownStates& known, const Plane& plane, const Window& window, double until,
+                  int number) {
+  const auto& [path, t, states] = slice;
+  known.grow(slice, plane, until);
+  const LabelBoxes boxes(known.space, plane, window, 110);
   std::string script;
   for (const Label label : labels)
     script += data_block(fmt::format("slice{}_{}", number, name(label)),
                          boxes.lines[static_cast<std::size_t>(label)]);
-  script += data_block(fmt::format("in_plane{}", number), in_plane) +
-            data_block(fmt::format("elsewhere{}", number), elsewhere);
+  script += data_block(fmt::format("in_plane{}", number), known.in_plane) +
+            data_block(fmt::format("elsewhere{}", number), known.elsewhere);
   const auto past = static_cast<std::size_t>(std::ranges::upper_bound(t, until) - t.begin());
   std::string trail;
   const std::size_t stride = std::max<std::size_t>(1, t.size() / 1500);
@@ -226,7 +237,7 @@ std::string panel(const Run& run, const StateSpaceOptions& options, const Plane&
                          1e3 * path[static_cast<std::size_t>(plane.up)][i]);
   script += data_block(fmt::format("trail{}", number), trail);
   script += fmt::format("set title 'after {:.3g} s, {} states' textcolor rgb '#3a3a3a'\nplot ", until,
-                        space.size());
+                        known.space.size());
   for (const Label label : labels)
     script +=
         fmt::format("$slice{}_{} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder fc rgb '{}' notitle, ",
@@ -310,13 +321,11 @@ Figure start_figure(const Run& run) {
               curves.plot(0, end)};
 }
 
-Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
-  const std::array<std::vector<double>, 3> path{run.frames.numbers("x"), run.frames.numbers("y"),
-                                                run.frames.numbers("z")};
-  const std::vector<double> t = run.frames.numbers("t");
+Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space) {
+  const auto& [path, t, states] = slice;
   const Plane plane = plane_of_most_motion(path);
   const auto range = [&](int axis) {
-    const std::vector<double>& values = path[static_cast<std::size_t>(axis)];
+    const std::vector<double>& values = slice.path[static_cast<std::size_t>(axis)];
     const double margin = 0.5 * space.spacing;
     const double low = values.empty() ? 0 : std::ranges::min(values),
                  high = values.empty() ? 0 : std::ranges::max(values);
@@ -341,8 +350,9 @@ Figure slice_figure(const Run& run, const StateSpaceOptions& space) {
           1e3 * space.box.high[plane.across], 1e3 * space.box.high[plane.up]) +
       fmt::format("set ylabel '{}, mm' offset 1\n", axes[plane.up]);
   int number = 0;
+  KnownStates known{StateSpace(space), {}, {}};
   for (const double share : {0.125, 0.5, 1.0}) {
-    script += panel(run, space, plane, window, path, t, share * end, ++number);
+    script += panel(slice, known, plane, window, share * end, ++number);
     script += "unset ylabel\n";
   }
   return {"slice",

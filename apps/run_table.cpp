@@ -6,22 +6,25 @@
 #include <charconv>
 #include <fstream>
 #include <limits>
+#include <sstream>
+#include <utility>
 
 #include "geometry/error.hpp"
 
 namespace forefeel {
 namespace {
 
-void split(const std::string& line, std::vector<std::string>& cells) {
+template <class Cells>
+void split(std::string_view line, Cells& cells) {
   for (std::size_t begin = 0;;) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.emplace_back(line, begin, end - begin);
+    cells.emplace_back(line.substr(begin, end - begin));
     if (end == line.size()) return;
     begin = end + 1;
   }
 }
 
-double parsed(const std::string& cell) {
+double parsed(std::string_view cell) {
   double value = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   const bool whole = error == std::errc{} && end == cell.data() + cell.size() && !cell.empty();
@@ -34,11 +37,17 @@ RunTable RunTable::read(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw InputError(file.string(), "cannot be read, expected a file of a run");
   RunTable table;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (line.ends_with('\r')) line.pop_back();
+  std::ostringstream all;
+  all << in.rdbuf();
+  table.file_ = std::make_shared<const std::string>(std::move(all).str());
+  std::string_view left = *table.file_;
+  for (std::size_t number = 1; !left.empty(); ++number) {
+    std::string_view line = left.substr(0, left.find('\n'));
+    left.remove_prefix(std::min(left.size(), line.size() + 1));
+    if (line.ends_with('\r')) line.remove_suffix(1);
     if (number == 1) {
       split(line, table.columns_);
+      table.cells_.reserve(table.columns_.size() * static_cast<std::size_t>(std::ranges::count(left, '\n') + 1));
       continue;
     }
     const std::size_t before = table.cells_.size();
@@ -58,10 +67,9 @@ std::optional<std::size_t> RunTable::index(std::string_view column) const {
   return static_cast<std::size_t>(found - columns_.begin());
 }
 
-const std::string& RunTable::text(std::size_t row, std::string_view column) const {
-  static const std::string none;
+std::string_view RunTable::text(std::size_t row, std::string_view column) const {
   const std::optional<std::size_t> at = index(column);
-  return at ? cells_[row * columns_.size() + *at] : none;
+  return at ? cells_[row * columns_.size() + *at] : std::string_view();
 }
 
 double RunTable::number(std::size_t row, std::string_view column) const {

@@ -12,10 +12,64 @@
 #include <cassert>
 #include <cmath>
 
+#include "geometry/integer_predicates.hpp"
+
 namespace forefeel {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+// CGAL's exact predicates, with the signs that rounding leaves open decided on integers where the points allow it.
+struct Kernel : CGAL::Exact_predicates_inexact_constructions_kernel {
+  using Exact = CGAL::Exact_predicates_inexact_constructions_kernel;
+  using Point = Exact::Point_3;
+  static std::array<double, 3> coordinates(const Point& p) { return {p.x(), p.y(), p.z()}; }
+
+  struct Orientation_3 : Exact::Orientation_3 {
+    using Exact::Orientation_3::operator();
+    CGAL::Orientation operator()(const Point& p, const Point& q, const Point& r, const Point& s) const {
+      const Vec3 a(q.x() - p.x(), q.y() - p.y(), q.z() - p.z()), b(r.x() - p.x(), r.y() - p.y(), r.z() - p.z()),
+          c(s.x() - p.x(), s.y() - p.y(), s.z() - p.z());
+      const double volume = a.dot(b.cross(c));
+      // Six products of three differences, each rounded by at most 9 units in the last place with those of the sums.
+      const double bound = 1e-14 * a.cwiseAbs().maxCoeff() * b.cwiseAbs().maxCoeff() * c.cwiseAbs().maxCoeff();
+      if (std::abs(volume) > bound && bound > 1e-250) return volume > 0 ? CGAL::POSITIVE : CGAL::NEGATIVE;
+      const GridPoints<4> grid({coordinates(p), coordinates(q), coordinates(r), coordinates(s)});
+      if (!grid.exact()) return Exact::Orientation_3()(p, q, r, s);
+      return static_cast<CGAL::Orientation>(orientation_sign(grid(1, 0), grid(2, 0), grid(3, 0)));
+    }
+  };
+  Orientation_3 orientation_3_object() const { return {}; }
+
+  struct Side_of_oriented_sphere_3 : Exact::Side_of_oriented_sphere_3 {
+    CGAL::Oriented_side operator()(const Point& p, const Point& q, const Point& r, const Point& s, const Point& t) const {
+      const Vec3 o = vec(t), a = vec(p) - o, b = vec(r) - o, c = vec(q) - o, d = vec(s) - o;
+      const double aa = a.squaredNorm(), bb = b.squaredNorm(), cc = c.squaredNorm(), dd = d.squaredNorm();
+      const Vec3 ab = a.cross(b), cd = c.cross(d);
+      const double sum = dd * ab.dot(c) - cc * ab.dot(d) + bb * cd.dot(a) - aa * cd.dot(b);
+      const Vec3 most = a.cwiseAbs().cwiseMax(b.cwiseAbs()).cwiseMax(c.cwiseAbs()).cwiseMax(d.cwiseAbs());
+      // 24 products, each at most this one, rounded by at most 24 units in the last place with those of the sums.
+      const double bound = 1.5e-13 * most.prod() * std::max({aa, bb, cc, dd});
+      if (std::abs(sum) > bound && bound > 1e-250) return sum > 0 ? CGAL::ON_POSITIVE_SIDE : CGAL::ON_NEGATIVE_SIDE;
+      const GridPoints<5> grid({coordinates(p), coordinates(q), coordinates(r), coordinates(s), coordinates(t)});
+      if (!grid.exact()) return Exact::Side_of_oriented_sphere_3()(p, q, r, s, t);
+      return static_cast<CGAL::Oriented_side>(sphere_sign(grid(0, 4), grid(2, 4), grid(1, 4), grid(3, 4)));
+    }
+  };
+  Side_of_oriented_sphere_3 side_of_oriented_sphere_3_object() const { return {}; }
+
+  static Vec3 vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
+};
+
+}  // namespace
+}  // namespace forefeel
+
+template <>
+struct CGAL::Triangulation_structural_filtering_traits<forefeel::Kernel> {   // as for the kernel it derives from
+  using Use_structural_filtering_tag = CGAL::Tag_true;
+};
+
+namespace forefeel {
+namespace {
+
 struct CellNote {
   std::int32_t watches = -1;   // head of a list in Impl::links
 };

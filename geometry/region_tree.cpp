@@ -119,12 +119,7 @@ const Thresholds* RegionTree::limits_over(const RegionNode& node) {
 
 Label RegionTree::label_at(const Vec3& q) {
   if (!grid_.box.contains(q)) return label_of(q, walk_);
-  std::array<std::int32_t, 3> voxel;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    voxel[axis] =
-        std::clamp(static_cast<std::int32_t>(std::floor((q[a] - grid_.origin[a]) / voxel_)), 0, voxels_[axis] - 1);
-  }
+  const std::array<std::int32_t, 3> voxel = grid_.voxel_of(q);
   std::int32_t index = root_of(voxel);
   for (;;) {
     if (node(index).waiting >= 0) pass_on(index);

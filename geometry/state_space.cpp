@@ -9,6 +9,7 @@
 #include "geometry/coverage_query.hpp"
 #include "geometry/error.hpp"
 #include "geometry/regions.hpp"
+#include "geometry/voxel_grid.hpp"
 
 namespace forefeel {
 
@@ -18,12 +19,14 @@ struct StateSpace::Impl {
   PointOctree points;
   DelaunayIndex delaunay;
   Thresholds limits;
+  VoxelGrid voxels;   // of the regions
   std::unique_ptr<Regions> regions;
   StateId last;   // of insert(): paths arrive in order
 
   explicit Impl(StateSpaceOptions given)
       : options(std::move(given)),
-        limits(options.coverage, options.spacing, options.merge_distance * options.spacing) {}
+        limits(options.coverage, options.spacing, options.merge_distance * options.spacing),
+        voxels(options.box, options.spacing / 4) {}
 
   double spacing_at(const Vec3& q) const { return options.lattice ? options.lattice->spacing_at(q) : options.spacing; }
   Thresholds limits_at(const Vec3& q) const {
@@ -79,6 +82,11 @@ Label StateSpace::label(const Vec3& q, PathWalk& walk) const {
   const CoverageQuery query(impl_->points, impl_->delaunay);
   if (!walk.near.valid()) walk.near = impl_->hint(q);
   return impl_->options.lattice ? query.label(q, walk, impl_->limits_at(q)) : query.label(q, walk, impl_->limits);
+}
+
+// A leaf has the label of the middle of each of its voxels.
+Label StateSpace::region_label(const Vec3& q) const {
+  return label(impl_->options.box.contains(q) ? impl_->voxels.centre(impl_->voxels.voxel_of(q)) : q);
 }
 
 double StateSpace::spacing_at(const Vec3& q) const { return impl_->spacing_at(q); }

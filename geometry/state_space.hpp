@@ -49,6 +49,7 @@ class StateSpace {
   Coverage coverage(const Vec3& q) const;                                   // label and its measures at q
   Label label(const Vec3& q) const;                                         // the same label, cheaper
   Label label(const Vec3& q, PathWalk& walk) const;                         // the same, cheapest along a path
+  Label region_label(const Vec3& q) const;                                  // regions().label_at(q) without any regions
   double spacing_at(const Vec3& q) const;                                   // h(q) [m]
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;     // by distance, ties by id
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;            // the same order

@@ -65,14 +65,16 @@ StateWriter::StateWriter(StateWriter&&) noexcept = default;
 StateWriter& StateWriter::operator=(StateWriter&&) noexcept = default;
 
 void StateWriter::push(State state) {
+  bool first = false;
   {
     const std::lock_guard lock(impl_->mutex);
     if (impl_->failure) std::rethrow_exception(impl_->failure);
-    if (impl_->waiting.empty()) impl_->first_waiting = Impl::Clock::now();
+    first = impl_->waiting.empty();
+    if (first) impl_->first_waiting = Impl::Clock::now();
     impl_->waiting.push_back(std::move(state));
     ++impl_->pushed;
   }
-  impl_->wake.notify_one();
+  if (first) impl_->wake.notify_one();   // it looks for the others itself
 }
 
 void StateWriter::flush() {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "geometry/types.hpp"
 
@@ -23,6 +24,16 @@ struct VoxelGrid {
   }
 
   Vec3 low_of(const std::array<std::int32_t, 3>& voxel) const { return origin + side * Vec3(voxel[0], voxel[1], voxel[2]); }
+  // Of a place in the box.
+  std::array<std::int32_t, 3> voxel_of(const Vec3& q) const {
+    std::array<std::int32_t, 3> voxel{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      const double last = std::min(count[axis] - 1, 2147483647.0);
+      voxel[axis] = static_cast<std::int32_t>(std::clamp(std::floor((q[a] - origin[a]) / side), 0.0, last));
+    }
+    return voxel;
+  }
   // The cube of `width` voxels above `low`, cut off at the box.
   Box cube(const std::array<std::int32_t, 3>& low, double width) const {
     const Vec3 corner = low_of(low);

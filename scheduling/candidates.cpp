@@ -213,7 +213,7 @@ void Candidates::refresh_regions() {
 }
 
 Candidate Candidates::refreshed(Candidate candidate) const {
-  candidate.region = space_.regions().label_at(candidate.at);
+  candidate.region = space_.region_label(candidate.at);
   std::vector<StateId> nearest;
   space_.nearest(candidate.at, 1, nearest);
   if (!nearest.empty()) candidate.delta = (space_[nearest[0]].at - candidate.at).norm();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -17,6 +18,7 @@ constexpr double reach = 2;                                // of a state, in spa
 constexpr double surely = 2;                               // spacings: the path is as good as its deviation is below
 constexpr double least_need = 1e-15;                       // less is none
 constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};   // H / h
+constexpr std::uint32_t nobody = 0xffffffffu;
 
 double lack(Label label, int scale) {
   switch (label) {
@@ -41,22 +43,96 @@ Vec3 folded(const Vec3& x, const Box& box) {
   return inside;
 }
 
-// out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+; xyz: 3 x #candidates, a coordinate a row.
+// out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a coordinate a row.
 FOREFEEL_CLONES
-void add_worth(std::size_t count, const double* __restrict xyz, const double* q, const double* need,
-               const double* inverse, double* __restrict out) {
+void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz, const double* q,
+               const double* need, const double* inverse, double* __restrict out) {
   const double* __restrict x = xyz;
   const double* __restrict y = xyz + count;
   const double* __restrict z = xyz + 2 * count;
   const double qx = q[0], qy = q[1], qz = q[2];
   const double n0 = need[0], n1 = need[1], n2 = need[2], i0 = inverse[0], i1 = inverse[1], i2 = inverse[2];
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
     const double dx = x[i] - qx, dy = y[i] - qy, dz = z[i] - qz;
     const double d2 = dx * dx + dy * dy + dz * dz;
     const double m0 = 1 - d2 * i0, m1 = 1 - d2 * i1, m2 = 1 - d2 * i2;
     out[i] += n0 * (m0 > 0 ? m0 : 0.0) + n1 * (m1 > 0 ? m1 : 0.0) + n2 * (m2 > 0 ? m2 : 0.0);
   }
 }
+
+// Candidates in the order of the cubes they lie in, so that those within reach of a place are a few runs of them.
+class CandidateRows {
+ public:
+  CandidateRows(std::span<const Candidate> candidates, double side) : side_(side), count_(candidates.size()) {
+    const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = -far;
+    low_ = far;
+    for (const Candidate& c : candidates) low_ = low_.cwiseMin(c.at), high = high.cwiseMax(c.at);
+    for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
+    while (cubes_[0] * cubes_[1] * cubes_[2] > std::max<std::int64_t>(1, static_cast<std::int64_t>(count_ / 4))) {
+      side_ *= 2;
+      for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
+    }
+    begin_.assign(static_cast<std::size_t>(cubes_[0] * cubes_[1] * cubes_[2]) + 1, 0);
+    std::vector<std::uint32_t> of(count_);
+    for (std::size_t i = 0; i < count_; ++i) ++begin_[(of[i] = row_of(candidates[i].at)) + 1];
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    order_.resize(count_);
+    xyz_.resize(3 * count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const std::size_t place = next[of[i]]++;
+      order_[place] = static_cast<std::uint32_t>(i);
+      for (std::size_t k = 0; k < 3; ++k) xyz_[k * count_ + place] = candidates[i].at[static_cast<Eigen::Index>(k)];
+    }
+  }
+  const double* xyz() const { return xyz_.data(); }
+  std::uint32_t candidate(std::size_t place) const { return order_[place]; }
+
+  // visit(first, last) for runs that hold all candidates within `radius` of q, and some others; disjoint.
+  template <class Visit>
+  void near(const Vec3& q, double radius, Visit&& visit) const {
+    std::array<std::int64_t, 3> from{}, until{};
+    for (int k = 0; k < 3; ++k) {
+      if (q[k] + radius < low_[k]) return;
+      from[static_cast<std::size_t>(k)] = cube(q[k] - radius, k, cubes_[k]);
+      until[static_cast<std::size_t>(k)] = cube(q[k] + radius, k, cubes_[k] - 1);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      if (from[k] > until[k]) return;
+    const auto run = [&](std::int64_t i, std::int64_t j, std::int64_t i_last, std::int64_t j_last) {
+      const std::size_t first = begin_[static_cast<std::size_t>((i * cubes_[1] + j) * cubes_[2] + from[2])],
+                        last = begin_[static_cast<std::size_t>((i_last * cubes_[1] + j_last) * cubes_[2] + until[2]) + 1];
+      if (first < last) visit(first, last);
+    };
+    const auto whole = [&](std::size_t k) { return from[k] == 0 && until[k] == cubes_[k] - 1; };
+    if (whole(2) && whole(1)) return run(from[0], 0, until[0], until[1]);
+    for (std::int64_t i = from[0]; i <= until[0]; ++i) {
+      if (whole(2)) {
+        run(i, from[1], i, until[1]);
+        continue;
+      }
+      for (std::int64_t j = from[1]; j <= until[1]; ++j) run(i, j, i, j);
+    }
+  }
+
+ private:
+  std::int64_t cube(double x, int axis, std::int64_t most) const {
+    return static_cast<std::int64_t>(std::clamp(std::floor((x - low_[axis]) / side_), 0.0, static_cast<double>(most)));
+  }
+  std::uint32_t row_of(const Vec3& x) const {
+    std::int64_t row = 0;
+    for (int k = 0; k < 3; ++k) row = row * cubes_[k] + cube(x[k], k, cubes_[k] - 1);
+    return static_cast<std::uint32_t>(row);
+  }
+
+  double side_;
+  std::size_t count_;
+  Vec3 low_;
+  std::int64_t cubes_[3]{};
+  std::vector<std::uint32_t> begin_, order_;   // first of each cube, and whose they are
+  std::vector<double> xyz_;                    // 3 x #candidates, in that order
+};
 
 }  // namespace
 
@@ -73,8 +149,26 @@ struct CoverageNeed::Index {
     const StateId id{static_cast<std::uint32_t>(k)};
     if (delaunay.insert(id, at, {points.nearest(at).id}) == id) points.insert(id.value, at);
   }
-  Label label(const Vec3& q, std::size_t scale) const {
-    return CoverageQuery(points, delaunay).label(q, {points.nearest(q).id}, limits[scale]);
+  // Of a blank place also the axis of an empty cone that proves it, zero where there is none.
+  Label label(const Vec3& q, std::size_t scale, Vec3* axis = nullptr) const {
+    const CoverageQuery query(points, delaunay);
+    const Thresholds& limit = limits[scale];
+    const auto near = points.nearest(q, limit.sparse_distance).id;
+    if (near != nobody) return query.label(q, {near}, limit);   // safe lies within the distance, too
+    if (points.size() == 0) return Label::blank;
+    Vec3 witness = Vec3::Zero();
+    const bool gap = query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, axis ? &witness : nullptr);
+    if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
+    return gap ? Label::gap : Label::blank;
+  }
+  // Whether a state at p may change the label of a place: of a sparse one or a gap those within 2 H may, of a blank one
+  // those near enough to make it sparse, and those within 8 H that fall into its empty cone.
+  bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale, double h) const {
+    const Vec3 to = p - q;
+    const double distance = to.norm(), H = multiples[scale] * h;
+    if (distance > (now == Label::blank ? 8 : 2) * H) return false;
+    if (now != Label::blank || axis.isZero(0) || distance <= 1.001 * limits[scale].sparse_distance) return true;
+    return axis.dot(to) > (limits[scale].gap_cos - 1e-6) * distance;
   }
 };
 
@@ -104,22 +198,20 @@ void CoverageNeed::begin(const StateSpace& space) {
 }
 
 void CoverageNeed::relabel(Place& place, std::size_t s) const {
-  if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s);
+  if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s, &place.axis[s]);
 }
 
-// Labels never get worse, so what is safe at a spacing is not asked again, nor what a state is too far away to change:
-// of a sparse place or a gap those within 2 H decide, of a blank one those within 8 H.
+// Labels never get worse, so what is safe at a spacing is not asked again, nor what a state cannot change.
 void CoverageNeed::learn(const StateSpace& space, std::span<const float> surprises) {
   const double h = space.options().spacing;
   for (; known_ < space.size(); ++known_) {
     const State& state = space[StateId{static_cast<std::uint32_t>(known_)}];
     if (known_ < surprises.size() && std::isfinite(surprises[known_])) teach(state.at, surprises[known_]);
     index_->insert(known_, state.at);
-    for (Place& place : box_) {
-      const double near = (place.at - state.at).norm() / h;
+    for (Place& place : box_)
       for (std::size_t s = 0; s < scales; ++s)
-        if (near <= (place.label[s] == Label::blank ? 8 : 2) * multiples[s]) place.due[s] = true;
-    }
+        if (!place.due[s] && place.label[s] != Label::safe)
+          place.due[s] = index_->may_change(place.at, place.label[s], place.axis[s], state.at, s, h);
   }
   for (Place& place : box_)
     for (std::size_t s = 0; s < scales; ++s)
@@ -259,23 +351,29 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double
   std::ranges::fill(out, 0.0);
   if (!space_) return;
   const std::size_t count = candidates.size();
-  std::vector<double> xyz(3 * count);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t k = 0; k < 3; ++k) xyz[k * count + i] = candidates[i].at[static_cast<Eigen::Index>(k)];
+  if (count == 0) return;
+  const double h = space_->options().spacing;
+  const CandidateRows rows(candidates, reach * h);
+  std::vector<double> worth(count, 0.0);
   double inverses[scales];
-  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
+  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * h, 2);
   for (std::size_t i = 0; i < left_.places(); ++i) {
     NeedLeft::Needs needs = left_.left(i);
-    bool any = false;
-    for (double& need : needs) {
-      if (!(need > least_need)) need = 0;
-      any = any || need > 0;
+    double farthest = 0;   // that a state mends the place from
+    for (std::size_t s = 0; s < scales; ++s) {
+      if (!(needs[s] > least_need)) needs[s] = 0;
+      if (needs[s] > 0) farthest = std::max(farthest, reach * multiples[s] * h);
     }
-    if (any) add_worth(count, xyz.data(), left_.at(i).data(), needs.data(), inverses, out.data());
+    if (!(farthest > 0)) continue;
+    const Vec3 q = left_.at(i);
+    rows.near(q, 1.001 * farthest, [&](std::size_t first, std::size_t last) {
+      add_worth(first, last, count, rows.xyz(), q.data(), needs.data(), inverses, worth.data());
+    });
   }
+  for (std::size_t place = 0; place < count; ++place) out[rows.candidate(place)] = worth[place];
   for (const auto& [at, more] : corners_)
     for (std::size_t i = 0; i < count; ++i)
-      if ((candidates[i].at - at).squaredNorm() < 1e-12 * space_->options().spacing * space_->options().spacing) out[i] += more;
+      if ((candidates[i].at - at).squaredNorm() < 1e-12 * h * h) out[i] += more;
 }
 
 }  // namespace forefeel

@@ -50,6 +50,7 @@ class CoverageNeed {
     Vec3 at;
     double weight = 0;
     std::array<Label, scales> label{Label::blank, Label::blank, Label::blank};
+    std::array<Vec3, scales> axis{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};   // of an empty cone where it is blank
     std::array<bool, scales> due{};   // to be labelled anew
   };
   void begin(const StateSpace& space);

@@ -40,7 +40,7 @@ double quantile(std::vector<double>& sorted, double share) {
 // uniform: how many of the first values the quantiles are of; the maximum is of all.
 ErrorQuantiles quantiles_of(std::span<const double> values, std::size_t uniform) {
   ErrorQuantiles result;
-  if (values.empty()) return result;
+  if (uniform == 0) return result;
   std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(uniform));
   std::ranges::sort(sorted);
   result.p50 = quantile(sorted, 0.5);
@@ -205,7 +205,34 @@ class Placement {
     for (const Vec3& x : points_.at) values.push_back(estimator_(x));
     report_.estimate = quantiles_of(values, points_.uniform);
     report_.estimate_holds = report_.estimate.held() <= options_.error;
-    progress_({.states = space_.size(), .estimate = report_.estimate.held()});
+    progress_({.states = space_.size(), .most_states = limit_, .estimate = report_.estimate.held()});
+  }
+
+  // Random positions in the box, then its corners and random ones on its edges and faces, where a model that was
+  // made within extrapolates; those that are states already are left out there.
+  std::vector<Vec3> truth_positions(std::size_t round) const {
+    const Box& box = options_.space.box;
+    const std::uint64_t seed = mix(options_.seed, round);
+    const auto share = [&](std::uint64_t i) {
+      const std::uint64_t key = mix(seed, i);
+      return Vec3(uniform(mix(key, 1)), uniform(mix(key, 2)), uniform(mix(key, 3)));
+    };
+    std::vector<Vec3> at;
+    for (std::size_t i = 0; i < options_.truth_samples; ++i) at.push_back(box.low + box.size().cwiseProduct(share(i)));
+    // 27 parts of the surface and the inside: -1, 0 or 1 on each axis, 0 for in between.
+    std::uint64_t key = std::uint64_t{1} << 32;
+    for (int part = 0; part < 27; ++part) {
+      const int on[] = {part % 3 - 1, part / 3 % 3 - 1, part / 9 - 1};
+      const int free = (on[0] == 0) + (on[1] == 0) + (on[2] == 0);
+      for (int i = 0; free < 3 && i < (free == 0 ? 1 : 2); ++i) {
+        Vec3 x = share(key++);
+        for (int axis = 0; axis < 3; ++axis)
+          if (on[axis] != 0) x[axis] = on[axis] > 0 ? 1 : 0;
+        x = box.low + box.size().cwiseProduct(x);
+        if (!space_.find(x).valid()) at.push_back(x);
+      }
+    }
+    return at;
   }
 
   // Sample `round` of the truth, solved once; true where the error holds on it (or none is wanted).
@@ -213,14 +240,10 @@ class Placement {
     report_.truth_holds = true;
     if (options_.truth_samples == 0) return true;
     if (truth_round_ != round || truth_.empty()) {
-      std::vector<Vec3> at;
-      for (std::size_t i = 0; i < options_.truth_samples; ++i) {
-        const std::uint64_t key = mix(mix(options_.seed, round), i);
-        const Vec3 share(uniform(mix(key, 1)), uniform(mix(key, 2)), uniform(mix(key, 3)));
-        at.push_back(options_.space.box.low + options_.space.box.size().cwiseProduct(share));
-      }
+      const std::vector<Vec3> at = truth_positions(round);
       truth_ = solve_all(body_, at, options_, report_.threads, [&](std::size_t done) {
         progress_({.states = space_.size(),
+                   .most_states = limit_,
                    .estimate = report_.estimate.held(),
                    .truth_done = done,
                    .truth_total = at.size()});
@@ -228,10 +251,12 @@ class Placement {
       truth_round_ = round;
       report_.truth_solved += truth_.size();
     }
-    report_.truth_failed = static_cast<std::size_t>(
-        std::ranges::count_if(truth_, [](const State& state) { return !state.usable(); }));
-    report_.truth_samples = truth_.size() - report_.truth_failed;
-    report_.truth = true_error(estimator_, truth_, options_.estimate.floor);
+    const auto usable = [](const State& state) { return state.usable(); };
+    const auto within = truth_.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
+    report_.truth_samples = static_cast<std::size_t>(std::count_if(truth_.begin(), within, usable));
+    report_.truth_on_surface = static_cast<std::size_t>(std::count_if(within, truth_.end(), usable));
+    report_.truth_failed = truth_.size() - report_.truth_samples - report_.truth_on_surface;
+    report_.truth = true_error(estimator_, truth_, options_.estimate.floor, options_.truth_samples);
     report_.truth_is_fresh = !truth_decided();
     report_.truth_holds = !options_.stop.stop_requested() && report_.truth.held() <= options_.error;
     return report_.truth_holds;
@@ -302,13 +327,17 @@ std::optional<WorstPosition> worst_position(ErrorEstimator& estimator, const Sta
   return worst;
 }
 
-ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor) {
+ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor,
+                          std::size_t uniform) {
   std::vector<double> errors;
-  for (const State& state : truth)
-    if (state.usable())
-      errors.push_back((estimator.force(state.at) - state.force).norm() /
-                       std::max(state.force.norm(), floor));
-  return quantiles_of(errors, errors.size());
+  std::size_t of_uniform = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const State& state = truth[i];
+    if (!state.usable()) continue;
+    errors.push_back((estimator.force(state.at) - state.force).norm() / std::max(state.force.norm(), floor));
+    if (i < uniform) of_uniform = errors.size();
+  }
+  return quantiles_of(errors, of_uniform);
 }
 
 PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOptions& options,

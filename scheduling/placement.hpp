@@ -7,8 +7,9 @@
 // largest.
 //   rest, four corners of a tetrahedron at 3/4 of the box, while needed its other four, then the point of the
 //   largest estimate, until the estimate holds;
-// then the truth is looked at: tight solves on the reference branch at random positions. Where it does not
-// hold, the worst of them becomes a state (it is solved already) and placing goes on. What comes next depends
+// then the truth is looked at: tight solves on the reference branch at random positions, and, for the largest,
+// at corners, edges and faces of the box. Where it does not hold, the worst of them becomes a state (it is
+// solved already) and placing goes on. What comes next depends
 // on the states so far alone, so that a run that was cut goes on as if it had not been. A linear body takes
 // three solves.
 //
@@ -65,14 +66,15 @@ struct PlacementReport {
   bool estimate_holds = false, truth_holds = false;  // truth_holds: also true where it was not looked at
   bool stopped = false;                              // by the stop token
   ErrorQuantiles estimate, truth;
-  std::size_t truth_samples = 0;  // that truth is from
+  std::size_t truth_samples = 0;     // that truth is from
+  std::size_t truth_on_surface = 0;  // and its largest besides: of the box
   bool truth_is_fresh = true;     // none of these positions decided where a state went
   double seconds = 0;
   int threads = 1;
 };
 
 struct PlacementProgress {
-  std::size_t states = 0;
+  std::size_t states = 0, most_states = 0;
   double estimate = unknown;                    // held so far, see ErrorQuantiles
   std::size_t truth_done = 0, truth_total = 0;  // while the truth is sampled
 };
@@ -83,7 +85,9 @@ PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOp
                              std::span<const State> known, const std::function<void(State)>& sink,
                              const std::function<void(const PlacementProgress&)>& progress);
 
-// The relative errors of the model at the given truth: |f~ - f| / max(|f|, floor).
-ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor);
+// The relative errors of the model at the given truth: |f~ - f| / max(|f|, floor). Quantiles of the first `uniform`, the
+// largest of all.
+ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor,
+                          std::size_t uniform = static_cast<std::size_t>(-1));
 
 }  // namespace forefeel

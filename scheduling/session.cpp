@@ -209,7 +209,8 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
 
 // Who knows the motion and what each solve will cost can try the session before it counts: under every policy but the
 // placebos, with the motion known and without. The best at first visits is then run.
-SessionResult run_rehearsed(SessionInput input, SessionOptions options, const ShowProgress& show) {
+SessionResult run_rehearsed(SessionInput input, SessionOptions options, const ShowProgress& show,
+                            const std::function<void(const SessionResult&)>& when_run) {
   if (!input.references) input.references = std::make_shared<ReferenceService>(input, options.threads);
   const auto state_file = std::exchange(input.state_file, std::nullopt);
   std::string best = "clairvoyant-greedy";
@@ -229,18 +230,19 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   }
   options.policy = best;
   input.state_file = state_file;
-  SessionResult result = run_session(input, options, show);
+  SessionResult result = run_session(input, options, show, when_run);
   result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed", best, tried));
   return result;
 }
 
 }  // namespace
 
-SessionResult run_session(const SessionInput& given, const SessionOptions& options, const ShowProgress& show) {
+SessionResult run_session(const SessionInput& given, const SessionOptions& options, const ShowProgress& show,
+                          const std::function<void(const SessionResult&)>& when_run) {
   check_known(given);
   if (options.policy == "clairvoyant" && options.clock == Clock::virtual_time && !options.arrivals && !options.replay) {
     make_plan(given, options);   // what cannot be run is refused under its own name
-    return run_rehearsed(given, options, show);
+    return run_rehearsed(given, options, show, when_run);
   }
   const std::shared_ptr<ReferenceService> shared =
       given.references ? given.references : std::make_shared<ReferenceService>(given, options.threads);
@@ -260,6 +262,7 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
     run_virtual(plan, references, result, show);
   else
     run_real(plan, references, result, show);
+  if (when_run) when_run(result);
   note_stiffness(plan.device->limits(), options.device, result);
   analyse(input, options, references, result, show);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -162,7 +162,10 @@ void check_session(const SessionInput& input, const SessionOptions& options);
 // Where the device ends by itself (a trace, a replay), its end [s]; infinite otherwise.
 double motion_seconds(const SessionInput& input, const SessionOptions& options);
 
+// when_run: called once after the last frame, before labels and errors are worked out, which change `frames`,
+// `switches` and `notes`; the result moves, so nothing may refer to it later.
 SessionResult run_session(const SessionInput& input, const SessionOptions& options,
-                          const std::function<void(const SessionProgress&)>& progress = {});
+                          const std::function<void(const SessionProgress&)>& progress = {},
+                          const std::function<void(const SessionResult&)>& when_run = {});
 
 }  // namespace forefeel
