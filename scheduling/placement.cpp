@@ -16,6 +16,7 @@ namespace {
 constexpr double start_share = 0.75;  // of the half box: where the first eight corners lie
 constexpr double grid_shares[] = {-1, -0.75, -0.4, 0, 0.4, 0.75, 1};
 constexpr std::size_t uniform_points = 512;
+constexpr std::size_t most_rounds = 5;  // of truth
 
 // Where the error is estimated: first a uniform sample of the box, for quantiles; then a grid up to its
 // faces.
@@ -168,7 +169,7 @@ class Placement {
     while (true) {
       refresh_estimate();
       if (report_.estimate_holds) {
-        if (options_.stop.stop_requested() || look_at_truth(0)) break;
+        if (options_.stop.stop_requested() || truth_holds()) break;
         if (report_.truth_samples == 0) break;  // no truth to be had
       }
       if (!open()) break;
@@ -179,8 +180,15 @@ class Placement {
         break;
       }
     }
-    if (report_.estimate_holds && report_.truth_holds && truth_decided() && !options_.stop.stop_requested())
-      look_at_truth(1);
+  }
+
+  // One sample after the other until one holds that decided nothing. Where one does not, worst_truth() is of it.
+  bool truth_holds() {
+    for (std::size_t round = 0; round < most_rounds; ++round) {
+      if (!look_at_truth(round)) return false;
+      if (report_.truth_is_fresh) break;
+    }
+    return true;
   }
 
   // The remaining corners first, then anywhere; false where no position is left.
@@ -239,38 +247,40 @@ class Placement {
   bool look_at_truth(std::size_t round) {
     report_.truth_holds = true;
     if (options_.truth_samples == 0) return true;
-    if (truth_round_ != round || truth_.empty()) {
+    round_ = round;
+    if (rounds_.size() <= round) rounds_.resize(round + 1);
+    std::vector<State>& truth = rounds_[round];
+    if (truth.empty()) {
       const std::vector<Vec3> at = truth_positions(round);
-      truth_ = solve_all(body_, at, options_, report_.threads, [&](std::size_t done) {
+      truth = solve_all(body_, at, options_, report_.threads, [&](std::size_t done) {
         progress_({.states = space_.size(),
                    .most_states = limit_,
                    .estimate = report_.estimate.held(),
                    .truth_done = done,
                    .truth_total = at.size()});
       });
-      truth_round_ = round;
-      report_.truth_solved += truth_.size();
+      report_.truth_solved += truth.size();
     }
     const auto usable = [](const State& state) { return state.usable(); };
-    const auto within = truth_.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
-    report_.truth_samples = static_cast<std::size_t>(std::count_if(truth_.begin(), within, usable));
-    report_.truth_on_surface = static_cast<std::size_t>(std::count_if(within, truth_.end(), usable));
-    report_.truth_failed = truth_.size() - report_.truth_samples - report_.truth_on_surface;
-    report_.truth = true_error(estimator_, truth_, options_.estimate.floor, options_.truth_samples);
+    const auto within = truth.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
+    report_.truth_samples = static_cast<std::size_t>(std::count_if(truth.begin(), within, usable));
+    report_.truth_on_surface = static_cast<std::size_t>(std::count_if(within, truth.end(), usable));
+    report_.truth_failed = truth.size() - report_.truth_samples - report_.truth_on_surface;
+    report_.truth = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);
     report_.truth_is_fresh = !truth_decided();
     report_.truth_holds = !options_.stop.stop_requested() && report_.truth.held() <= options_.error;
     return report_.truth_holds;
   }
 
   bool truth_decided() const {
-    return std::ranges::any_of(truth_, [&](const State& state) { return space_.find(state.at).valid(); });
+    return std::ranges::any_of(rounds_[round_], [&](const State& state) { return space_.find(state.at).valid(); });
   }
 
   // The sampled position with the largest error that is no state yet.
   std::optional<State> worst_truth() {
     const State* worst = nullptr;
     double largest = 0;
-    for (const State& state : truth_) {
+    for (const State& state : rounds_[round_]) {
       if (!state.usable() || space_.find(state.at).valid()) continue;
       const double error = (estimator_.force(state.at) - state.force).norm() /
                            std::max(state.force.norm(), options_.estimate.floor);
@@ -291,8 +301,8 @@ class Placement {
   EstimatePoints points_;
   Solver solver_;
   std::vector<Vec3> failed_;
-  std::vector<State> truth_;
-  std::size_t truth_round_ = 0, limit_ = 0;
+  std::vector<std::vector<State>> rounds_;  // of truth
+  std::size_t round_ = 0, limit_ = 0;       // the round that was looked at last
   double reach_failed_ = 0;
   PlacementReport report_;
 };

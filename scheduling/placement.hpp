@@ -9,7 +9,8 @@
 //   largest estimate, until the estimate holds;
 // then the truth is looked at: tight solves on the reference branch at random positions, and, for the largest,
 // at corners, edges and faces of the box. Where it does not hold, the worst of them becomes a state (it is
-// solved already) and placing goes on. What comes next depends
+// solved already) and placing goes on; where it does, but only after some of them became states, others are
+// drawn, up to four times. What comes next depends
 // on the states so far alone, so that a run that was cut goes on as if it had not been. A linear body takes
 // three solves.
 //

@@ -469,6 +469,33 @@ TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {
   }
 }
 
+TEST_CASE("a study that is interrupted keeps what is done, says so, and goes on to the same table") {
+  const test::Workshop shop;
+  shop.write("scene.toml",
+             test::beam_scene("[session]\nseconds = 1.0\ndevice = \"path:circle,speed=0.05\"\n"));
+  shop.write("study.toml",
+             "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
+             "\"fifo\"]\n");
+  const auto cut = shop.shell(
+      "mkdir out; " FOREFEEL_BINARY_DIR
+      "/apps/forefeel study study.toml -o out --quiet --threads 1 & p=$!; "
+      "while [ $(ls out/cells 2>/dev/null | grep -c json) -lt 2 ] && kill -0 $p 2>/dev/null; do sleep 0.02; "
+      "done; kill -INT $p; wait $p");
+  CHECK(cut.code == 1);
+  CHECK(cut.out.empty());
+  CHECK_THAT(cut.err, Catch::Contains("interrupted after") && Catch::Contains("of 12 cells"));
+  const auto count = std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out);
+  CHECK(count >= 2);
+  CHECK(count < 12);
+  CHECK_THAT(cut.err, Catch::Contains("interrupted after " + std::to_string(count) + " of"));
+  CHECK_FALSE(fs::exists(shop.path() / "out/cells.csv"));
+  const auto resumed = shop.forefeel("study study.toml -o out --json");
+  REQUIRE(resumed.code == 0);
+  CHECK(resumed.json()["resumed"] == count);
+  REQUIRE(shop.forefeel("study study.toml -o whole --quiet --threads 1").code == 0);
+  CHECK(shop.shell("cmp out/cells.csv whole/cells.csv").code == 0);
+}
+
 TEST_CASE("a study that was killed goes on: no cell is run twice, and the table is the same") {
   const test::Workshop shop;
   shop.write("scene.toml",

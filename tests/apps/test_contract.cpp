@@ -222,6 +222,46 @@ TEST_CASE("a run is not written over the one it replays, and states that arrive 
   CHECK(shop.shell("cat run/frames.csv").out == frames);
 }
 
+TEST_CASE("a replay names the run as its device, and ends where that ended", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 -o run --quiet").code == 0);
+  const json replayed = run_json(shop, "session beam.toml --clock virtual --replay run -o again");
+  CHECK(replayed["device"] == "replay:run");
+  CHECK(replayed["frames"] == 300);
+  CHECK(shop.shell("cut -d, -f1-4 run/frames.csv > a; cut -d, -f1-4 again/frames.csv > b; cmp a b").code == 0);
+}
+
+TEST_CASE("two commands on one cache: both give what one gives, and what they solved is kept", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string session = FOREFEEL_BINARY_DIR "/apps/forefeel session beam.toml --clock virtual --device "
+                              "path:circle,speed=0.03 --quiet --seconds ";
+  const auto same = [&](const std::string& a, const std::string& b) {
+    for (const char* file : {"frames.csv", "dispatch.csv", "states.csv"})
+      CHECK(shop.shell("cmp " + a + "/" + file + " " + b + "/" + file).code == 0);
+  };
+  REQUIRE(shop.shell(session + "0.5 -o one & p=$!; " + session + "0.5 -o two; r=$?; wait $p && exit $r").code == 0);
+  same("one", "two");
+
+  // Held for the whole of a command: what the cache lacks is solved for this command alone.
+  if (shop.shell("command -v flock").code != 0) {
+    WARN("flock is not installed: not tried");
+    return;
+  }
+  REQUIRE(shop.shell("rm -r ../cache; " + session + "0.1 -o begun").code == 0);
+  const auto notes_of = [&](const std::string& run) {
+    return json::parse(shop.shell("cat " + run + "/summary.json").out)["notes"].dump();
+  };
+  CHECK_THAT(notes_of("begun"), !Catch::Contains("only read"));
+  REQUIRE(shop.shell("flock -n $(find ../cache -name '*.states')-lock -c '" + session + "0.5 -o held'").code == 0);
+  CHECK_THAT(notes_of("held"), Catch::Contains("only read"));
+  same("one", "held");
+  REQUIRE(shop.shell(session + "0.5 -o after").code == 0);
+  CHECK_THAT(notes_of("after"), !Catch::Contains("only read"));
+  same("one", "after");
+}
+
 TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());

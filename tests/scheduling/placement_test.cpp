@@ -125,6 +125,15 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
     const ErrorQuantiles really = true_error(estimator, truth, 0.05);
     CHECK(really.p95 <= error);
     CHECK(really.max <= 2 * error);
+    CHECK(placed.report.truth_on_surface > 0);
+    // Also where a model that was made within extrapolates: corners, middles of edges and of faces.
+    Solver solver(input.body);
+    for (int part = 0; part < 27; ++part) {
+      const Vec3 share(part % 3, part / 3 % 3, part / 9);
+      const Vec3 at = input.space.box.low + 0.5 * input.space.box.size().cwiseProduct(share);
+      const State s = solver.reference(at, input.space.spacing).state;
+      CHECK((estimator.force(at) - s.force).norm() <= 2 * error * std::max(s.force.norm(), 0.05));
+    }
     // The estimate is no less than the truth by more than a half, in quantiles of the same sample.
     std::vector<double> estimates;
     for (const State& s : truth) estimates.push_back(estimator(s.at));
