@@ -97,6 +97,8 @@ class CsvReader {
   std::size_t width_ = 0;
 };
 
+constexpr double largest_number = 1e100;
+
 Mat3 read_stiffness(CsvReader& in) {
   Mat3 stiffness;
   int known = 0;
@@ -161,6 +163,10 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
     if (state.usable()) state.force = in.vector("fx", "fy", "fz");
     else state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
     if (given == 9) state.stiffness = read_stiffness(in);
+    // Squares must not overflow.
+    if (std::max(state.at.cwiseAbs().maxCoeff(), state.force.cwiseAbs().maxCoeff()) > largest_number ||
+        (given == 9 && state.has_stiffness() && state.stiffness.cwiseAbs().maxCoeff() > largest_number))
+      in.fail(fmt::format("a position, force or stiffness is above {:g} in size, expected SI units", largest_number));
     if (in.has("h")) {
       state.spacing = in.optional("h");
       if (state.spacing <= 0) in.fail(fmt::format("column h: {} is not a spacing, expected a positive number", state.spacing));

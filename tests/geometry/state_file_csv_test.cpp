@@ -87,6 +87,7 @@ TEST_CASE("CSV errors name file and line") {
   refused(head + "1,2,3,4,5,6,7\n", "bad.csv:2: 7 columns, expected 6");
   refused(head + "1,2,nan,4,5,6\n", "bad.csv:2: column z: 'nan' is not finite");
   refused(head + "1,2,3,inf,5,6\n", "column fx: 'inf' is not finite");
+  refused(head + "1,2,3,4,1e160,6\n", "bad.csv:2: a position, force or stiffness is above 1e+100");
   refused(head + "1,2,3,4,,6\n", "column fy: '' is not a number");
   refused(head + "1,2,3,4,5.0.0,6\n", "column fy: '5.0.0' is not a number");
   refused("x;y;z;fx;fy;fz\n1;2;3;4;5;6\n", "not separated by commas");
