@@ -29,7 +29,7 @@ constexpr double at_hip = 0.25;   // within this of the HIP a state has hardly a
 constexpr double off_view = 100;  // what a state seems farther by, per square of how far it is off a view
 constexpr double in_view = 0.3;   // cosine to a view from which it is off it
 constexpr double turned = 0.93;   // cosine within which a state's own view is blended from the fixed ones
-constexpr double least_weight = 1e-7;
+constexpr double least_weight = 1e-10;
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
 const Vec3 aside(0.17, -0.11, 0.07);
 constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in

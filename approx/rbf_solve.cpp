@@ -126,18 +126,24 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
   loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(weighted_ ? away : share), extent);
   loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
                   reach);
-  const double nearest = reach[0];
-  double farthest = reach[1], total = double(alive_);
-  if (weighted_) {
-    farthest = nearest;
+  double nearest = reach[0], farthest = reach[1], total = double(alive_);
+  std::size_t first = 0;
+  while (first + 1 < slots_ && (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest)) ++first;
+  if (weighted_) {  // the nearest and the farthest as far as they count
+    double counted = 0, mean_away = 0;
     total = 0;
     for (std::size_t s = 0; s < slots_; ++s) {
       total += slot_[s].alive ? slot_[s].sample.near : 0;
-      farthest = std::max(farthest, nearest + slot_array(share)[s] * (slot_array(away)[s] - nearest));
+      counted += slot_array(share)[s];
+      mean_away += slot_array(share)[s] * slot_array(away)[s];
     }
+    nearest = mean_away /= counted;
+    for (std::size_t s = 0; s < slots_; ++s)
+      nearest = std::min(nearest, mean_away - slot_array(share)[s] * (mean_away - slot_array(away)[s]));
+    farthest = nearest;
+    for (std::size_t s = 0; s < slots_; ++s)
+      farthest = std::max(farthest, nearest + slot_array(share)[s] * (slot_array(away)[s] - nearest));
   }
-  std::size_t first = 0;
-  while (first + 1 < slots_ && (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest)) ++first;
   const Sample& base = slot_[first].sample;
 
   const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;

@@ -41,14 +41,19 @@ void add_affine_places(std::vector<Sample>& samples, double h) {
   }
   mean = origin + mean / total;
   force /= total;
-  Mat3 spread = Mat3::Zero(), cross = Mat3::Zero();
+  Mat3 spread = Mat3::Zero(), cross = Mat3::Zero(), stiffness = Mat3::Zero();
+  double known = 0;
   for (const Sample& s : samples) {
     const Vec3 x = s.at - mean;
     spread += s.weight / total * x * x.transpose();
     cross += s.weight / total * (s.force - force) * x.transpose();
+    if (!s.stiffness.allFinite()) continue;
+    known += s.weight;
+    stiffness += s.weight * s.stiffness;
   }
   const double radius = std::sqrt(spread.trace());
-  const Mat3 slope = cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse();
+  const Mat3 slope = known > 0 ? Mat3(-stiffness / known)
+                               : Mat3(cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse());
   for (std::uint32_t j = 0; j < max_terms; ++j) {
     const auto a = anchor(j);
     const Vec3 x = radius * Vec3(a[0], a[1], a[2]);
