@@ -178,6 +178,7 @@ DeflectionCurves::DeflectionCurves(std::span<const State> states) {
       curves_.push_back({direction, {0.0}, {Vec3::Zero()}});
       curve = curves_.end() - 1;
     }
+    if (!(depth > curve->depth.back() * (1 + 1e-9))) continue;  // there already
     curve->depth.push_back(depth);
     curve->force.push_back(s->force);
   }

@@ -103,7 +103,7 @@ constexpr std::size_t lanes = 8;
 
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
     : space_(space),
-      n_(options.neighbours),
+      n_(nearest_neighbours(options)),
       weighted_(weighted_neighbours(options)),
       rank_(weighted_ + weighted_ / 6),
       bridging_(bridging_neighbours(options)),
@@ -220,7 +220,8 @@ void NeighbourSelector::look_along(Candidate& c) {
     }
   sum /= total > 0 ? total : 1;
   c.side_towards = sum.head<3>();
-  c.side_at = total > 0 ? sum[3] : c.distance;  // at the HIP itself
+  // A state at the HIP itself is hardly seen along any view.
+  c.side_at = total > 0 ? std::min(sum[3], c.distance) : c.distance;
 }
 
 // How much a side at this distance counts.

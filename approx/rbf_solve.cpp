@@ -205,6 +205,10 @@ void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool ne
     middle = total > 0 ? Vec3(middle / total) : centre;
   }
   std::size_t n = 0;
+  if (!near) {  // the HIP itself too, whatever counts fully
+    for (std::size_t d = 0; d < 3; ++d) to[d][n] = middle[Eigen::Index(d)];
+    ++n;
+  }
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive) continue;
     const double w = near ? slot_[s].sample.near : slot_array(share)[s];

@@ -231,6 +231,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   if (contradicting > 0)
     warn(globals, fmt::format("{}: {} states contradict another at the same position{}", arguments.states,
                               contradicting, method == Method::rbf ? "; the first one counts" : ""));
+  options.neighbours = std::min(options.neighbours, space.size());
   if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
   MethodOptions older{.model = options, .spacing = space_options.spacing};
   if (method == Method::rbf_network)
@@ -297,9 +298,9 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
       ->check(CLI::IsMember({"force", "force+stiffness"}));
   sub.add_option("--neighbours", arguments->neighbours,
-                 "States in a model (default 25 with stiffness, else 100); outside safe regions no fewer "
-                 "than 16, without stiffness 20, "
-                 "and up to 32 more between two sides, unless 1 or --select nearest; centres of rbf-network")
+                 "States in a model (default 25 with stiffness, else 100; without it no fewer than 8); outside safe "
+                 "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
+                 "with --select nearest. Centres of rbf-network")
       ->check(above_zero);
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))
