@@ -1,0 +1,154 @@
+// Label sets on states that hardly determine a field: planes, a line, a lone state beside them. One state more or less
+// decides there about a polynomial term, a hull or a side.
+
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <functional>
+#include <random>
+#include <utility>
+
+#include "approx/updater.hpp"
+#include "tests/approx/sets.hpp"
+
+using namespace forefeel;
+using namespace forefeel::testing;
+
+namespace {
+
+constexpr double h = 0.006;
+
+struct ThinSet {
+  const char* name;
+  StateSpace space;
+};
+
+StateSpace empty_space() {
+  StateSpaceOptions options;
+  options.spacing = h;
+  return StateSpace(options);
+}
+
+void add_plane(StateSpace& space, int axis, double at, int half) {
+  for (int i = -half; i <= half; ++i)
+    for (int j = -half; j <= half; ++j) {
+      Vec3 x;
+      x[axis] = at;
+      x[(axis + 1) % 3] = i * h;
+      x[(axis + 2) % 3] = j * h;
+      space.insert(field_state(x));
+    }
+}
+
+std::vector<ThinSet> thin_sets() {
+  std::vector<ThinSet> sets;
+  const auto make = [&](const char* name, const auto& fill) {
+    sets.push_back({name, empty_space()});
+    fill(sets.back().space);
+  };
+  make("a plane and rest", [](StateSpace& s) {
+    add_plane(s, 0, -0.024, 6);
+    s.insert(field_state(Vec3::Zero()));
+  });
+  make("planes at a right angle", [](StateSpace& s) {
+    add_plane(s, 0, -0.036, 5);
+    add_plane(s, 2, -0.036, 5);
+  });
+  make("two planes", [](StateSpace& s) {
+    add_plane(s, 0, -0.03, 5);
+    add_plane(s, 0, 0.03, 5);
+  });
+  make("a plane and a block", [](StateSpace& s) {
+    add_plane(s, 0, -0.042, 6);
+    for (int i = 0; i < 3; ++i)
+      for (int j = -2; j <= 2; ++j)
+        for (int k = -2; k <= 2; ++k) s.insert(field_state(Vec3(0.042 + i * h, 0.018 + j * h, k * h)));
+  });
+  make("a plane and a line", [](StateSpace& s) {
+    add_plane(s, 0, -0.03, 5);
+    for (int i = -8; i <= 8; ++i) s.insert(field_state(Vec3(0.03, i * h, 0)));
+  });
+  return sets;
+}
+
+const std::vector<ModelOptions> models = {
+    {.kernel = Kernel::linear, .neighbours = 20},
+    {.kernel = Kernel::quintic, .neighbours = 25},
+    {.kernel = Kernel::cubic, .data = Data::force_and_stiffness, .neighbours = 16},
+    {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25},
+    {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 60}};
+
+// Halving a step again and again: what is left of a jump stays, what is continuous vanishes.
+double left_of(const auto& force, Vec3 a, Vec3 b) {
+  Vec3 fa = force(a), fb = force(b);
+  for (int halving = 0; halving < 40; ++halving) {
+    const Vec3 x = 0.5 * (a + b);
+    if (x == a || x == b) break;
+    const Vec3 f = force(x);
+    if ((f - fa).norm() > (fb - f).norm()) {
+      b = x;
+      fb = f;
+    } else {
+      a = x;
+      fa = f;
+    }
+  }
+  return (fb - fa).norm();
+}
+
+}  // namespace
+
+TEST_CASE("By label: the force is continuous beside planes, lines and lone states") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto anywhere = [&] { return Vec3(0.08 * unit(random), 0.05 * unit(random), 0.05 * unit(random)); };
+  for (const ThinSet& set : thin_sets())
+    for (const ModelOptions& options : models)
+      for (int way = 0; way < 3; ++way) {
+        const Vec3 from = anywhere(), to = anywhere();
+        CAPTURE(set.name, name(options.kernel), name(options.data), options.neighbours, from.transpose(), to.transpose());
+        ModelUpdater updater(set.space, options);
+        const auto force = [&](const Vec3& x) {
+          updater.forget();
+          return updater.model_at(x).force(x);
+        };
+        const int steps = static_cast<int>((to - from).norm() / 4e-4);
+        const auto at = [&](int i) { return Vec3(from + (to - from) * (double(i) / steps)); };
+        std::vector<std::pair<double, int>> changes;
+        Vec3 before = force(from);
+        for (int i = 1; i <= steps; ++i) {
+          const Vec3 now = force(at(i));
+          REQUIRE(now.allFinite());
+          changes.emplace_back((now - before).norm(), i);
+          before = now;
+        }
+        std::ranges::sort(changes, std::greater{});
+        for (std::size_t k = 0; k < std::min<std::size_t>(3, changes.size()); ++k) {
+          const Vec3 a = at(changes[k].second - 1), b = at(changes[k].second);
+          if (set.space.label(a) == Label::safe || set.space.label(b) == Label::safe) continue;
+          CHECK(left_of(force, a, b) < 1e-5 * std::max(1.0, before.norm()));
+        }
+      }
+}
+
+// A position so near to a state that it has hardly a direction, on the inner side of a corner: labels call it sparse.
+TEST_CASE("By label: a state at the HIP counts fully, however little apart they are") {
+  StateSpace space = empty_space();
+  for (int i = -2; i <= 2; ++i)
+    for (int j = -2; j <= 2; ++j)
+      for (int k = -2; k <= 2; ++k) space.insert(field_state(h * Vec3(i, j, k)));
+  space.insert(field_state(Vec3(0.06, 0.01, 0)));
+  int outside_safe = 0;
+  for (ModelOptions options : models)
+    for (const Vec3& corner : {Vec3(-0.012, -0.012, -0.012), Vec3(0.012, -0.012, 0.012), Vec3(0.06, 0.01, 0)})
+      for (const double apart : {0.0, 5e-13, 2e-12, 1e-9, 1e-6, 1e-5})
+        for (const Vec3& way : {Vec3(1, 1, 1), Vec3(1, 0, 0), Vec3(-1, 0.2, 0.3), Vec3(-1, 0, 0)}) {
+          const Vec3 x = corner + apart * way;
+          ModelUpdater updater(space, options);
+          const Vec3 force = updater.model_at(x).force(x);
+          CAPTURE(name(options.kernel), options.neighbours, corner.transpose(), apart, way.transpose());
+          outside_safe += space.label(x) != Label::safe ? 1 : 0;
+          // No stiffness of the field is above 400 N/m here; r alone has a kink at every state.
+          CHECK((force - field_state(corner).force).norm() < 1e-9 + 2000 * apart * way.norm());
+        }
+  CHECK(outside_safe > 100);
+}
