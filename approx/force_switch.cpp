@@ -17,6 +17,14 @@ double allowed(double floor, double share, double before) {
   return std::max(floor, share / (1 + share) * before) * (1 - 1e-9);
 }
 
+// The longest s for which s <= max(floor, share |F|) holds with F = before and with F = before - s u, u a unit vector:
+// share |before| where |F| grows by it, else the root of s = share |before - s u|.
+double longest_step(double floor, double share, const Vec3& before, const Vec3& u) {
+  const double size = before.norm(), along = share * before.dot(u), rest = 1 - share * share;
+  const double shrinking = share * (std::sqrt(along * along + rest * size * size) - along) / rest;
+  return std::max(floor, std::min(share * size, shrinking)) * (1 - 1e-9);
+}
+
 double bound(double floor, double share, const Vec3& before, const Vec3& after) {
   return std::max(floor, share * std::min(before.norm(), after.norm()));
 }
@@ -34,30 +42,37 @@ ForceSwitch::Frame ForceSwitch::step(const Model* newest, const Vec3& x) noexcep
 }
 
 ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x) noexcept {
+  const Vec3 old = at(current_, x);
+  const bool comes = newest != nullptr && newest != current_;
+  Frame out = step(old, comes ? newest->force(x) : old, comes);
+  if (comes) {
+    out.released = current_;
+    current_ = newest;
+  }
+  return out;
+}
+
+ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool comes) noexcept {
   const double share = options_.jnd_share * options_.frame / options_.paper_interval;
   const double floor = options_.jnd_floor * options_.frame / options_.paper_interval;
   Frame out;
-  const Vec3 old = at(current_, x);
-  out.undamped = old;
+  out.undamped = now;
+  out.took_model = comes;
   const Vec3 before = old + offset_;  // what would be rendered here if the switch did nothing
-  if (newest != nullptr && newest != current_) {
-    out.undamped = newest->force(x);
-    out.undamped_jump = (out.undamped - old).norm();
-    out.took_model = true;
-    out.released = current_;
-    current_ = newest;
-    offset_ = before - out.undamped;
+  if (comes) {
+    out.undamped_jump = (now - old).norm();
+    offset_ = before - now;
   }
   if (options_.rule == SwitchRule::none) {
     offset_.setZero();
   } else if (const double size = offset_.norm(); size > 0) {
-    const double most = allowed(floor, share, before.norm());
+    const double most = longest_step(floor, share, before, offset_ / size);
     if (size <= most)
       offset_.setZero();
     else
       offset_ *= 1 - most / size;
   }
-  out.force = out.undamped + offset_;
+  out.force = now + offset_;
   out.change = out.force - before;
   out.bound = bound(floor, share, before, out.force);
   return out;

@@ -44,6 +44,9 @@ class ForceSwitch {
   };
   // newest: the latest published model, or null when nothing new came since the last frame.
   Frame step(const Model* newest, const Vec3& x) noexcept;
+  // The same from forces: at x the model before gives `old` and the newest one `now`; comes: it is new in this frame.
+  // Not for rule paper, which needs both models for longer.
+  Frame step(const Vec3& old, const Vec3& now, bool comes) noexcept;
 
  private:
   Frame step_smooth(const Model* newest, const Vec3& x) noexcept;  // and none

@@ -8,11 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <set>
-#include <tuple>
 
 #include "scheduling/session_model.hpp"
 #include "scheduling/session_parts.hpp"
+#include "scheduling/visited_cells.hpp"
 
 namespace forefeel {
 namespace {
@@ -21,10 +20,8 @@ namespace {
 // own, whose corners lie in the box), of which every visit_stride-th counts.
 void choose_samples(SessionResult& result, const SessionInput& input, const SessionOptions& options) {
   const double step = options.reference_step;
-  const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
+  VisitedCells visited(input.space.box, options.visit_cell > 0 ? options.visit_cell : input.space.spacing);
   const auto stride = static_cast<std::size_t>(options.visit_stride);
-  const Box& box = input.space.box;
-  std::set<std::tuple<long, long, long>> visited;
   double travel = 0, next = 0;
   for (std::size_t k = 0; k < result.frames.size(); ++k) {
     FrameRecord& frame = result.frames[k];
@@ -33,11 +30,7 @@ void choose_samples(SessionResult& result, const SessionInput& input, const Sess
       frame.sampled = true;
       next = (std::floor(travel / step) + 1) * step;
     }
-    const Vec3 cell = (frame.at / h).array().floor();
-    const Vec3 low = h * cell, high = low + Vec3::Constant(h);
-    const bool inside = (low.array() >= box.low.array() - 1e-9 * h).all() && (high.array() <= box.high.array() + 1e-9 * h).all();
-    if (inside && visited.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second)
-      frame.first_visit = (visited.size() - 1) % stride == 0;
+    if (visited.first(frame.at)) frame.first_visit = (visited.count() - 1) % stride == 0;
   }
 }
 

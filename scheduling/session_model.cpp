@@ -9,6 +9,10 @@
 namespace forefeel {
 
 namespace {
+// While so few states are known the set does not tell how far apart states are. The first ones are asked for 2 to 4 h
+// apart, and a tangent that is held beyond 4 h, as for states h apart, renders half the force at the far end of a box.
+constexpr std::size_t few = 3;
+constexpr double apart_at_first = 2;   // spacings
 constexpr double around = 4;   // spacings around the HIP whose states a lattice model holds: it is replaced before
 }
 
@@ -17,9 +21,20 @@ void check_method(const std::string& method) {
     throw InputError("session.method", fmt::format("unknown method '{}', expected rbf, trilinear, tricubic", method));
 }
 
+namespace {
+
+ModelOptions at_first(ModelOptions options, const StateSpace& space) {
+  options.length = apart_at_first * space.options().spacing;
+  return options;
+}
+
+}  // namespace
+
 SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
     : space_(space),
       rbf_(space, options.model),
+      first_(space, at_first(options.model, space)),
+      with_stiffness_(options.model.data == Data::force_and_stiffness),
       lattice_(options.method != "rbf"),
       cubic_(options.method == "tricubic") {}
 
@@ -44,7 +59,10 @@ bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* rep
 }
 
 bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
-  return lattice_ ? update_lattice(hip, out, report) : rbf_.update(hip, out, report);
+  if (lattice_) return update_lattice(hip, out, report);
+  const bool known = (with_stiffness_ && space_.size() <= few ? first_ : rbf_).update(hip, out, report);
+  if (known) out.impl().serial = ++serial_;   // one count for both
+  return known;
 }
 
 Model SessionModel::model_at(const Vec3& hip) {
@@ -53,6 +71,9 @@ Model SessionModel::model_at(const Vec3& hip) {
   return model;
 }
 
-void SessionModel::forget() { rbf_.forget(); }
+void SessionModel::forget() {
+  rbf_.forget();
+  first_.forget();
+}
 
 }  // namespace forefeel

@@ -1,6 +1,7 @@
 #pragma once
 // What makes the models of a session from the states known so far:
-//   rbf                    the RBF model whose neighbour set follows the HIP (approx/updater.hpp)
+//   rbf                    the RBF model whose neighbour set follows the HIP (approx/updater.hpp); with stiffness the
+//                          first three states reach twice as far as states of the lattice do
 //   trilinear, tricubic    interpolation in the lattice cell around the HIP (approx/methods.hpp), as before RBF models:
 //                          where a corner of the cell is not known, the force of the nearest state
 
@@ -29,8 +30,8 @@ class SessionModel {
   bool update_lattice(const Vec3& hip, Model& out, UpdateReport* report);
 
   const StateSpace& space_;
-  ModelUpdater rbf_;
-  bool lattice_, cubic_;
+  ModelUpdater rbf_, first_;
+  bool with_stiffness_, lattice_, cubic_;
   std::vector<StateId> near_;
   std::vector<State> states_;
   std::uint64_t serial_ = 0;

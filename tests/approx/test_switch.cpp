@@ -129,3 +129,43 @@ TEST_CASE("The smooth offset is gone in the stated time") {
     REQUIRE(++frames <= limit + 1);
   }
 }
+
+TEST_CASE("The smooth rule uses its whole bound until the offset is gone, whether the force grows or falls") {
+  const auto known = models(2, 12);
+  for (const bool grows : {true, false}) {
+    CAPTURE(grows);
+    ForceSwitch damped({.rule = SwitchRule::smooth});
+    const Vec3 small(0.1, 0.02, 0), large(3, -1, 0.5);
+    auto out = damped.step(Vec3::Zero(), grows ? small : large, true);
+    for (int i = 0; i < 4000; ++i) out = damped.step(grows ? small : large, grows ? small : large, false);
+    REQUIRE(out.change.norm() == 0);
+    out = damped.step(out.force, grows ? large : small, true);
+    int frames = 0;
+    while ((out.force - out.undamped).norm() > 0.03) {
+      const Vec3 before = out.force;
+      out = damped.step(out.undamped, out.undamped, false);
+      const double least = std::min(before.norm(), out.force.norm());
+      CHECK(out.change.norm() <= out.bound);
+      CHECK(out.change.norm() >= (1 - 1e-6) * std::max(0.001, 0.007 * least));
+      REQUIRE(++frames < 5000);
+    }
+    CHECK(frames > 100);
+  }
+}
+
+TEST_CASE("Forces given instead of models are switched alike") {
+  const auto known = models(3, 5);
+  ForceSwitch by_model, by_force;
+  const Model* current = nullptr;
+  for (int k = 0; k < 600; ++k) {
+    const Vec3 x(0.004 + 1e-5 * k, 0.002, -0.001);
+    const Model* newest = k % 200 == 5 ? known[static_cast<std::size_t>(k / 200)].get() : nullptr;
+    const Vec3 old = current == nullptr ? Vec3::Zero() : current->force(x);
+    const auto a = by_model.step(newest, x);
+    const auto b = by_force.step(old, newest == nullptr ? old : newest->force(x), newest != nullptr);
+    if (newest != nullptr) current = newest;
+    CHECK(a.force == b.force);
+    CHECK(a.change == b.change);
+    CHECK(a.undamped_jump == b.undamped_jump);
+  }
+}
