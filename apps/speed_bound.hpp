@@ -1,7 +1,7 @@
 #pragma once
 // The highest speed at which a sustained session of a study's cell could hold if its models were exact from the first
 // moment on at which anything can be solved (exact_rendering.hpp): what the damped switch alone leaves of the motion.
-// A scheduler decides nothing in it; no number of workers changes it.
+// A scheduler decides nothing in it; no number of workers changes it. Not a theorem for models that are wrong.
 
 #include "apps/study_plan.hpp"
 #include "scheduling/reference_service.hpp"

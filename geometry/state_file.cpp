@@ -8,7 +8,9 @@
 
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 
@@ -167,10 +169,27 @@ void write_header(sqlite3* database, const std::string& where, const StateFileHe
   for (Eigen::Index i = 0; i < 6; ++i) put(box_keys[static_cast<std::size_t>(i)], i < 3 ? header.box.low[i] : header.box.high[i - 3]);
 }
 
+// What a process that is no more left of such a file: NAME.PID.part and its journal.
+void sweep_parts(const fs::path& file) {
+  std::error_code error;
+  const std::string prefix = file.filename().string() + ".";
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string found = entry.path().filename().string();
+    if (!found.starts_with(prefix)) continue;
+    int process = 0;
+    const char* const end = found.data() + found.size();
+    const auto [rest, bad] = std::from_chars(found.data() + prefix.size(), end, process);
+    if (bad != std::errc{} || process <= 0 || !std::string_view(rest, end).starts_with(".part")) continue;
+    if (::kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
+  }
+}
+
 // Made whole under a temporary name: whoever finds the file finds its tables and its identity.
 void create(const fs::path& file, const StateFileHeader& header) {
   const std::string where = file.string(), temporary = fmt::format("{}.{}.part", where, ::getpid());
   std::error_code ignored;
+  sweep_parts(file);
   fs::remove(temporary, ignored);
   try {
     const Database database = open_database(temporary, where, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);

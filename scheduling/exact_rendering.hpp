@@ -4,7 +4,7 @@
 //   F = 0 before t0,   F = f + e from then on,   e = -f(x) in the first frame, shrinking by the rule `smooth`
 // with f the exact force. t0 is the least that any solve can cost, two messages included: of the state at rest, where
 // sessions begin with it, or at a lattice point. No policy, predictor, placement, number of workers or model changes
-// what is lost here; a model could only be faster by rendering more than the exact force first.
+// what is lost here. A wrong model may be faster or slower: one softer than the body leaves less to fade in at first.
 
 #include <functional>
 #include <span>

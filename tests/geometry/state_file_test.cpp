@@ -285,3 +285,26 @@ TEST_CASE("states are on disk soon after the push, without a flush") {
   while (reader.size() == 0 && std::chrono::steady_clock::now() < give_up) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   CHECK(reader.size() == 1);
 }
+
+TEST_CASE("what a killed process left of a file that it was making is swept, what lives or is another's is not") {
+  const TemporaryFolder folder;
+  const auto file = folder / "s.states";
+  const pid_t dead = ::fork();
+  if (dead == 0) ::_exit(0);
+  ::waitpid(dead, nullptr, 0);
+  const auto put = [&](const std::string& name) { std::ofstream(folder / name) << "x"; };
+  const std::string gone = std::to_string(dead), mine = std::to_string(::getppid());
+  put("s.states." + gone + ".part");
+  put("s.states." + gone + ".part-journal");
+  put("s.states." + mine + ".part");
+  put("other.states." + gone + ".part");
+  put("s.states.old.part");
+  StateFile::open_or_create(file, header());
+  const auto there = [&](const std::string& name) { return std::filesystem::exists(folder / name); };
+  CHECK(there("s.states"));
+  CHECK_FALSE(there("s.states." + gone + ".part"));
+  CHECK_FALSE(there("s.states." + gone + ".part-journal"));
+  CHECK(there("s.states." + mine + ".part"));
+  CHECK(there("other.states." + gone + ".part"));
+  CHECK(there("s.states.old.part"));
+}

@@ -526,3 +526,20 @@ TEST_CASE("two runs of one body share the cache of references: one writes, the o
   REQUIRE(second.frames.size() == first.frames.size());
   for (std::size_t k = 0; k < first.frames.size(); ++k) REQUIRE(second.frames[k].force == first.frames[k].force);
 }
+
+TEST_CASE("cost and latency of simulated workers are said to be ignored under the real clock, and only there") {
+  const auto says_so = [](const SessionOptions& options) {
+    const SessionResult r = run_session(small_input(), options);
+    return std::ranges::any_of(r.notes, [](const std::string& note) { return note.find("ignored under the real clock") != std::string::npos; });
+  };
+  SessionOptions options = virtual_options(0.05);
+  options.cost = "constant:0.5";
+  options.latency = 0.01;
+  CHECK_FALSE(says_so(options));
+  options.clock = Clock::real;
+  CHECK(says_so(options));
+  options.cost = SessionOptions{}.cost;
+  CHECK(says_so(options));   // the latency
+  options.latency = 0;
+  CHECK_FALSE(says_so(options));
+}
