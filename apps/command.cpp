@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -41,7 +42,10 @@ CLI::App& add_command(CLI::App& app, Commands& commands, const std::string& name
       ->group("Everywhere");
   sub.add_option("--seed", globals.seed, "Seed of everything random")
       ->check([](const std::string& text) {
-        return text.starts_with('-') ? "is " + text + ", expected a whole number of at least 0" : std::string();
+        errno = 0;
+        std::strtoull(text.c_str(), nullptr, 0);
+        const bool fits = errno == 0 && !text.starts_with('-');
+        return fits ? std::string() : "is " + text + ", expected a whole number from 0 to 2^64 - 1";
       })
       ->type_name("N")->group("Everywhere");
   sub.add_option("--set", globals.set, "Override a key of the scene: material.poisson=0.4; may be repeated")

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -78,8 +79,18 @@ std::string_view colour(Label label) {
   return "#000000";
 }
 
+// Whether it is there; whether it works is seen when it draws.
 bool have_gnuplot() {
-  static const bool have = run_gnuplot("--version") == 0;
+  static const bool have = [] {
+    const char* path = std::getenv("PATH");
+    std::istringstream folders(path ? path : "");
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      const fs::path program = fs::path(folder.empty() ? "." : folder) / "gnuplot";
+      std::error_code error;
+      if (fs::is_regular_file(program, error) && access(program.c_str(), X_OK) == 0) return true;
+    }
+    return false;
+  }();
   return have;
 }
 

@@ -63,14 +63,14 @@ void add_worth(std::size_t first, std::size_t last, std::size_t count, const dou
 // Candidates in the order of the cubes they lie in, so that those within reach of a place are a few runs of them.
 class CandidateRows {
  public:
-  CandidateRows(std::span<const Candidate> candidates, double side) : side_(side), count_(candidates.size()) {
+  CandidateRows(std::span<const Candidate> candidates, double side) : per_side_(1 / side), count_(candidates.size()) {
     const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = -far;
     low_ = far;
     for (const Candidate& c : candidates) low_ = low_.cwiseMin(c.at), high = high.cwiseMax(c.at);
     for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
     while (cubes_[0] * cubes_[1] * cubes_[2] > std::max<std::int64_t>(1, static_cast<std::int64_t>(count_ / 4))) {
-      side_ *= 2;
+      per_side_ /= 2;
       for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
     }
     begin_.assign(static_cast<std::size_t>(cubes_[0] * cubes_[1] * cubes_[2]) + 1, 0);
@@ -118,7 +118,7 @@ class CandidateRows {
 
  private:
   std::int64_t cube(double x, int axis, std::int64_t most) const {
-    return static_cast<std::int64_t>(std::clamp(std::floor((x - low_[axis]) / side_), 0.0, static_cast<double>(most)));
+    return static_cast<std::int64_t>(std::clamp((x - low_[axis]) * per_side_, 0.0, static_cast<double>(most)));
   }
   std::uint32_t row_of(const Vec3& x) const {
     std::int64_t row = 0;
@@ -126,7 +126,7 @@ class CandidateRows {
     return static_cast<std::uint32_t>(row);
   }
 
-  double side_;
+  double per_side_;   // cubes a metre
   std::size_t count_;
   Vec3 low_;
   std::int64_t cubes_[3]{};

@@ -108,6 +108,7 @@ void write_switches(const std::filesystem::path& file, const SessionResult& resu
 }  // namespace
 
 void prepare_run_folder(const std::filesystem::path& folder) {
+  if (folder.empty()) throw InputError("--output", "is empty, expected a folder for the files of the run");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder))

@@ -34,11 +34,12 @@ void check(const SessionInput& input, const SessionOptions& o) {
   expect(positive(o.batch_share) && o.batch_share <= 1, "batch_share", fmt::format("is {}, expected a share above 0, at most 1", o.batch_share));
   expect(o.threads >= 0, "threads", fmt::format("is {}, expected 0 (all) or more", o.threads));
   expect(positive(o.frame) && o.frame <= 0.1, "frame", fmt::format("is {}, expected a frame time above 0 and at most 0.1 s", o.frame));
-  expect(std::isfinite(o.latency) && o.latency >= 0, "latency", fmt::format("is {}, expected 0 s or more", o.latency));
+  expect(o.latency >= 0 && o.latency <= 86400, "latency", fmt::format("is {}, expected 0 to 86400 s", o.latency));
   expect(positive(o.update_travel), "update_travel", fmt::format("is {}, expected spacings above 0", o.update_travel));
   expect(positive(o.error_floor), "error_floor", fmt::format("is {}, expected a force above 0 N", o.error_floor));
   expect(positive(o.reference_step), "reference_step", fmt::format("is {}, expected a length above 0 m", o.reference_step));
-  expect(std::isfinite(o.visit_cell) && o.visit_cell >= 0, "visit_cell", fmt::format("is {}, expected 0 (the spacing) or a length [m]", o.visit_cell));
+  expect(o.visit_cell == 0 || (positive(o.visit_cell) && o.visit_cell >= 1e-9), "visit_cell",
+         fmt::format("is {}, expected 0 (the spacing) or a length of at least 1e-9 m", o.visit_cell));
   expect(o.visit_stride >= 1, "visit_stride", fmt::format("is {}, expected 1 (every first visit) or more", o.visit_stride));
   expect(positive(o.force_limit), "force_limit", fmt::format("is {}, expected a force above 0 N", o.force_limit));
   expect(positive(o.slew_limit), "slew_limit", fmt::format("is {}, expected N/s above 0", o.slew_limit));

@@ -3,6 +3,7 @@
 // the reference branch's, solved on real threads from the moment they are dispatched: how long that takes changes
 // nothing but the wait.
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <queue>
@@ -14,7 +15,8 @@ namespace forefeel {
 namespace {
 
 using Nanoseconds = std::int64_t;
-Nanoseconds ns(double seconds) { return std::llround(seconds * 1e9); }
+constexpr double for_ever = 1e8;   // [s], three years: no run is longer, and sums of a few such times still fit
+Nanoseconds ns(double seconds) { return std::llround(std::min(seconds, for_ever) * 1e9); }
 double seconds(Nanoseconds t) { return static_cast<double>(t) / 1e9; }
 
 enum class Kind { result, arrival, plan, frame };

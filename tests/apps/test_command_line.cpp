@@ -175,6 +175,10 @@ TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
   shop.write("beam.toml", beam_scene());
   check_refused(shop, "session beam.toml --seconds -1 -o run", {"seconds"});
   check_refused(shop, "session beam.toml --policy wisest -o run", {"wisest"});
+  check_refused(shop, "session beam.toml --seed 99999999999999999999 -o run", {"--seed", "99999999999999999999"});
+  check_refused(shop, "session beam.toml --latency 1e300 -o run", {"latency", "86400"});
+  check_refused(shop, "session beam.toml --set session.visit_cell=1e-300 -o run", {"visit_cell", "1e-9 m"});
+  check_refused(shop, "session beam.toml -o ''", {"--output", "empty"});
   check_refused(shop, "session beam.toml --device path:spiral -o run", {"spiral"});
   check_refused(shop, "session beam.toml --device trace:absent.csv -o run", {"absent.csv"});
   shop.write("nan.csv", "t,x,y,z\n0,0,0,0\n0.1,nan,0,0\n");
