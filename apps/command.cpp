@@ -45,7 +45,7 @@ CLI::App& add_command(CLI::App& app, Commands& commands, const std::string& name
         errno = 0;
         std::strtoull(text.c_str(), nullptr, 0);
         const bool fits = errno == 0 && !text.starts_with('-');
-        return fits ? std::string() : "is " + text + ", expected a whole number from 0 to 2^64 - 1";
+        return fits ? std::string() : "is " + text + ", expected a whole number of at least 0, below 2^64";
       })
       ->type_name("N")->group("Everywhere");
   sub.add_option("--set", globals.set, "Override a key of the scene: material.poisson=0.4; may be repeated")
