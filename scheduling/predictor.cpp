@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <deque>
 
@@ -51,9 +50,8 @@ class ConstantVelocity final : public Predictor {
 };
 
 // One filter for the three axes: they share covariance and gain, which do not depend on the data. How long a velocity
-// lasts is learnt: of the way that it foretold over 0.4 s the share that was gone in the end. Up to 0.1 s the deviation is
-// the filter's own times the ratio of measured to expected error; farther ahead, where hands turn and the filter does not
-// know it, what predictions over 0.25 to 2 s were seen to miss, linear between.
+// lasts is learnt: of the way that it foretold over 0.4 s the share that was gone in the end. The deviation is the
+// filter's own times the ratio of measured to expected error over 0.1 s.
 class Kalman final : public Predictor {
  public:
   void observe(const HipSample& sample) override {
@@ -81,26 +79,12 @@ class Kalman final : public Predictor {
     seen_ = true;
     const Prediction p = unscaled(probe);
     made_.push_back({.t = sample.t + probe, .at = p.at, .deviation = p.deviation});
-    look_far(sample);
     gone_.push_back({.t = sample.t + long_probe, .at = sample.at, .velocity = mean_.row(1).transpose()});
   }
 
   Prediction predict(double horizon) const override {
     Prediction p = unscaled(horizon);
     p.deviation *= std::sqrt(ratio2_);
-    double from = probe, below = 0;   // a horizon, and the deviation there; 0: not asked yet
-    for (const Far& far : far_) {
-      if (horizon <= from || (far.due.empty() && !far.judged)) break;
-      if (below == 0) below = unscaled(probe).deviation * std::sqrt(ratio2_);
-      if (!far.judged) {   // as it was nearer by, growing with the horizon
-        p.deviation = std::max(p.deviation, below * horizon / from);
-        break;
-      }
-      const double here = std::max(std::sqrt(far.error2), 1.1 * below), w = std::min((horizon - from) / (far.horizon - from), 1.0);
-      p.deviation = (1 - w) * below + w * here;
-      from = far.horizon;
-      below = here;
-    }
     return p;
   }
 
@@ -110,34 +94,11 @@ class Kalman final : public Predictor {
   static constexpr double spread = 0.25;   // standard deviation of the acceleration [m/s^2]
   static constexpr double probe = 0.1, long_probe = 0.4;   // [s]
   static constexpr double forever = 1e6;   // [s]
-  static constexpr double far_every = 4e-3, far_memory = 1, found = 0.4;   // [s]; the velocity is found by then
   struct Made {
     double t;
     Vec3 at;
     double deviation;
   };
-
-  struct Far {
-    double horizon;
-    std::deque<HipSample> due = {};   // places foretold, by the time they are for
-    bool judged = false;
-    double error2 = 0;                // mean square per axis [m^2]
-  };
-
-  void look_far(const HipSample& sample) {
-    if (!far_started_) far_next_ = sample.t + found;
-    far_started_ = true;
-    for (Far& far : far_)
-      for (; !far.due.empty() && far.due.front().t <= sample.t; far.due.pop_front()) {
-        const double error2 = (far.due.front().at - sample.at).squaredNorm() / 3;
-        far.error2 += (far.judged ? 1 - std::exp(-far_every / far_memory) : 1.0) * (error2 - far.error2);
-        far.judged = true;
-      }
-    if (sample.t < far_next_) return;
-    far_next_ = std::max(far_next_ + far_every, sample.t);
-    for (Far& far : far_)
-      far.due.push_back({.t = sample.t + far.horizon, .at = unscaled(far.horizon).at, .velocity = Vec3::Zero()});
-  }
 
   // The predictions that were made for times up to this sample's, against it.
   void compare(const HipSample& sample, double dt) {
@@ -201,9 +162,6 @@ class Kalman final : public Predictor {
   Mat3 covariance_ = Mat3::Zero(), transition_ = Mat3::Identity(), process_ = Mat3::Zero();
   std::deque<Made> made_;      // predictions, by the time they are for
   std::deque<HipSample> gone_; // where it was and how fast, by the time at which to look how far it got
-  std::array<Far, 4> far_{Far{0.25}, Far{0.5}, Far{1.0}, Far{2.0}};
-  bool far_started_ = false;
-  double far_next_ = 0;
   double ratio2_ = 1;          // mean square of measured over expected error
   double along_ = 0, length2_ = 0, tau_v_ = forever;
 };

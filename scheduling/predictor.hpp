@@ -4,8 +4,7 @@
 //   kalman              state (x, v, a) with a decaying over tau_a (Singer 1970): constant acceleration over short
 //                       horizons, no runaway over long ones. Predictions let v decay too, dv = a - v / tau_v, as
 //                       hands turn; tau_v is learnt from the motion, infinite as long as it is straight. The
-//                       deviation is the filter's own, scaled by what it was seen to miss up to 0.1 s, and farther
-//                       ahead what predictions so far were seen to miss.
+//                       deviation is the filter's own, scaled by what it was seen to miss.
 
 #include <memory>
 #include <span>
