@@ -30,6 +30,7 @@ constexpr double off_view = 100;  // what a state seems farther by, per square o
 constexpr double in_view = 0.3;   // cosine to a view from which it is off it
 constexpr double turned = 0.93;   // cosine within which a state's own view is blended from the fixed ones
 constexpr double least_weight = 1e-10;
+constexpr double full_narrow = 0.2;  // c_i from which a state counts fully for the extent of a set
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
 const Vec3 aside(0.17, -0.11, 0.07);
 constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in
@@ -298,6 +299,17 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
   }
 }
 
+// How far what counts is from where its side begins: where there are hardly n states, the key of rank n may be anything.
+double NeighbourSelector::extent(const Vec3& hip, double pulled) {
+  double most = 0;
+  for (const Candidate& c : candidates_) {
+    if (!(c.narrow > 0) || !c.looked) continue;
+    const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + h_ * aside;
+    most = std::max(most, std::min(1.0, c.narrow / full_narrow) * (space_[c.id].at - from).norm());
+  }
+  return most;
+}
+
 void NeighbourSelector::take_sides(const Vec3& hip) {
   found_.clear();
   space_.nearest(hip, 1, found_);
@@ -320,7 +332,7 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   const double end =
       find_keys(hip, pulled * h_, double(rank_) + bridge_ * double(std::min(bridging_, others)));
   if (keys_.empty()) return;
-  radius_ = end < infinite ? end : *std::ranges::max_element(keys_);
+  radius_ = std::min(end, extent(hip, pulled * h_));
   weigh(hip, end, whole);
 }
 
@@ -351,6 +363,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
 Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
   out.clear();
   bridge_ = radius_ = 0;
+  sided_ = false;
   if (space_.empty()) return Label::blank;
   const Label label = space_.label(hip);
   chosen_.clear();
@@ -361,7 +374,8 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
     take_nearest(hip);  // where all fit there is nothing to choose, and of one neighbour nothing to weigh
   } else {
     take_sides(hip);
-    if (chosen_.empty()) take_nearest(hip);
+    sided_ = !chosen_.empty();
+    if (!sided_) take_nearest(hip);
   }
   std::ranges::sort(chosen_, {}, &Neighbour::id);
   if (chosen_.size() > most_) chosen_.resize(most_);

@@ -70,6 +70,7 @@ class NeighbourSelector {
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
   // How much the last set counts as a bridge between two sides: 0 for one side, 1 in the middle.
   double bridge() const { return bridge_; }
+  bool weighted() const { return sided_; }
   double radius() const { return radius_; }  // the key of rank n [m]; 0 where there are no weights
   void forget();                             // drops hysteresis
 
@@ -95,6 +96,7 @@ class NeighbourSelector {
   void look_along(Candidate& candidate);
   double find_keys(const Vec3& hip, double pulled, double rank);
   double key_of(double rank);
+  double extent(const Vec3& hip, double pulled);
   double share(double distance) const;
   double two_sided() const;
   void weigh(const Vec3& hip, double end, double whole);
@@ -114,6 +116,7 @@ class NeighbourSelector {
   std::vector<char> views_seen_;
   std::vector<double> before_;  // the least distance in each cell of directions
   std::size_t room_ = 0;
+  bool sided_ = false;
   double nearest_ = 0, bridge_ = 0, radius_ = 0;
 };
 

@@ -184,7 +184,7 @@ void RbfFit::place(std::size_t slot, const Sample& sample) {
   slot_[slot] = {sample, true, level_.hermite && known, 0};
   slot_array(in_use)[slot] = sample.state ? 1 : 0;
   slot_array(share)[slot] = sample.state ? sample.weight : 0;
-  weighted_ = weighted_ || sample.weight < 1 || sample.near < 1;
+  weighted_ = weighted_ || sample.weighted;
   slot_array(force_norm)[slot] = slot_array(share)[slot] * sample.force.norm();
   slot_array(stiffness_norm)[slot] = known ? sample.stiffness.norm() : 0;
   for (std::size_t c = 0; c < 3; ++c) {

@@ -34,6 +34,7 @@ struct Sample {
   double weight = 1;
   double reach = 1;  // as in Neighbour
   double near = 1;  // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
+  bool weighted = false;  // of a set with weights, though all may be 1: no weight that reaches 1 changes how a model is made
   bool state = true;  // false: a place that carries data, but is no state (affine_places)
 };
 
@@ -120,7 +121,7 @@ class RbfFit {
   std::vector<Slot> slot_;
   AlignedArray px_, py_, pz_;  // scaled positions by slot
   AlignedArray hull_;          // 3 x slot_stride: of the living, drawn to their mean by 1 - weight
-  bool weighted_ = false;      // not all weights are 1
+  bool weighted_ = false;      // of a set with weights
   // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
   // known), the weight (0 for holes), and room for distances.
   enum SlotArray : std::size_t { in_use = 0, force_norm = 1, stiffness_norm = 2, force = 3, stiffness = 6, share = 15, away = 16, slot_arrays = 17 };

@@ -21,8 +21,8 @@ void check(const ModelOptions& options) {
     throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");
 }
 
-Sample sample_of(StateId id, const State& state, double weight = 1, double near = 1, double reach = 1) {
-  Sample sample{id, state.at, state.force, state.stiffness, weight, reach, near};
+Sample sample_of(StateId id, const State& state) {
+  Sample sample{.id = id, .at = state.at, .force = state.force, .stiffness = state.stiffness};
   if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
   return sample;
 }
@@ -58,7 +58,7 @@ void add_affine_places(std::vector<Sample>& samples, double h) {
     const auto a = anchor(j);
     const Vec3 x = radius * Vec3(a[0], a[1], a[2]);
     samples.push_back({.id = {0xffffff00u + j}, .at = mean + x, .force = force + slope * x, .stiffness = Mat3::Constant(unknown),
-                       .weight = weight, .reach = std::max(1.0, radius / h), .near = 0, .state = false});
+                       .weight = weight, .reach = std::max(1.0, radius / h), .near = 0, .weighted = true, .state = false});
   }
 }
 
@@ -69,7 +69,7 @@ struct ModelUpdater::Impl {
   ModelOptions options;
   RbfFit fit;
   NeighbourSelector selector;
-  std::vector<Neighbour> chosen, last_weighted;  // the second empty where all weights were 1
+  std::vector<Neighbour> chosen, last_weighted;  // the second empty where there were none
   std::vector<StateId> wanted, removed, missing;
   std::vector<Sample> added;
   std::uint64_t serial = 0;
@@ -111,15 +111,20 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   m.added.clear();
   for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
   // Weights move with the HIP, which changes nearly all of the matrix.
-  const auto partly = [](const Neighbour& c) { return c.weight < 1 || c.near < 1; };
-  const bool weighted = std::ranges::any_of(m.chosen, partly);
+  const bool weighted = m.selector.weighted();
   const bool same_set = m.removed.empty() && m.added.empty();
   const bool same_weights = weighted ? std::ranges::equal(m.chosen, m.last_weighted)
                                      : m.last_weighted.empty();
   bool refit = false;
   if (!same_weights || (m.fresh && !(same_set && m.from_scratch))) {
     m.added.clear();
-    for (const Neighbour& c : m.chosen) m.added.push_back(sample_of(c.id, m.space[c.id], c.weight, c.near, c.reach));
+    for (const Neighbour& c : m.chosen) {
+      Sample& sample = m.added.emplace_back(sample_of(c.id, m.space[c.id]));
+      sample.weight = c.weight;
+      sample.near = c.near;
+      sample.reach = c.reach;
+      sample.weighted = weighted;
+    }
     if (weighted && affine_places(m.options) > 0) add_affine_places(m.added, m.space.options().spacing);
     m.fit.refit(m.added);
     refit = m.from_scratch = true;

@@ -67,6 +67,11 @@ std::vector<ThinSet> thin_sets() {
     add_plane(s, 0, -0.03, 5);
     for (int i = -8; i <= 8; ++i) s.insert(field_state(Vec3(0.03, i * h, 0)));
   });
+  make("a cube of 27, hardly more than a model takes", [](StateSpace& s) {
+    for (int i = -1; i <= 1; ++i)
+      for (int j = -1; j <= 1; ++j)
+        for (int k = -1; k <= 1; ++k) s.insert(field_state(h * Vec3(i, j, k)));
+  });
   return sets;
 }
 
