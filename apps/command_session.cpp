@@ -94,6 +94,19 @@ void take_states(const Scene& scene, const SessionArguments& given, const Global
   input.known = StateFile::open_or_create(file, header).read_all();
 }
 
+// A replay takes motion and arrivals from its run; what is asked of a planner then is said to be in vain.
+void warn_in_vain(const Globals& globals, const SessionArguments& given) {
+  if (!given.replay) return;
+  std::vector<std::string> vain;
+  if (given.device) vain.push_back("--device");
+  if (given.policy) vain.push_back("--policy");
+  if (given.predictor) vain.push_back("--predictor");
+  if (given.workers) vain.push_back("--workers");
+  if (given.cost) vain.push_back("--cost");
+  if (given.latency) vain.push_back("--latency");
+  if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));
+}
+
 // A run is not written over the one that it replays.
 void keep_replayed(const SessionOptions& options, const fs::path& run) {
   std::error_code error;
@@ -223,6 +236,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   keep_replayed(options, run);
   prepare_run_folder(run);
   set_aside_states_of_last_run(globals, input, run);
+  warn_in_vain(globals, given);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
 

@@ -181,6 +181,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
     print_json(document);
   }
   show_contrasts(globals, plan.study, compared);
+  for (const std::string& note : sustained_notes(plan.study, result.cells)) say(globals, note);
   say(globals,
       fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
                   plan.cells.size(), result.ran, result.seconds, result.resumed));

@@ -200,6 +200,9 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.placement =
       table.word<std::string>("placement", {{"lattice", "lattice"}, {"adaptive", "adaptive"}, {"path", "path"}})
           .value_or(session.placement);
+  if (session.method != "rbf" && session.placement != "lattice")
+    throw table.wrong("placement", fmt::format("lattice with method = \"{}\", which interpolates between lattice states",
+                                               session.method));
   session.workers = static_cast<int>(table.integer("workers", 1, 100000).value_or(session.workers));
   read_switch(table, session.switching);
   session.update_travel = table.number("update_travel", positive()).value_or(session.update_travel);

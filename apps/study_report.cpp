@@ -275,6 +275,17 @@ std::string provenance_section(const StudyPlan& plan) {
 
 }  // namespace
 
+std::vector<std::string> sustained_notes(const Study& study, const std::vector<CellColumns>& cells) {
+  if (!study.sustained) return {};
+  const auto failed = std::ranges::count_if(cells, [](const CellColumns& c) { return cell_number(c, "sustained.speed") == 0; });
+  std::vector<std::string> notes{"Other measures than the sustained speed are those of each session at its own sustained speed."};
+  if (failed > 0)
+    notes.push_back(fmt::format("In {} of {} cells not even the lowest speed tried, {:.3g} mm/s, holds. They are 0 in cells.csv and "
+                                "count here as that speed, which favours them: factors against them are lower bounds.",
+                                failed, cells.size(), 1e3 * study.sustained->low));
+  return notes;
+}
+
 std::string study_page(const StudyPlan& plan, const StudyResult& result,
                        const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared) {
   const Study& study = plan.study;
@@ -284,9 +295,11 @@ std::string study_page(const StudyPlan& plan, const StudyResult& result,
       "One row each in cells.csv.</p>\n",
       html_escaped(study.file.stem().string()), plan.cells.size(), study.combinations(), study.seeds.size(),
       html_escaped(study.scene.filename().string()));
-  if (!plan.warnings.empty()) {
+  std::vector<std::string> notes = plan.warnings;
+  std::ranges::copy(sustained_notes(study, result.cells), std::back_inserter(notes));
+  if (!notes.empty()) {
     html += "<ul class=\"note\">\n";
-    for (const std::string& warning : plan.warnings) html += "<li>" + html_escaped(warning) + "</li>\n";
+    for (const std::string& warning : notes) html += "<li>" + html_escaped(warning) + "</li>\n";
     html += "</ul>\n";
   }
   for (std::size_t i = 0; i < ranked.size(); ++i) {

@@ -8,6 +8,9 @@
 
 namespace forefeel {
 
+// What a reader must know of sustained speeds in these cells; empty where none were sought.
+std::vector<std::string> sustained_notes(const Study& study, const std::vector<CellColumns>& cells);
+
 std::string study_page(const StudyPlan& plan, const StudyResult& result,
                        const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared);
 

@@ -209,7 +209,10 @@ std::vector<double> ReferenceService::measured_rest_costs() {
 std::vector<double> ReferenceService::kept(const std::filesystem::path& file,
                                            std::vector<double> (ReferenceService::*measured)()) {
   constexpr std::string_view columns[] = {"seconds"};
-  if (!file.empty() && std::filesystem::exists(file)) return read_csv(file, columns).values;
+  if (!file.empty() && std::filesystem::exists(file)) try {
+      if (std::vector<double> values = read_csv(file, columns).values; !values.empty()) return values;
+    } catch (const InputError&) {  // damaged: measured anew, as any cache is made anew
+    }
   std::vector<double> seconds = (this->*measured)();
   if (file.empty() || seconds.empty()) return seconds;
   try {
