@@ -299,7 +299,8 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
   }
 }
 
-// How far what counts is from where its side begins: where there are hardly n states, the key of rank n may be anything.
+// How far what counts is from where its side begins: where there are hardly n states, the key of rank n may
+// be anything.
 double NeighbourSelector::extent(const Vec3& hip, double pulled) {
   double most = 0;
   for (const Candidate& c : candidates_) {

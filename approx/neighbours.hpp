@@ -55,8 +55,9 @@ constexpr std::size_t bridging_neighbours(const ModelOptions& options) {
 constexpr std::size_t most_neighbours(const ModelOptions& options) {
   return weighted_neighbours(options) + weighted_neighbours(options) / 6 + bridging_neighbours(options);
 }
-// A set with weights is held by as many places about it that carry the affine fit of the set and count hardly: a
-// polynomial term that one state more would determine alone comes in gradually too. (Stiffness determines a linear one.)
+// A set with weights is held by as many places about it that carry the affine fit of the set and count
+// hardly: a polynomial term that one state more would determine alone comes in gradually too. (Stiffness
+// determines a linear one.)
 constexpr std::size_t affine_places(const ModelOptions& options) {
   const bool determined = options.data == Data::force_and_stiffness && options.kernel == Kernel::cubic;
   return options.select == Select::label && !determined ? 10 : 0;

@@ -77,6 +77,20 @@ void RbfFit::set_frame(std::span<const Sample> samples) {
   for (const auto& s : samples) largest = std::max(largest, (s.at - centre_).squaredNorm());
   scale_ = largest > 0 ? std::sqrt(largest) : options_.length > 0 ? options_.length : 1;
   inverse_scale_ = 1 / scale_;
+  // The user's ridge is for the size of what counts: a far state that hardly does must not change it.
+  counted_size_ = 1;
+  if (!(options_.ridge > 0) || samples.empty() || !samples[0].weighted) return;
+  double total = 0, size = 0;
+  Vec3 middle = Vec3::Zero();
+  for (const auto& s : samples) {
+    if (!s.state) continue;
+    total += s.weight;
+    middle += s.weight * (s.at - samples[0].at);
+  }
+  middle = samples[0].at + middle / total;
+  for (const auto& s : samples)
+    if (s.state) size = std::max(size, s.weight * (s.at - middle).norm());
+  if (size > 0) counted_size_ = size * inverse_scale_;
 }
 
 namespace {
@@ -232,10 +246,12 @@ void RbfFit::functionals(std::size_t slot) {
 // of it that counts.
 double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const double w = slot_[slot].sample.weight;
-  if (w >= 1) return options_.ridge;
-  const double h = (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;
   const int k = level_.power - (functional > 0 ? 2 : 0);
-  return options_.ridge + border_pivot(level_.power, level_.hermite, functional == 0) * std::pow(h, k) * (1 / w - 1);
+  const double given = counted_size_ == 1 ? options_.ridge : options_.ridge * std::pow(counted_size_, k);
+  if (w >= 1) return given;
+  const double h =
+      (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;
+  return given + border_pivot(level_.power, level_.hermite, functional == 0) * std::pow(h, k) * (1 / w - 1);
 }
 
 // The rows of up to eight plain or two Hermite slots.
@@ -254,7 +270,7 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
       rows::loops().values(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out);
     else
       rows::loops().hermite(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out,
-                    factor_.panel_stride());
+                            factor_.panel_stride());
     for (std::size_t t = 0; t < b; ++t) {
       const std::size_t row = slot * b + t;
       double* line = factor_.panel_row(s * b + t);
@@ -263,7 +279,8 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
         right[j] = la[j] = lagrange_[j * row_stride_ + row];
         va[j] = dual_[j * row_stride_ + row];
       }
-      rows::loops().project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(), line);
+      rows::loops().project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(),
+                            line);
       line[row] += ridge(slot, t);
       for (int c = 0; c < 3; ++c)
         right[terms_ + c] = t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scale_;
@@ -400,9 +417,11 @@ void RbfFit::leave(std::size_t slot) {
 
 namespace {
 
-// Measured: an update of more of n states than this costs as much as a refit or more. With stiffness at n = 25,
-// 50 and 75 from 8, 12 and 16 states on for r^3, from 9, 14 and 17 for r^5.
-double most_updated(double n, bool hermite) { return hermite ? std::min(4 + 0.15 * n, 0.5 * n) : 2 + 0.2 * n; }
+// Measured: an update of more of n states than this costs as much as a refit or more. With stiffness at n =
+// 25, 50 and 75 from 8, 12 and 16 states on for r^3, from 9, 14 and 17 for r^5.
+double most_updated(double n, bool hermite) {
+  return hermite ? std::min(4 + 0.15 * n, 0.5 * n) : 2 + 0.2 * n;
+}
 
 }  // namespace
 
@@ -410,7 +429,8 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   const std::size_t b = rows_per_slot_, changed = (removed.size() + added.size()) / 2;
   if (alive_ == 0 || alive_ + added.size() < removed.size() + 1) return Outcome::refused;
   if (mode_ == Mode::automatic && worn_) return Outcome::refused;
-  if (mode_ == Mode::automatic && double(changed) > most_updated(double(alive_), b == 4)) return Outcome::refused;
+  if (mode_ == Mode::automatic && double(changed) > most_updated(double(alive_), b == 4))
+    return Outcome::refused;
 
   updated_ = true;
   added_.clear();

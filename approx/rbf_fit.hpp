@@ -29,13 +29,14 @@ struct Sample {
   StateId id;
   Vec3 at, force;
   Mat3 stiffness;  // NaN where not known
-  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows lets it go out of the model
-  // gradually, so that a weight that is a continuous function of the HIP makes the model one.
+  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows lets it go out of the
+  // model gradually, so that a weight that is a continuous function of the HIP makes the model one.
   double weight = 1;
   double reach = 1;  // as in Neighbour
-  double near = 1;  // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
-  bool weighted = false;  // of a set with weights, though all may be 1: no weight that reaches 1 changes how a model is made
-  bool state = true;  // false: a place that carries data, but is no state (affine_places)
+  double near = 1;   // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
+  bool weighted = false;  // of a set with weights, though all may be 1: no weight that reaches 1 changes how
+                          // a model is made
+  bool state = true;      // false: a place that carries data, but is no state (affine_places)
 };
 
 class RbfFit {
@@ -53,8 +54,8 @@ class RbfFit {
   void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
                   std::vector<StateId>& missing) const;
 
-  // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius(). Allocates only
-  // where `out` was not reserved.
+  // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius().
+  // Allocates only where `out` was not reserved.
   void write(Model::Impl& out, const Vec3& hip, double bridge = 0, double half_ball = 0);
   // For tests and benches: always update, or always refit.
   enum class Mode { automatic, update, refit };
@@ -91,7 +92,8 @@ class RbfFit {
   void solve();
   void write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball);
   void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& centre);
-  void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest, double farthest);
+  void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest,
+                            double farthest);
   Mat3 slope_of_sum(const Model::Impl& out, const Vec3& at) const;
   void set_bound(Model::Impl& out);
   void leave(std::size_t slot);
@@ -121,10 +123,20 @@ class RbfFit {
   std::vector<Slot> slot_;
   AlignedArray px_, py_, pz_;  // scaled positions by slot
   AlignedArray hull_;          // 3 x slot_stride: of the living, drawn to their mean by 1 - weight
+  double counted_size_ = 1;    // of what counts in a set with weights, in units of the scale
   bool weighted_ = false;      // of a set with weights
   // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
   // known), the weight (0 for holes), and room for distances.
-  enum SlotArray : std::size_t { in_use = 0, force_norm = 1, stiffness_norm = 2, force = 3, stiffness = 6, share = 15, away = 16, slot_arrays = 17 };
+  enum SlotArray : std::size_t {
+    in_use = 0,
+    force_norm = 1,
+    stiffness_norm = 2,
+    force = 3,
+    stiffness = 6,
+    share = 15,
+    away = 16,
+    slot_arrays = 17
+  };
   double* slot_array(std::size_t which) { return slot_data_.data() + which * slot_stride_; }
   std::size_t slot_stride_ = 0;
   AlignedArray slot_data_;

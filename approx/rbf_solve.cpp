@@ -81,7 +81,8 @@ double largest_of(const double* values, std::size_t n) {
 
 // The bound B; where no stiffness is known, twice the largest secant from the mean of the states stands for K.
 void RbfFit::set_bound(Model::Impl& out) {
-  double largest = largest_of(slot_array(stiffness_norm), slots_);
+  double largest = 0;
+  for (std::size_t s = 0; s < slots_; ++s) largest = std::max(largest, slot_array(share)[s] * slot_array(stiffness_norm)[s]);
   if (largest == 0) {
     Vec3 at = Vec3::Zero(), mean = Vec3::Zero();  // position, force
     double total = 0, squared = 0;

@@ -27,8 +27,8 @@ Sample sample_of(StateId id, const State& state) {
   return sample;
 }
 
-// Adds the places of affine_places(), where the anchors of a polynomial of degree 2 are, each with the affine fit
-// of the samples as its force.
+// Adds the places of affine_places(), where the anchors of a polynomial of degree 2 are, each with the affine
+// fit of the samples as its force.
 void add_affine_places(std::vector<Sample>& samples, double h) {
   constexpr double weight = 0.001;
   double total = 0;
@@ -52,13 +52,21 @@ void add_affine_places(std::vector<Sample>& samples, double h) {
     stiffness += s.weight * s.stiffness;
   }
   const double radius = std::sqrt(spread.trace());
-  const Mat3 slope = known > 0 ? Mat3(-stiffness / known)
-                               : Mat3(cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse());
+  const Mat3 slope =
+      known > 0 ? Mat3(-stiffness / known)
+                : Mat3(cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse());
   for (std::uint32_t j = 0; j < max_terms; ++j) {
     const auto a = anchor(j);
     const Vec3 x = radius * Vec3(a[0], a[1], a[2]);
-    samples.push_back({.id = {0xffffff00u + j}, .at = mean + x, .force = force + slope * x, .stiffness = Mat3::Constant(unknown),
-                       .weight = weight, .reach = std::max(1.0, radius / h), .near = 0, .weighted = true, .state = false});
+    samples.push_back({.id = {0xffffff00u + j},
+                       .at = mean + x,
+                       .force = force + slope * x,
+                       .stiffness = Mat3::Constant(unknown),
+                       .weight = weight,
+                       .reach = std::max(1.0, radius / h),
+                       .near = 0,
+                       .weighted = true,
+                       .state = false});
   }
 }
 
@@ -77,7 +85,10 @@ struct ModelUpdater::Impl {
   bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
 
   Impl(const StateSpace& known, ModelOptions wished)
-      : space(known), options(wished), fit(wished, most_neighbours(wished) + affine_places(wished)), selector(known, wished) {
+      : space(known),
+        options(wished),
+        fit(wished, most_neighbours(wished) + affine_places(wished)),
+        selector(known, wished) {
     const std::size_t most = most_neighbours(options);
     wanted.reserve(most);
     chosen.reserve(most);
@@ -113,8 +124,8 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   // Weights move with the HIP, which changes nearly all of the matrix.
   const bool weighted = m.selector.weighted();
   const bool same_set = m.removed.empty() && m.added.empty();
-  const bool same_weights = weighted ? std::ranges::equal(m.chosen, m.last_weighted)
-                                     : m.last_weighted.empty();
+  const bool same_weights =
+      weighted ? std::ranges::equal(m.chosen, m.last_weighted) : m.last_weighted.empty();
   bool refit = false;
   if (!same_weights || (m.fresh && !(same_set && m.from_scratch))) {
     m.added.clear();
