@@ -423,7 +423,7 @@ Vec3 Approximation::force(const Vec3& x) const {
   const double norm = force.norm();
   if (norm <= largest_) return force;
   const double most = bound(x);
-  return norm <= most ? force : Vec3(force * (most / norm));
+  return norm <= most ? force : Vec3(force * (most / norm * (1 - 1e-15)));
 }
 
 }  // namespace forefeel

@@ -30,7 +30,7 @@ constexpr double off_view = 100;  // what a state seems farther by, per square o
 constexpr double in_view = 0.3;   // cosine to a view from which it is off it
 constexpr double turned = 0.93;   // cosine within which a state's own view is blended from the fixed ones
 constexpr double least_weight = 1e-10;
-constexpr double full_narrow = 0.2;  // c_i from which a state counts fully for the extent of a set
+constexpr double full_narrow = 0.2;  // c_i from which a state may count fully
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
 const Vec3 aside(0.17, -0.11, 0.07);
 constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in
@@ -345,7 +345,9 @@ void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
   for (Candidate& c : candidates_) {
     c.rank = 0;
     if (!(c.key < end)) continue;
-    c.rank = std::clamp(std::min((end - c.key) * c.narrow / wide_band, (whole - c.distance) / (band_ * h_)),
+    // Where there are no n states a side that begins to count comes in by that alone.
+    c.rank = std::clamp(std::min({(end - c.key) * c.narrow / wide_band, (whole - c.distance) / (band_ * h_),
+                                  c.narrow / full_narrow}),
                         0.0, 1.0);
     const double w = rise(c.rank);
     total += w;

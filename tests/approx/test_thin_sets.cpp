@@ -72,6 +72,11 @@ std::vector<ThinSet> thin_sets() {
       for (int j = -1; j <= 1; ++j)
         for (int k = -1; k <= 1; ++k) s.insert(field_state(h * Vec3(i, j, k)));
   });
+  make("three small patches far apart", [](StateSpace& s) {
+    for (const Vec3& corner : {Vec3(-0.12, -0.08, -0.12), Vec3(0.12, -0.08, 0.12), Vec3(-0.12, 0.08, 0.12)})
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) s.insert(field_state(corner + h * Vec3(i, j, 0)));
+  });
   return sets;
 }
 
