@@ -138,8 +138,8 @@ void NeighbourSelector::forget() {
 void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius) {
   found_.clear();
   if (radius > 0) space_.within(hip, radius, found_);
-  if (found_.size() < least)
-    space_.nearest(hip, least, found_);
+  if (found_.size() < least)  // of sides far apart the nearest are not the first
+    space_.nearest(hip, radius > 0 ? most_candidates : least, found_);
   else if (found_.size() > most_candidates)
     space_.nearest(hip, most_candidates, found_);
   candidates_.clear();
