@@ -8,12 +8,11 @@
 //             as seen along the way to state i (what lies more than about 70 degrees off it seems farther,
 //             ever more so):
 //               d_i, t_i   distance of what is nearest there, mean direction to what is about as near
-//               beta_i     rises from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1: how much that side
-//               counts c_i = (beta_i (d_1 + h) / (d_i + h))^(1/3), which makes the numbers of members go as 1
-//               / distance key_i = |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball
-//               of the boundary instead of a
-//                    layer or two of it, whose polynomial would not be determined
-//               w_i  rises from 0 at the key of rank n to 1 within band h
+//               beta_i     how much that side counts: from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1
+//               c_i        (beta_i (d_1 + h) / (d_i + h))^(1/3), so that the numbers of members go as 1 / distance
+//               key_i      |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball of the
+//                          boundary, not of a layer or two of it, whose polynomial would not be determined
+//               w_i        rises from 0 at the key of rank n to 1 within band h
 //             n is never less than weighted_neighbours(), and between two sides up to bridging_neighbours()
 //             more come in, the key of a broken rank being between those of two. So the far side of a gap
 //             enters when it hardly counts and leaves likewise, and there is no axis and no number of sides
