@@ -13,6 +13,7 @@ namespace {
 
 constexpr double loyalty = 0.95;  // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
+constexpr std::size_t few = 256;  // states that are all looked at, wherever they are
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // In spacings:
@@ -23,6 +24,7 @@ constexpr double pulled_r =
 constexpr double band = 0.4;      // of the key, over which a weight rises,
 constexpr double band_r5 = 0.8;   // and of r^5 on force, which trusts its outermost states farthest of all,
 constexpr double band_r = 1.4;    // and of r, whose ridge is the least steep in w
+constexpr double entering = 2;    // before the end of what is looked at, over which a state comes in
 constexpr double farthest = 32;   // a far side
 constexpr double fading = 8;      // before that, over which it goes
 constexpr double at_hip = 0.25;   // within this of the HIP a state has hardly a direction
@@ -39,6 +41,7 @@ constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far sid
 // blended from (35.3 degrees across at most, and 21.6 to the view).
 constexpr int coarse = 4;
 constexpr double least_sharp = 0.55;  // of a state that hides others: it has a direction
+constexpr double beyond = 1.2;        // keys are known up to that many times the last
 constexpr double first_end = 0.6;     // half balls of n states: keys looked at first
 
 // From 0 to 1 on [0, 1], twice differentiable.
@@ -135,13 +138,15 @@ void NeighbourSelector::forget() {
 }
 
 // The candidates: the states within the radius of the HIP, or the `least` nearest to it if those are more.
-void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius) {
+// Returns the distance up to which none is missing, a continuous function of the HIP.
+double NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius) {
   found_.clear();
-  if (radius > 0) space_.within(hip, radius, found_);
-  if (found_.size() < least)  // of sides far apart the nearest are not the first
-    space_.nearest(hip, radius > 0 ? most_candidates : least, found_);
-  else if (found_.size() > most_candidates)
-    space_.nearest(hip, most_candidates, found_);
+  if (radius > 0 && space_.size() > least) space_.within(hip, radius, found_);
+  bool by_number = false;
+  if (found_.size() < least || found_.size() > most_candidates) {
+    by_number = true;
+    space_.nearest(hip, std::min(most_candidates, std::max(least, found_.size())), found_);
+  }
   candidates_.clear();
   for (const StateId id : found_) {
     const Vec3 away = space_[id].at - hip;
@@ -151,6 +156,8 @@ void NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius
                            .towards = distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()),
                            .distance = distance});
   }
+  if (space_.size() <= least) return infinite;
+  return by_number ? candidates_.back().distance : radius;
 }
 
 void NeighbourSelector::keep_first(std::size_t count) {
@@ -247,8 +254,10 @@ double NeighbourSelector::two_sided() const {
   const double one_sided = ahead.norm() / total;
   double most = rise(1 - 2 * one_sided);
   if (one_sided > 0)
-    for (const Candidate& c : candidates_)
-      most = std::max(most, share(c.distance) * rise(-c.towards.dot(ahead) / (one_sided * total)));
+    for (const Candidate& c : candidates_) {
+      const double sharp = std::min(1.0, c.distance / (at_hip * h_));
+      most = std::max(most, share(c.distance) * rise(-sharp * c.towards.dot(ahead) / (one_sided * total)));
+    }
   return most;
 }
 
@@ -272,13 +281,17 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
     c.key = infinite;
     c.looked = false;
   }
+  // Whatever is crowded elsewhere, the nearest state counts, and others as far as they are hardly farther; of a
+  // flat front those less than h beside it.
+  const double steeper = 1 + 2 * nearest_ / h_;
   double limit = first_end * half_ball(rank_) * h_;
   for (bool all = false;;) {
     double next = infinite;
     for (Candidate& c : candidates_) {
       if (c.looked) continue;
-      const double hidden =
-          c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_;
+      const double behind = steeper * (c.distance - nearest_);
+      const double hidden = std::min(
+          behind, c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_);
       if (!all && hidden > limit) {
         next = std::min(next, hidden);
         continue;
@@ -286,27 +299,28 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
       c.looked = true;
       look_along(c);
       c.share = share(c.side_at);
-      c.narrow = std::cbrt(c.share * (nearest_ + h_) / (c.side_at + h_));
+      c.narrow = std::cbrt(c.share * (nearest_ + h_) / (c.side_at + h_)) *
+                 std::clamp((whole_ - c.distance) / (entering * h_), 0.0, 1.0);
       if (!(c.narrow > 0)) continue;
       const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + h_ * aside;
-      c.key = (space_[c.id].at - from).norm() / c.narrow;
+      c.key = std::min(behind, (space_[c.id].at - from).norm()) / c.narrow;
       keys_.push_back(c.key);
     }
     const double end = key_of(rank);
-    if (end <= next) return end;
+    if (beyond * end <= next) return end;
     all = end == infinite;
-    limit = end;
+    limit = beyond * end;
   }
 }
 
 // How far what counts is from where its side begins: where there are hardly n states, the key of rank n may
 // be anything.
-double NeighbourSelector::extent(const Vec3& hip, double pulled) {
+double NeighbourSelector::extent(double end) {
   double most = 0;
   for (const Candidate& c : candidates_) {
-    if (!(c.narrow > 0) || !c.looked) continue;
-    const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + h_ * aside;
-    most = std::max(most, std::min(1.0, c.narrow / full_narrow) * (space_[c.id].at - from).norm());
+    if (!(c.key < beyond * end)) continue;
+    const double inside = end < infinite ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
+    most = std::max(most, inside * std::min(1.0, c.narrow / full_narrow) * c.key * c.narrow);
   }
   return most;
 }
@@ -318,13 +332,8 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(weighted_));  // of a half ball of n, in spacings
   const double limit = std::max(farthest * h_, nearest_ + fading * h_);
   const double wide =
-      std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit + shell * h_));
-  gather(hip, weighted_ + weighted_ / 4 + 8, wide);
-  double whole = infinite;  // nothing is missing up to here
-  if (candidates_.size() < space_.size()) {
-    whole = wide;
-    for (const Candidate& c : candidates_) whole = std::max(whole, c.distance);
-  }
+      std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit)) + (shell + entering) * h_;
+  whole_ = gather(hip, std::max(few, 2 * most_), wide) - shell * h_;
   look_round();
 
   const double both = two_sided(), pulled = pulled_ + both * (pulled_to - pulled_);
@@ -333,22 +342,22 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   const double end =
       find_keys(hip, pulled * h_, double(rank_) + bridge_ * double(std::min(bridging_, others)));
   if (keys_.empty()) return;
-  radius_ = std::min(end, extent(hip, pulled * h_));
-  weigh(hip, end, whole);
+  radius_ = std::min(end, extent(end));
+  weigh(hip, end);
 }
 
-void NeighbourSelector::weigh(const Vec3& hip, double end, double whole) {
+void NeighbourSelector::weigh(const Vec3& hip, double end) {
   // Where the set is wider than states a spacing apart would make it, weights rise the more slowly.
-  const double usual = half_ball(rank_), wide_band = band_ * std::max(h_, radius_ / usual);
+  // Where they are crowded, the faster.
+  const double usual = half_ball(rank_), mean_spacing = radius_ / usual;
+  const double wide_band = band_ * std::max({mean_spacing, std::min(h_, 2 * mean_spacing), 1e-6 * h_});
   double total = 0;
   Vec3 mean = Vec3::Zero();
   for (Candidate& c : candidates_) {
     c.rank = 0;
     if (!(c.key < end)) continue;
     // Where there are no n states a side that begins to count comes in by that alone.
-    c.rank = std::clamp(std::min({(end - c.key) * c.narrow / wide_band, (whole - c.distance) / (band_ * h_),
-                                  c.narrow / full_narrow}),
-                        0.0, 1.0);
+    c.rank = std::clamp(std::min((end - c.key) * c.narrow / wide_band, c.narrow / full_narrow), 0.0, 1.0);
     const double w = rise(c.rank);
     total += w;
     mean += w * (space_[c.id].at - hip);

@@ -90,16 +90,16 @@ class NeighbourSelector {
   static constexpr std::size_t arrays = 5;  // of look_round()
   void take_nearest(const Vec3& hip);
   void take_sides(const Vec3& hip);
-  void gather(const Vec3& hip, std::size_t least, double radius);
+  double gather(const Vec3& hip, std::size_t least, double radius);
   void look_round();
   const Eigen::Vector4d& view(std::size_t k);
   void look_along(Candidate& candidate);
   double find_keys(const Vec3& hip, double pulled, double rank);
   double key_of(double rank);
-  double extent(const Vec3& hip, double pulled);
+  double extent(double end);
   double share(double distance) const;
   double two_sided() const;
-  void weigh(const Vec3& hip, double end, double whole);
+  void weigh(const Vec3& hip, double end);
   void keep_first(std::size_t count);
 
   const StateSpace& space_;
@@ -118,6 +118,7 @@ class NeighbourSelector {
   std::size_t room_ = 0;
   bool sided_ = false;
   double nearest_ = 0, bridge_ = 0, radius_ = 0;
+  double whole_ = 0;  // of no state nearer than this is anything about its side unknown
 };
 
 }  // namespace forefeel

@@ -145,6 +145,8 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
     for (std::size_t s = 0; s < slots_; ++s)
       farthest = std::max(farthest, nearest + slot_array(share)[s] * (slot_array(away)[s] - nearest));
   }
+  // States about equally far count about equally: which of them is the nearest must not decide at once.
+  farthest = std::max(farthest, nearest + options_.length * inverse_scale_);
   const Sample& base = slot_[first].sample;
 
   const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;
