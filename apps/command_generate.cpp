@@ -102,6 +102,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   const std::size_t failed = report.failed + known_failed;
   if (globals.json) {
     nlohmann::ordered_json document = to_json(report, usable + report.solved, failed);
+    document["interrupted"] = interrupted;
     document["spacing"] = scene.space.spacing;
     if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
     print_json(document);

@@ -132,20 +132,36 @@ std::string text_for(const SessionProgress& p) {
   return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved, name(p.label));
 }
 
-// What each predictor would have missed on this motion, against horizon.
-nlohmann::ordered_json prediction_json(const std::vector<Vec3>& motion, double frame) {
-  constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};   // [s]
-  nlohmann::ordered_json document = nlohmann::ordered_json::object();
-  for (const std::string& name : predictor_names()) {
-    auto& rows = document[name] = nlohmann::ordered_json::array();
-    for (const PredictionError& e : prediction_error(*make_predictor(name), motion, frame, horizons))
-      rows.push_back({{"horizon", e.horizon},
-                      {"p50", number(e.p95 > 0 ? e.p50 : unknown)},
-                      {"p95", number(e.p95 > 0 ? e.p95 : unknown)},
-                      {"within_two_deviations", number(e.within_deviation)}});
+// What each predictor would have missed on this motion, against horizon; worked out while the motion comes.
+class PredictionScores {
+ public:
+  explicit PredictionScores(double frame) {
+    constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};   // [s]
+    for (const std::string& name : predictor_names()) {
+      predictors_.push_back(make_predictor(name));
+      scores_.emplace_back(*predictors_.back(), frame, horizons);
+    }
   }
-  return document;
-}
+  void add(const Vec3& at) {
+    for (PredictionScore& score : scores_) score.add(at);
+  }
+  nlohmann::ordered_json json() const {
+    nlohmann::ordered_json document = nlohmann::ordered_json::object();
+    for (std::size_t i = 0; i < scores_.size(); ++i) {
+      auto& rows = document[predictor_names()[i]] = nlohmann::ordered_json::array();
+      for (const PredictionError& e : scores_[i].report())
+        rows.push_back({{"horizon", e.horizon},
+                        {"p50", number(e.p95 > 0 ? e.p50 : unknown)},
+                        {"p95", number(e.p95 > 0 ? e.p95 : unknown)},
+                        {"within_two_deviations", number(e.within_deviation)}});
+    }
+    return document;
+  }
+
+ private:
+  std::vector<std::unique_ptr<Predictor>> predictors_;
+  std::vector<PredictionScore> scores_;
+};
 
 std::string share(const nlohmann::ordered_json& value) {
   return value.is_number() ? fmt::format("{:.1f} %", 100 * value.get<double>()) : "unknown";
@@ -166,19 +182,13 @@ void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::pat
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
-// What is worked out and drawn from the motion and the states, on threads of their own while labels and errors are made.
+// What is drawn and written of the states, on threads of their own while errors are worked out.
 struct Meanwhile {
-  std::future<nlohmann::ordered_json> prediction;
   std::future<void> states;   // in their file
   Picture slices;
 
-  void begin(const SessionResult& result, const SessionOptions& options, const StateSpaceOptions& space, const fs::path& run) {
+  void begin(const SessionResult& result, const StateSpaceOptions& space, const fs::path& run) {
     slices = begin_slices(result, space);
-    std::vector<Vec3> motion;
-    for (const FrameRecord& f : result.frames) motion.push_back(f.at);
-    prediction = std::async(std::launch::async, [motion = std::move(motion), frame = options.frame] {
-      return prediction_json(motion, frame);
-    });
     states = std::async(std::launch::async, [all = result.states, file = run / "states.csv"] { write_states_csv(file, all); });
   }
 };
@@ -244,26 +254,33 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   const InterruptWatch watch;   // also while the files are written
   options.interrupted = &watch.flag();
   Meanwhile meanwhile;
+  PredictionScores predictions(options.frame);
   const SessionResult result = run_session(
       input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); },
-      [&](const SessionResult& so_far) { meanwhile.begin(so_far, options, scene.space, run); });
+      [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
+      [&](const Vec3& at) { predictions.add(at); });
   progress.reset();
 
+  const ReportPictures pictures = begin_pictures(result, meanwhile.slices);
   write_run_files(run, result, options);
   meanwhile.states.get();
   nlohmann::ordered_json summary = summary_json(result, input, options);
+  const auto asked = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
+  summary["interrupted"] = result.interrupted;
+  summary["frames_asked"] = asked;
   summary["spacing"] = scene.space.spacing;
   if (scene.chosen_spacing) summary["spacing_auto"] = to_json(*scene.chosen_spacing);
-  summary["prediction"] = meanwhile.prediction.get();   // [s], [m]
+  summary["prediction"] = predictions.json();   // [s], [m]
   summary["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
   file.write(summary.dump(2) + "\n");
   file.commit();
-  write_report(run, scene, globals, meanwhile.slices);
+  write_report(run, summary, scene, pictures);
   if (globals.json) print_json(summary);
   if (!globals.json) tell(globals, summary, run);
   if (!result.interrupted) return 0;
-  warn(globals, "interrupted: the files of the run hold what was done until then");
+  warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run hold what was done until then",
+                            result.frames.size(), asked, result.start_solved_failed[1]));
   flush_warnings();
   return 1;
 }

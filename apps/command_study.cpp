@@ -100,7 +100,7 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   summary["provenance"] = provenance(scene.hash);
   write_whole(folder / "summary.json",
               summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-  write_report(folder, scene, globals);
+  write_report(folder, summary, scene, begin_pictures(result, begin_slices(result, scene.space)));
   const Figure figure = gantt_figure(result, options.seconds, options.workers);
   const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
   if (svg)
@@ -116,6 +116,16 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
 
 // ---- the study
 // -------------------------------------------------------------------------------------------------------
+
+// What was done; of an interrupted study all there is to say.
+nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
+  return {{"cells", plan.cells.size()},
+          {"ran", result.ran},
+          {"resumed", result.resumed},
+          {"left", plan.cells.size() - result.resumed - result.ran},
+          {"interrupted", result.interrupted},
+          {"seconds", number(result.seconds)}};
+}
 
 void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
   std::string shown;
@@ -158,8 +168,15 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   write_whole(folder / "study.json", manifest(plan).dump(1) + "\n");
   StudyResult result = run_study(plan, folder, globals);
   if (result.interrupted) {
-    warn(globals, fmt::format("interrupted after {} of {} cells; the same command goes on from here",
-                              result.resumed + result.ran, plan.cells.size()));
+    const std::size_t done = result.resumed + result.ran;
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command goes on from here", done, plan.cells.size(),
+                              plan.cells.size() - done));
+    if (globals.json) {
+      nlohmann::ordered_json document = counts(plan, result);
+      document["files"] = nlohmann::ordered_json::array();   // made of all cells, when they are there
+      document["provenance"] = provenance(plan.scenes.front().hash);
+      print_json(document);
+    }
     return 1;
   }
   add_regret(plan.study, result.cells);
@@ -171,10 +188,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   write_whole(folder / "report.html", study_page(plan, result, ranked, compared));
 
   if (globals.json) {
-    nlohmann::ordered_json document{{"cells", plan.cells.size()},
-                                    {"ran", result.ran},
-                                    {"resumed", result.resumed},
-                                    {"seconds", number(result.seconds)}};
+    nlohmann::ordered_json document = counts(plan, result);
     document.update(ranking_json(plan.study, ranked, compared));
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
     document["provenance"] = provenance(plan.scenes.front().hash);

@@ -42,6 +42,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   document["linear"] = report.linear;
   document["estimate_holds"] = report.estimate_holds;
   document["truth_holds"] = report.truth_holds;
+  document["interrupted"] = report.stopped;
   return document;
 }
 

@@ -59,8 +59,11 @@ int run_gnuplot(const std::string& argument) {
 }
 
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
+  std::string replaced;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size())
+    replaced.append(text, begin, at - begin).append(to);
+  if (begin > 0) text = replaced.append(text, begin);
 }
 
 }  // namespace

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <future>
+#include <span>
+#include <utility>
 
 #include "apps/page.hpp"
 #include "apps/plot.hpp"
@@ -23,17 +24,6 @@ std::string escaped(const std::string& text) {
   return html_escaped(text);
 }
 
-// ---- reading a run
-// ------------------------------------------------------------------------------------------------
-
-Json read_summary(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  const Json summary = Json::parse(in, nullptr, false);
-  if (!in || summary.is_discarded() || !summary.is_object())
-    throw InputError(file.string(), "cannot be read, expected the summary of a run");
-  return summary;
-}
-
 const Json& at_path(const Json& summary, std::initializer_list<const char*> keys) {
   static const Json none;
   const Json* here = &summary;
@@ -42,36 +32,6 @@ const Json& at_path(const Json& summary, std::initializer_list<const char*> keys
     here = &here->at(key);
   }
   return *here;
-}
-
-double start_states(const Json& summary) {
-  const Json& count = at_path(summary, {"states", "start"});
-  return count.is_number() ? count.get<double>() : 0;
-}
-
-Run read_run(const std::filesystem::path& folder) {
-  Run run{RunTable::read(folder / "frames.csv"),
-          RunTable::read(folder / "dispatch.csv"),
-          RunTable::read(folder / "switches.csv"),
-          read_summary(folder / "summary.json"),
-          {}};
-  for (std::size_t row = 0; row < run.dispatch.rows(); ++row) {
-    const std::string_view status = run.dispatch.text(row, "status");
-    const double finished = run.dispatch.number(row, "finished"), known = run.dispatch.number(row, "known");
-    if ((status != "solved" && status != "arrived") || !std::isfinite(finished)) continue;
-    State state;
-    state.at = {run.dispatch.number(row, "x"), run.dispatch.number(row, "y"), run.dispatch.number(row, "z")};
-    run.states.emplace_back(std::isfinite(known) ? known : finished, state);
-  }
-  const std::filesystem::path all = folder / "states.csv";
-  const auto start = static_cast<std::size_t>(std::max(0.0, start_states(run.summary)));
-  if (start > 0 && std::filesystem::exists(all)) {  // those of the start come first
-    std::vector<State> states = read_states_csv(all);
-    states.resize(std::min(states.size(), start));
-    for (State& state : states) run.states.emplace_back(0.0, std::move(state));
-  }
-  std::ranges::stable_sort(run.states, {}, [](const auto& known) { return known.first; });
-  return run;
 }
 
 // ---- numbers for people
@@ -143,22 +103,18 @@ std::string figure(const Figure& f) {
   return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
 }
 
-SliceInput slice_input(const Run& run) {
-  return {{run.frames.numbers("x"), run.frames.numbers("y"), run.frames.numbers("z")}, run.frames.numbers("t"), run.states};
+// Each is a gnuplot of its own: side by side.
+template <class Make>
+Picture drawn(Make make) {
+  return std::async(std::launch::async, [make = std::move(make)] { return have_gnuplot() ? figure(make()) : std::string(); }).share();
 }
 
-std::string pictures(const Run& run, const Scene& scene, Picture slice) {
+std::string pictures(const Json& summary, const ReportPictures& drawings) {
   if (!have_gnuplot())
     return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
-  // Each is a gnuplot of its own: side by side.
-  const auto drawn = [](auto make) { return std::async(std::launch::async, [make] { return figure(make()); }); };
-  if (!slice.valid()) slice = drawn([&] { return slice_figure(slice_input(run), scene.space); }).share();
-  std::future<std::string> time = drawn([&] { return time_figure(run); });
-  std::future<std::string> start = drawn([&] { return start_figure(run); });
-  std::future<std::string> deadlines = has_deadlines(run) ? drawn([&] { return deadline_figure(run); }) : std::future<std::string>();
-  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(run.summary) + time.get() + start.get();
-  html += "<h2>What was known where</h2>\n" + slice.get();
-  if (deadlines.valid()) html += "<h2>Deadlines</h2>\n" + deadlines.get();
+  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(summary) + drawings.time.get() + drawings.start.get();
+  html += "<h2>What was known where</h2>\n" + drawings.slices.get();
+  if (drawings.deadlines.valid()) html += "<h2>Deadlines</h2>\n" + drawings.deadlines.get();
   return html;
 }
 
@@ -242,14 +198,20 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
       take(std::isfinite(d.known) ? d.known : d.finished, d.at);
   for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) take(0.0, result.states[i].at);
   std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
-  return std::async(std::launch::async, [slice = std::move(slice), space] {
-           return have_gnuplot() ? figure(slice_figure(slice, space)) : std::string();
-         }).share();
+  return drawn([slice = std::move(slice), space] { return slice_figure(slice, space); });
 }
 
-void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals&, const Picture& slice) {
-  const Run run = read_run(run_folder);
-  const Json& s = run.summary;
+ReportPictures begin_pictures(const SessionResult& result, Picture slices) {
+  const std::span<const FrameRecord> frames = result.frames;
+  ReportPictures drawings{.slices = std::move(slices),
+                          .time = drawn([frames] { return time_figure(frames); }),
+                          .start = drawn([frames] { return start_figure(frames); }),
+                          .deadlines = {}};
+  if (has_deadlines(frames)) drawings.deadlines = drawn([frames] { return deadline_figure(frames); });
+  return drawings;
+}
+
+void write_report(const std::filesystem::path& run_folder, const Json& s, const Scene& scene, const ReportPictures& drawings) {
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
       "seed {}; {} tetrahedra, {}</p>\n",
@@ -257,7 +219,7 @@ void write_report(const std::filesystem::path& run_folder, const Scene& scene, c
       shown(at_path(s, {"policy"})), shown(at_path(s, {"switch", "rule"})), shown(at_path(s, {"workers"})),
       shown(at_path(s, {"select"})), shown(at_path(s, {"seed"})), scene.body->mesh.tets.size(),
       name(scene.body->material.law));
-  html += tiles(s) + notes(s, scene) + pictures(run, scene, slice) + by_label_table(s) + all_numbers(s) +
+  html += tiles(s) + notes(s, scene) + pictures(s, drawings) + by_label_table(s) + all_numbers(s) +
           provenance_section(s);
   OutputFile file(run_folder / "report.html");
   file.write(html_page("Forefeel: " + scene.file.filename().string(), html));

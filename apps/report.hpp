@@ -11,15 +11,20 @@
 
 namespace forefeel {
 
-// Writes run_folder/report.html from summary.json, frames.csv, dispatch.csv and switches.csv there (all must exist;
-// summary.json may hold "notes": ["…"], shown as they are). States in the pictures: the solved and arrived rows of
-// dispatch.csv, and those of the start from the head of states.csv. Without gnuplot the report is written without
-// plots and says so. Throws InputError for a folder that is no run or cannot be written.
-// slice: the pictures of what was known where, if begin_slices() drew them already.
-using Picture = std::shared_future<std::string>;   // HTML
-void write_report(const std::filesystem::path& run_folder, const Scene& scene, const Globals& globals, const Picture& slice = {});
+using Picture = std::shared_future<std::string>;   // HTML; empty without gnuplot
 
-// Draws them on a thread of its own from a session that has run; what it needs of the result is copied.
+// Drawn on threads of their own. Time, start and deadlines read the frames until they are drawn: the result must outlive
+// them.
+struct ReportPictures {
+  Picture slices, time, start, deadlines;   // deadlines: only with a real clock
+};
+// What was known where, from a session that has run; what it needs of the result is copied.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
+ReportPictures begin_pictures(const SessionResult& result, Picture slices);
+
+// Writes run_folder/report.html. summary: that of the run, which may hold "notes": ["…"], shown as they are. Without
+// gnuplot the report is written without plots and says so. Throws InputError where the file cannot be written.
+void write_report(const std::filesystem::path& run_folder, const nlohmann::ordered_json& summary, const Scene& scene,
+                  const ReportPictures& pictures);
 
 }  // namespace forefeel

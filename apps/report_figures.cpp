@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "apps/plot.hpp"
 
@@ -13,12 +14,23 @@ namespace {
 
 constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
-std::vector<double> norms(const RunTable& table, const std::string& x, const std::string& y,
-                          const std::string& z) {
-  const std::vector<double> a = table.numbers(x), b = table.numbers(y), c = table.numbers(z);
-  std::vector<double> norm(a.size());
-  for (std::size_t i = 0; i < norm.size(); ++i) norm[i] = std::hypot(a[i], b[i], c[i]);
-  return norm;
+using Frames = std::span<const FrameRecord>;
+
+template <class Value>
+std::vector<double> values_of(Frames frames, Value value) {
+  std::vector<double> values;
+  values.reserve(frames.size());
+  for (const FrameRecord& frame : frames) values.push_back(value(frame));
+  return values;
+}
+std::vector<double> values_of(Frames frames, double FrameRecord::*member) {
+  return values_of(frames, [member](const FrameRecord& f) { return f.*member; });
+}
+std::vector<double> norms(Frames frames, Vec3 FrameRecord::*member) {
+  return values_of(frames, [member](const FrameRecord& f) {
+    const Vec3& v = f.*member;
+    return std::hypot(v[0], v[1], v[2]);
+  });
 }
 
 std::string scatter(const std::vector<double>& x, const std::vector<double>& y) {
@@ -36,14 +48,14 @@ double largest(const std::vector<double>& values, double at_least) {
 }
 
 // Runs of one label as boxes "x_low x_high" per label.
-std::string strip_blocks(const Run& run, const std::vector<double>& t) {
+std::string strip_blocks(Frames frames, const std::vector<double>& t) {
   std::array<std::string, labels.size()> boxes;
   for (std::size_t begin = 0, end = 0; begin < t.size(); begin = end) {
-    const std::string_view text = run.frames.text(begin, "label");
-    while (end < t.size() && run.frames.text(end, "label") == text) ++end;
+    const Label label = frames[begin].label;
+    while (end < t.size() && frames[end].label == label) ++end;
     const double until = end < t.size() ? t[end] : t.back();
     for (std::size_t i = 0; i < labels.size(); ++i)
-      if (text == name(labels[i]))
+      if (label == labels[i])
         boxes[i] += fmt::format("{:.6g} 0.5 {:.6g} {:.6g} 0 1\n", 0.5 * (t[begin] + until), t[begin], until);
   }
   std::string blocks;
@@ -63,11 +75,11 @@ struct Curves {
   std::vector<double> t, rendered, undamped, reference;
   double end = 1e-3;  // [s]
 
-  explicit Curves(const Run& run)
-      : t(run.frames.numbers("t")),
-        rendered(norms(run.frames, "fx", "fy", "fz")),
-        undamped(norms(run.frames, "ux", "uy", "uz")),
-        reference(norms(run.frames, "rx", "ry", "rz")) {
+  explicit Curves(Frames frames)
+      : t(values_of(frames, &FrameRecord::t)),
+        rendered(norms(frames, &FrameRecord::sent)),
+        undamped(norms(frames, &FrameRecord::undamped)),
+        reference(norms(frames, &FrameRecord::reference)) {
     if (t.size() > 1) end = t.back() + t[1] - t[0];
   }
   std::pair<std::size_t, std::size_t> rows(double from, double until) const {
@@ -275,12 +287,16 @@ std::string histogram(const std::vector<double>& values, double& peak) {
 
 }  // namespace
 
-Figure time_figure(const Run& run) {
-  const Curves curves(run);
-  std::string script = curves.blocks(0, curves.end, 1400) + common_style + strip_blocks(run, curves.t) +
-                       data_block("known", thinned_curve(curves.t, run.frames.numbers("known"), 700));
-  for (const std::string part : {"error", "approximation", "switch", "staleness"})
-    script += data_block(part, scatter(curves.t, run.frames.numbers(part)));
+Figure time_figure(Frames frames) {
+  const Curves curves(frames);
+  const std::vector<double> states = values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
+  std::string script = curves.blocks(0, curves.end, 1400) + common_style + strip_blocks(frames, curves.t) +
+                       data_block("known", thinned_curve(curves.t, states, 700));
+  const std::pair<const char*, double FrameRecord::*> parts[] = {{"error", &FrameRecord::error},
+                                                                 {"approximation", &FrameRecord::approximation},
+                                                                 {"switch", &FrameRecord::switching},
+                                                                 {"staleness", &FrameRecord::staleness}};
+  for (const auto& [part, member] : parts) script += data_block(part, scatter(curves.t, values_of(frames, member)));
   script += fmt::format(
       "set multiplot\nset xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\n"
       "set format x ''\n",
@@ -291,7 +307,7 @@ Figure time_figure(const Run& run) {
       "unset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\nset border 0\nunset xtics\nunset key\n" +
       strip_plot();
   script += "set border 3\nset xtics nomirror out scale 0.5\nset ytics nomirror autofreq\nset grid ytics\n";
-  const double known = largest(run.frames.numbers("known"), 1);
+  const double known = largest(states, 1);
   script +=
       screen_part(0.535, 0.385) + fmt::format(
                                       "set yrange [0:{}]\nset ytics {}\nset ylabel 'states known' offset 1\n"
@@ -307,8 +323,8 @@ Figure time_figure(const Run& run) {
           960, 820, script + "unset multiplot\n"};
 }
 
-Figure start_figure(const Run& run) {
-  const Curves curves(run);
+Figure start_figure(Frames frames) {
+  const Curves curves(frames);
   const double end = std::min(curves.end, 0.6);
   return {"start",
           "The first moments: nothing is known yet, the first models fade in, and each new model is taken in "
@@ -363,15 +379,14 @@ Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space) {
           960, height, script + "unset multiplot\n"};
 }
 
-bool has_deadlines(const Run& run) {
-  return std::ranges::any_of(run.frames.numbers("cost_us"),
-                             [](double value) { return std::isfinite(value); });
+bool has_deadlines(Frames frames) {
+  return std::ranges::any_of(frames, [](const FrameRecord& f) { return std::isfinite(f.cost_us); });
 }
 
-Figure deadline_figure(const Run& run) {
+Figure deadline_figure(Frames frames) {
   double peak = 1;
-  const std::string cost = histogram(run.frames.numbers("cost_us"), peak),
-                    late = histogram(run.frames.numbers("lateness_us"), peak);
+  const std::string cost = histogram(values_of(frames, &FrameRecord::cost_us), peak),
+                    late = histogram(values_of(frames, &FrameRecord::lateness_us), peak);
   const std::string script =
       data_block("cost", cost) + data_block("late", late) + common_style +
       fmt::format(

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/phantom_cache.hpp"
 #include "apps/sha256.hpp"
 #include "apps/suggest.hpp"
 #include "geometry/mesh_file.hpp"
@@ -45,7 +46,7 @@ TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
 TetMesh make_phantom(const SceneTable& body) {
   const std::vector<std::string> names = phantom_names();
   const std::string name = names[chosen_word(body, "phantom", *body.text("phantom"), names)];
-  return phantom(name, static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
+  return cached_phantom(name, static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
 }
 
 Material read_material(const SceneTable& table, bool defaults) {

@@ -62,8 +62,8 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
   std::vector<StudyMetric> metrics;
   if (study.sustained) metrics.push_back({"sustained.speed", "sustained HIP speed, mm/s", true, 1e3, true});
   const std::vector<StudyMetric> of_sessions{
-      {"error.first_visit.within_jnd", "first visits within the JND, %", true, 100},
-      {"error.within_jnd", "all samples within the JND, %", true, 100},
+      {"error.first_visit.within_jnd", "first visits within the JND, %", true, 100, false, true},
+      {"error.within_jnd", "all samples within the JND, %", true, 100, false, true},
       {"error.first_visit.p95", "error of first visits, p95, %", false, 100, true},
       {"error.p95", "error, p95, %", false, 100},
       {"error.first_visit.parts.approximation", "approximation at first visits, p95, %", false, 100},
@@ -72,10 +72,10 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
       {"error.parts.approximation", "approximation, p95, %", false, 100},
       {"error.parts.switch", "switch, p95, %", false, 100},
       {"error.parts.staleness", "staleness, p95, %", false, 100},
-      {"time_in.safe", "time in safe, %", true, 100},
-      {"time_in.blank", "time in blank, %", false, 100},
+      {"time_in.safe", "time in safe, %", true, 100, false, true},
+      {"time_in.blank", "time in blank, %", false, 100, false, true},
       {"states.age_at_use_ms.p50", "age at first use, median, ms", false},
-      {"states.used_share", "solved states used, %", true, 100},
+      {"states.used_share", "solved states used, %", true, 100, false, true},
       {"solver.preempted", "solver time in cancelled solves, s", false},
       {"solver.wasted", "solver time for states never used, s", false},
       {"regret.first_visit.within_jnd", "regret at first visits, points", false, 100},
@@ -134,8 +134,8 @@ std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColu
   for (std::size_t axis = 0; axis < study.axes.size(); ++axis) {
     const std::size_t levels = study.axes[axis].values.size();
     if (levels < 2) continue;
-    all.push_back(
-        {axis, metric, rank(observations(study, cells, axis, metric), levels, metric.larger_is_better)});
+    all.push_back({axis, metric,
+                   rank(observations(study, cells, axis, metric), levels, metric.larger_is_better, {.shares = metric.share})});
   }
   return all;
 }
@@ -173,7 +173,9 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumn
 Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
                   const std::vector<Contrast>& compared) {
   Json document;
-  document["metric"] = primary_metric(study).key;
+  const StudyMetric metric = primary_metric(study);
+  document["metric"] = metric.key;
+  document["student_of_means"] = metric.share ? "on the logit scale" : metric.ratio ? "of logarithms" : "plain";
   document["rankings"] = Json::array();
   for (const AxisRanking& entry : ranked) {
     Json rows = Json::array();

@@ -19,6 +19,7 @@ struct StudyMetric {
   bool larger_is_better = true;
   double scale = 1;    // title's unit per SI
   bool ratio = false;  // compared by factors: differences are those of the logarithm
+  bool share = false;  // lies in [0, 1], and so do the intervals of its means
 };
 
 StudyMetric primary_metric(const Study& study);  // first visits within the JND, or the sustained speed

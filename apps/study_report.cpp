@@ -18,6 +18,13 @@ namespace {
 constexpr const char* line_colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                         "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
 
+// How intervals of shares are made; those of differences are plain.
+constexpr const char* share_intervals =
+    "Student intervals of shares are made on the logit scale, logit m ± t s / (√G m (1 − m)) over G traces, and taken back, so that none "
+    "passes 0 or 100 % (logit interval: Brown, Cai, DasGupta, Statistical Science 16, 2001; with the variance between traces as in "
+    "svyciprop, method xlogit, Lumley, Complex Surveys, 2010). Where every trace has 100 % they have no width. Intervals of differences are "
+    "plain Student intervals.";
+
 // ---- numbers
 // -------------------------------------------------------------------------------------------------------
 
@@ -108,8 +115,8 @@ std::string ranking_picture(const Study& study, const AxisRanking& entry, std::s
       "$means using 1:2:3:4 with xerrorbars pt 7 ps 0.9 lw 2.5 lc rgb '#0b4f7d'\n";
   return picture(fmt::format("rank{}", id), 960,
                  std::clamp(110 + 34 * static_cast<int>(ranked.size()), 170, 900), script,
-                 "Mean over traces and seeds; thick: bootstrap interval, thin: Student interval over traces, "
-                 "both 95 %.");
+                 std::string("Mean over traces and seeds; thick: bootstrap interval, thin: Student interval over traces") +
+                     (entry.metric.share ? " on the logit scale" : "") + ", both 95 %.");
 }
 
 std::optional<std::vector<double>> numeric(const StudyAxis& axis) {
@@ -134,7 +141,7 @@ std::string curves_picture(const Study& study, const std::vector<CellColumns>& c
     std::string lines;
     for (std::size_t v = 0; v < x->size(); ++v) {
       const Ranking ranking =
-          rank(observations(study, cells, 0, metric, {{axis, v}}), levels, metric.larger_is_better);
+          rank(observations(study, cells, 0, metric, {{axis, v}}), levels, metric.larger_is_better, {.shares = metric.share});
       for (const Ranked& r : ranking.ranked)
         if (r.level == level) {
           const auto at = [&](double value) {
@@ -316,6 +323,8 @@ std::string study_page(const StudyPlan& plan, const StudyResult& result,
       html += metrics_section(study, result.cells);
     }
   }
+  if (primary_metric(study).share)
+    html += fmt::format("<p class=\"muted\">{}</p>\n", html_escaped(share_intervals));
   html +=
       "<p class=\"muted\">An observation is a trace with a seed; whatever else varies is averaged within it. "
       "Intervals stand for one "

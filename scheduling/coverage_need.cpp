@@ -151,10 +151,14 @@ struct CoverageNeed::Index {
   }
   // Of a blank place also the axis of an empty cone that proves it, zero where there is none.
   Label label(const Vec3& q, std::size_t scale, Vec3* axis = nullptr) const {
+    return label(q, scale, points.nearest(q, limits[scale].sparse_distance), axis);
+  }
+  // nearest: the nearest state, where it is within the distance of this scale or one that is farther.
+  Label label(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3* axis) const {
     const CoverageQuery query(points, delaunay);
     const Thresholds& limit = limits[scale];
-    const auto near = points.nearest(q, limit.sparse_distance).id;
-    if (near != nobody) return query.label(q, {near}, limit);   // safe lies within the distance, too
+    if (nearest.id != nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
+      return query.label(q, {nearest.id}, limit);   // safe lies within the distance, too
     if (points.size() == 0) return Label::blank;
     Vec3 witness = Vec3::Zero();
     const bool gap = query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, axis ? &witness : nullptr);
@@ -267,7 +271,8 @@ void CoverageNeed::weigh(const PlannerView& view) {
     const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
     const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2)), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
-    for (std::size_t s = 0; s < scales; ++s) relabel(place, s);
+    const auto nearest = index_->points.nearest(place.at, index_->limits[0].sparse_distance);   // the largest
+    for (std::size_t s = 0; s < scales; ++s) place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
     places_.push_back(place);
     if (!(weight > 0) || sure > 0.99) continue;
     double sum = 0;

@@ -124,8 +124,9 @@ class Kalman final : public Predictor {
     }
     double u = beta < 0.5 ? 1 / beta : 4 * (1 - beta);   // T / tau_v: Newton's method from above, monotone
     for (int i = 0; i < 8; ++i) {
-      const double e = std::exp(-u);
-      u -= (1 - e - beta * u) / (e - beta);
+      const double e = std::exp(-u), next = u - (1 - e - beta * u) / (e - beta);
+      if (next == u) break;   // for good
+      u = next;
     }
     tau_v_ = long_probe / u;
   }
@@ -177,32 +178,46 @@ std::unique_ptr<Predictor> make_predictor(const std::string& name) {
                                             fmt::join(predictor_names(), ", ")));
 }
 
-std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion, double step,
-                                              std::span<const double> horizons) {
-  std::vector<std::vector<double>> errors(horizons.size());
-  std::vector<std::size_t> within(horizons.size(), 0);
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    predictor.observe({.t = static_cast<double>(i) * step, .at = motion[i], .velocity = Vec3::Zero()});
-    for (std::size_t k = 0; k < horizons.size(); ++k) {
-      const auto later = i + static_cast<std::size_t>(std::llround(horizons[k] / step));
-      if (later >= motion.size()) continue;
-      const Prediction p = predictor.predict(horizons[k]);
-      errors[k].push_back((p.at - motion[later]).norm());
-      within[k] += ((p.at - motion[later]).cwiseAbs().array() <= 2 * p.deviation).all();
-    }
+PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<const double> horizons)
+    : predictor_(predictor), step_(step) {
+  for (const double horizon : horizons)
+    ahead_.push_back({.horizon = horizon, .steps = static_cast<std::size_t>(std::llround(horizon / step)), .made = {}, .errors = {}});
+}
+
+void PredictionScore::add(const Vec3& at) {
+  predictor_.observe({.t = static_cast<double>(seen_) * step_, .at = at, .velocity = Vec3::Zero()});
+  for (Ahead& ahead : ahead_) {
+    ahead.made.push_back(predictor_.predict(ahead.horizon));
+    if (seen_ < ahead.steps) continue;
+    const Prediction& p = ahead.made.front();
+    ahead.errors.push_back((p.at - at).norm());
+    ahead.within += ((p.at - at).cwiseAbs().array() <= 2 * p.deviation).all();
+    ahead.made.pop_front();
   }
+  ++seen_;
+}
+
+std::vector<PredictionError> PredictionScore::report() const {
   std::vector<PredictionError> report;
-  for (std::size_t k = 0; k < horizons.size(); ++k) {
-    PredictionError e{.horizon = horizons[k]};
-    if (!errors[k].empty()) {
-      std::sort(errors[k].begin(), errors[k].end());
-      e.p50 = errors[k][errors[k].size() / 2];
-      e.p95 = errors[k][errors[k].size() * 95 / 100];
-      e.within_deviation = static_cast<double>(within[k]) / static_cast<double>(errors[k].size());
+  for (const Ahead& ahead : ahead_) {
+    PredictionError e{.horizon = ahead.horizon};
+    std::vector<double> errors = ahead.errors;
+    if (!errors.empty()) {
+      std::sort(errors.begin(), errors.end());
+      e.p50 = errors[errors.size() / 2];
+      e.p95 = errors[errors.size() * 95 / 100];
+      e.within_deviation = static_cast<double>(ahead.within) / static_cast<double>(errors.size());
     }
     report.push_back(e);
   }
   return report;
+}
+
+std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion, double step,
+                                              std::span<const double> horizons) {
+  PredictionScore score(predictor, step, horizons);
+  for (const Vec3& at : motion) score.add(at);
+  return score.report();
 }
 
 }  // namespace forefeel

@@ -6,6 +6,8 @@
 //                       hands turn; tau_v is learnt from the motion, infinite as long as it is straight. The
 //                       deviation is the filter's own, scaled by what it was seen to miss.
 
+#include <cstddef>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,6 +32,26 @@ struct PredictionError {
   double horizon = 0;                 // [s]
   double p50 = 0, p95 = 0;            // |predicted - true|
   double within_deviation = 0;        // share of true positions within twice the deviation per axis
+};
+// The same while the motion comes.
+class PredictionScore {
+ public:
+  PredictionScore(Predictor& predictor, double step, std::span<const double> horizons);   // the predictor must outlive it
+  void add(const Vec3& at);          // of the next step
+  std::vector<PredictionError> report() const;
+
+ private:
+  struct Ahead {
+    double horizon;
+    std::size_t steps;
+    std::deque<Prediction> made;     // that no position was compared with yet
+    std::vector<double> errors;
+    std::size_t within = 0;
+  };
+  Predictor& predictor_;
+  double step_;
+  std::size_t seen_ = 0;
+  std::vector<Ahead> ahead_;
 };
 std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion, double step,
                                               std::span<const double> horizons);

@@ -211,7 +211,8 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
 // Who knows the motion and what each solve will cost can try the session before it counts: under every policy but the
 // placebos, with the motion known and without. The best at first visits is then run.
 SessionResult run_rehearsed(SessionInput input, SessionOptions options, const ShowProgress& show,
-                            const std::function<void(const SessionResult&)>& when_run) {
+                            const std::function<void(const SessionResult&)>& when_run,
+                            const std::function<void(const Vec3&)>& each_position) {
   if (!input.references) input.references = std::make_shared<ReferenceService>(input, options.threads);
   const auto state_file = std::exchange(input.state_file, std::nullopt);
   std::string best = "clairvoyant-greedy";
@@ -221,7 +222,12 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
     if (name == "clairvoyant" || name.find("shuffled") != std::string::npos) continue;
     options.policy = name;
     const SessionResult result = run_session(input, options, show);
-    if (result.interrupted) return result;
+    if (result.interrupted) {
+      if (when_run) when_run(result);
+      if (each_position)
+        for (const FrameRecord& frame : result.frames) each_position(frame.at);
+      return result;
+    }
     const double share = first_visits_within(result, options.switching);
     ++tried;
     if (share > most || (share == most && name == "clairvoyant-greedy")) {
@@ -231,7 +237,7 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   }
   options.policy = best;
   input.state_file = state_file;
-  SessionResult result = run_session(input, options, show, when_run);
+  SessionResult result = run_session(input, options, show, when_run, each_position);
   result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed", best, tried));
   return result;
 }
@@ -239,11 +245,12 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
 }  // namespace
 
 SessionResult run_session(const SessionInput& given, const SessionOptions& options, const ShowProgress& show,
-                          const std::function<void(const SessionResult&)>& when_run) {
+                          const std::function<void(const SessionResult&)>& when_run,
+                          const std::function<void(const Vec3&)>& each_position) {
   check_known(given);
   if (options.policy == "clairvoyant" && options.clock == Clock::virtual_time && !options.arrivals && !options.replay) {
     make_plan(given, options);   // what cannot be run is refused under its own name
-    return run_rehearsed(given, options, show, when_run);
+    return run_rehearsed(given, options, show, when_run, each_position);
   }
   const std::shared_ptr<ReferenceService> shared =
       given.references ? given.references : std::make_shared<ReferenceService>(given, options.threads);
@@ -259,13 +266,14 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
     result.notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
   if (references.note()) result.notes.push_back(*references.note());
   const auto start = std::chrono::steady_clock::now();
+  RunAnalysis analysis(input, options, references, each_position);
   if (options.clock == Clock::virtual_time)
-    run_virtual(plan, references, result, show);
+    run_virtual(plan, references, analysis, result, show);
   else
     run_real(plan, references, result, show);
   if (when_run) when_run(result);
   note_stiffness(plan.device->limits(), options.device, result);
-  analyse(input, options, references, result, show);
+  analysis.finish(result, show);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

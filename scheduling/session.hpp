@@ -162,10 +162,12 @@ void check_session(const SessionInput& input, const SessionOptions& options);
 // Where the device ends by itself (a trace, a replay), its end [s]; infinite otherwise.
 double motion_seconds(const SessionInput& input, const SessionOptions& options);
 
-// when_run: called once after the last frame, before labels and errors are worked out, which change `frames`,
-// `switches` and `notes`; the result moves, so nothing may refer to it later.
+// when_run: called once after the last frame, before labels and errors are entered, which change `frames`, `switches`
+// and `notes`; the result moves, so nothing may refer to it later.
+// each_position: where the HIP was in each frame, in order, on a thread of its own and beside the run where that can be.
 SessionResult run_session(const SessionInput& input, const SessionOptions& options,
                           const std::function<void(const SessionProgress&)>& progress = {},
-                          const std::function<void(const SessionResult&)>& when_run = {});
+                          const std::function<void(const SessionResult&)>& when_run = {},
+                          const std::function<void(const Vec3&)>& each_position = {});
 
 }  // namespace forefeel

@@ -6,8 +6,14 @@
 // Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell.
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <future>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <stop_token>
+#include <thread>
 
 #include "scheduling/session_model.hpp"
 #include "scheduling/session_parts.hpp"
@@ -15,24 +21,6 @@
 
 namespace forefeel {
 namespace {
-
-// Marks frames: sampled by arc length, and first visits of the cells of the lattice (cubes of h, or of a side of their
-// own, whose corners lie in the box), of which every visit_stride-th counts.
-void choose_samples(SessionResult& result, const SessionInput& input, const SessionOptions& options) {
-  const double step = options.reference_step;
-  VisitedCells visited(input.space.box, options.visit_cell > 0 ? options.visit_cell : input.space.spacing);
-  const auto stride = static_cast<std::size_t>(options.visit_stride);
-  double travel = 0, next = 0;
-  for (std::size_t k = 0; k < result.frames.size(); ++k) {
-    FrameRecord& frame = result.frames[k];
-    if (k > 0) travel += (frame.at - result.frames[k - 1].at).norm();
-    if (travel >= next) {
-      frame.sampled = true;
-      next = (std::floor(travel / step) + 1) * step;
-    }
-    if (visited.first(frame.at)) frame.first_visit = (visited.count() - 1) % stride == 0;
-  }
-}
 
 void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
   const double scale = std::max(reference.norm(), floor);
@@ -43,57 +31,184 @@ void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double 
   frame.staleness = (frame.undamped - fresh).norm() / scale;
 }
 
-// Forces of models made anew at the sampled frames from all states known then. Touches nothing that labels change.
-std::vector<Vec3> forces_of_all_known(const SessionInput& input, const SessionOptions& options, const SessionResult& result,
-                                      const std::vector<std::size_t>& samples) {
-  StateSpace space(input.space);
-  SessionModel updater(space, options);
-  std::vector<Vec3> forces(samples.size(), Vec3::Zero());
-  std::size_t inserted = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const FrameRecord& frame = result.frames[samples[i]];
-    for (; inserted < std::min<std::size_t>(frame.known, result.states.size()); ++inserted) space.insert(result.states[inserted]);
-    updater.forget();   // no set of an earlier moment has a say
-    if (!space.empty()) forces[i] = updater.model_at(frame.at).force(frame.at);
+// Which frames are samples: by arc length, and first visits of the cells of the lattice (cubes of h, or of a side of their
+// own, whose corners lie in the box), of which every visit_stride-th counts.
+class Samples {
+ public:
+  Samples(const SessionInput& input, const SessionOptions& options)
+      : visited_(input.space.box, options.visit_cell > 0 ? options.visit_cell : input.space.spacing),
+        step_(options.reference_step), stride_(static_cast<std::size_t>(options.visit_stride)) {}
+
+  struct Choice {
+    bool sampled = false, first_visit = false;
+  };
+  Choice next(const Vec3& at) {
+    Choice choice;
+    if (begun_) travel_ += (at - last_).norm();
+    begun_ = true;
+    last_ = at;
+    if (travel_ >= next_) {
+      choice.sampled = true;
+      next_ = (std::floor(travel_ / step_) + 1) * step_;
+    }
+    if (visited_.first(at)) choice.first_visit = (visited_.count() - 1) % stride_ == 0;
+    return choice;
   }
-  return forces;
-}
+
+ private:
+  VisitedCells visited_;
+  double step_, travel_ = 0, next_ = 0;
+  std::size_t stride_;
+  bool begun_ = false;
+  Vec3 last_ = Vec3::Zero();
+};
 
 }  // namespace
 
-void analyse(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
-             SessionResult& result, const ShowProgress& show) {
-  choose_samples(result, input, options);
-  std::vector<std::size_t> samples;
-  for (std::size_t k = 0; k < result.frames.size(); ++k)
-    if (result.frames[k].sampled || result.frames[k].first_visit) samples.push_back(k);
-  for (const std::size_t k : samples) references.request(result.frames[k].at);   // solved while labels are made
+// Frames and states are handed over in lots; one thread works them off in their order.
+struct RunAnalysis::Impl {
+  struct Frame {
+    Vec3 at;
+    std::uint32_t known;
+  };
+  struct Lot {
+    std::vector<Frame> frames;
+    std::vector<State> states;
+  };
+  struct Found {
+    Label label;
+    Samples::Choice choice;
+    Vec3 fresh;                      // where chosen: force of a model made anew from all states known then
+  };
+  static constexpr std::size_t lot_size = 100;
 
-  std::future<std::vector<Vec3>> fresh_forces =
-      std::async(std::launch::async, [&] { return forces_of_all_known(input, options, result, samples); });
-  StateSpace space(input.space);
-  std::size_t inserted = 0, grown_at = 0;
-  const auto total = static_cast<double>(result.frames.size());
-  for (std::size_t k = 0; k < result.frames.size(); ++k) {
-    FrameRecord& frame = result.frames[k];
-    for (; inserted < std::min<std::size_t>(frame.known, result.states.size()); ++inserted) {
-      space.insert(result.states[inserted]);
-      grown_at = k;
-    }
-    const bool as_before = k > 0 && grown_at < k && frame.at == result.frames[k - 1].at;   // a hand at rest
-    frame.label = as_before ? result.frames[k - 1].label : space.label(frame.at);
-    if (show && k % 500 == 0) show({.t = static_cast<double>(k), .seconds = total, .known = inserted, .phase = "labels"});
+  Impl(const SessionInput& input, const SessionOptions& options, ReferenceService& given, const std::function<void(const Vec3&)>& each)
+      : references(given), each_position(each), samples(input, options), space(input.space), fresh(space, options), floor(options.error_floor) {}
+
+  // ---- of the thread that runs
+  void add(const Vec3& at, std::uint32_t known, const StateSpace& all) {
+    lot.frames.push_back({at, known});
+    ++handed;
+    if (lot.frames.size() < lot_size) return;
+    for (; states < all.size(); ++states) lot.states.push_back(all[StateId{static_cast<std::uint32_t>(states)}]);
+    hand_over();
   }
-  const std::vector<Vec3> fresh = fresh_forces.get();
+  void hand_over() {
+    if (lot.frames.empty()) return;
+    {
+      const std::lock_guard lock(mutex);
+      lots.push_back(std::move(lot));
+      if (!thread.joinable()) thread = std::jthread([this](const std::stop_token& stop) { work(stop); });
+    }
+    lot = {};
+    changed.notify_all();
+  }
+  void wait(const ShowProgress& show) {
+    std::unique_lock lock(mutex);
+    const auto done = [&] { return failure || worked == handed; };
+    while (!changed.wait_for(lock, std::chrono::milliseconds(show ? 50 : 10'000), done))
+      if (show) show({.t = static_cast<double>(worked), .seconds = static_cast<double>(handed), .known = states, .phase = "labels"});
+    if (failure) std::rethrow_exception(failure);
+  }
+
+  // ---- of the thread beside it
+  void work(const std::stop_token& stop) {
+    try {
+      std::unique_lock lock(mutex);
+      for (;;) {
+        if (!changed.wait(lock, stop, [&] { return !lots.empty(); })) return;
+        const Lot mine = std::move(lots.front());
+        lots.pop_front();
+        lock.unlock();
+        arrived.insert(arrived.end(), mine.states.begin(), mine.states.end());
+        for (const Frame& frame : mine.frames) {
+          if (stop.stop_requested()) return;
+          look_at(frame);
+        }
+        lock.lock();
+        worked += mine.frames.size();
+        changed.notify_all();
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+      changed.notify_all();
+    }
+  }
+  void look_at(const Frame& frame) {
+    bool grown = false;
+    for (; inserted < std::min<std::size_t>(frame.known, arrived.size()); ++inserted) {
+      space.insert(arrived[inserted]);
+      grown = true;
+    }
+    const bool as_before = !found.empty() && !grown && frame.at == last;   // a hand at rest
+    last = frame.at;
+    Found result{.label = as_before ? found.back().label : space.label(frame.at, walk), .choice = samples.next(frame.at), .fresh = Vec3::Zero()};
+    if (result.choice.sampled || result.choice.first_visit) {
+      references.request(frame.at);
+      fresh.forget();   // no set of an earlier moment has a say
+      if (!space.empty()) result.fresh = fresh.model_at(frame.at).force(frame.at);
+    }
+    found.push_back(result);
+    if (each_position) each_position(frame.at);
+  }
+
+  ReferenceService& references;
+  const std::function<void(const Vec3&)>& each_position;
+  // of the thread that runs
+  Lot lot;
+  std::size_t handed = 0, states = 0;
+  // of the other
+  Samples samples;
+  StateSpace space;                  // what was known in the frame it is at
+  SessionModel fresh;
+  PathWalk walk;
+  std::vector<State> arrived;        // all so far, of which `inserted` are in the space
+  std::size_t inserted = 0;
+  Vec3 last = Vec3::Zero();
+  std::vector<Found> found;          // by frame; of the first again once `worked` says so
+  // of both, under the mutex
+  std::mutex mutex;
+  std::condition_variable_any changed;
+  std::deque<Lot> lots;
+  std::size_t worked = 0;
+  std::exception_ptr failure;
+  double floor;                      // f0 [N]
+  std::jthread thread;               // ends first
+};
+
+RunAnalysis::RunAnalysis(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
+                         const std::function<void(const Vec3&)>& each_position)
+    : impl_(std::make_unique<Impl>(input, options, references, each_position)) {}
+RunAnalysis::~RunAnalysis() = default;
+
+void RunAnalysis::frame(const Vec3& at, std::uint32_t known, const StateSpace& space) { impl_->add(at, known, space); }
+
+void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
+  Impl& my = *impl_;
+  for (; my.states < result.states.size(); ++my.states) my.lot.states.push_back(result.states[my.states]);
+  for (std::size_t k = my.handed; k < result.frames.size(); ++k, ++my.handed)
+    my.lot.frames.push_back({result.frames[k].at, result.frames[k].known});
+  my.hand_over();
+  my.wait(show);
+  std::vector<std::size_t> samples;
+  for (std::size_t k = 0; k < result.frames.size(); ++k) {
+    const Impl::Found& found = my.found[k];
+    FrameRecord& frame = result.frames[k];
+    frame.label = found.label;
+    frame.sampled = found.choice.sampled;
+    frame.first_visit = found.choice.first_visit;
+    if (frame.sampled || frame.first_visit) samples.push_back(k);
+  }
   std::size_t failed = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const State reference = references.get(result.frames[samples[i]].at);
+    const State reference = my.references.get(result.frames[samples[i]].at);
     if (reference.usable())
-      judge(result.frames[samples[i]], reference.force, fresh[i], options.error_floor);
+      judge(result.frames[samples[i]], reference.force, my.found[samples[i]].fresh, my.floor);
     else
       ++failed;
     if (show)
-      show({.t = static_cast<double>(i + 1), .seconds = static_cast<double>(samples.size()), .known = inserted,
+      show({.t = static_cast<double>(i + 1), .seconds = static_cast<double>(samples.size()), .known = result.states.size(),
             .phase = "references"});
   }
   if (failed > 0) result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");

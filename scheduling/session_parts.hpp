@@ -41,12 +41,29 @@ struct Replay {
 };
 Replay read_replay(const std::filesystem::path& run_folder);
 
-void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult& result, const ShowProgress& show);
+class RunAnalysis;
+
+void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& analysis, SessionResult& result, const ShowProgress& show);
 void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& result, const ShowProgress& show);
 
-// After the run: exact label of every frame, first visits, and at sampled frames the error and its parts.
-void analyse(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
-             SessionResult& result, const ShowProgress& show);
+// Exact label of every frame, first visits, and at sampled frames the error and its parts. Where the run hands over what
+// is done so far, most of it is worked out beside the run, on a thread of its own; nothing of that goes back to the run.
+class RunAnalysis {
+ public:
+  // All must outlive it. each_position: see run_session().
+  RunAnalysis(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
+              const std::function<void(const Vec3&)>& each_position);
+  ~RunAnalysis();
+
+  // The next frame: where the HIP was, and how many states were known. `space`: holds at least these, in their order.
+  void frame(const Vec3& at, std::uint32_t known, const StateSpace& space);
+  // After the run: what was not handed over, then all that result.frames and .switches lack.
+  void finish(SessionResult& result, const ShowProgress& show);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 Planner::Hooks hooks_of(const SessionPlan& plan, StateWriter* writer);
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);   // its log and counters

@@ -132,7 +132,7 @@ class SimulatedWorkers final : public Generator {
 
 }  // namespace
 
-void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult& result, const ShowProgress& show) {
+void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& analysis, SessionResult& result, const ShowProgress& show) {
   const SessionOptions& options = plan.options;
   EventQueue events;
   std::vector<JobResult> results;
@@ -169,6 +169,7 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, SessionResult&
       planner.update(now);
       link.planner_beat.store(now, std::memory_order_relaxed);
       loop.frame(event.payload);
+      analysis.frame(loop.hip().at, link.known.load(std::memory_order_relaxed), planner.space());
       planner.observe(*link.hip.take());
       planner.plan(now);
       const std::size_t next = event.payload + 1;

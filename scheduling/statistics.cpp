@@ -115,6 +115,14 @@ ConfidenceInterval student_interval(const GroupedValues& values, double confiden
   return {mean, mean - half, mean + half};
 }
 
+ConfidenceInterval share_interval(const GroupedValues& values, double confidence) {
+  const ConfidenceInterval plain = student_interval(values, confidence);
+  const double m = plain.mean, spread = m * (1 - m), half = plain.high - m;
+  if (!std::isfinite(half) || !(spread > 0)) return plain;
+  const auto share = [&](double shift) { return 1 / (1 + (1 - m) / m * std::exp(-shift)); };   // logit^-1(logit m + shift)
+  return {m, share(-half / spread), share(half / spread)};
+}
+
 ConfidenceInterval bootstrap_interval(const GroupedValues& values, const BootstrapOptions& options) {
   const GroupedValues groups = finite_groups(values);
   if (groups.empty()) return {none, none, none};
@@ -136,8 +144,8 @@ int Comparison::verdict() const {
 
 Comparison compare(const GroupedValues& differences, const BootstrapOptions& options) {
   const GroupedValues groups = finite_groups(differences);
-  Comparison result{student_interval(groups, options.confidence), bootstrap_interval(groups, options),
-                    count(groups), groups.size()};
+  Comparison result{options.shares ? share_interval(groups, options.confidence) : student_interval(groups, options.confidence),
+                    bootstrap_interval(groups, options), count(groups), groups.size()};
   for (const auto& group : groups)
     for (const double difference : group) {
       result.won += difference > 0 ? 1 : 0;
@@ -165,10 +173,12 @@ Ranking rank(std::span<const Observation> observations, std::size_t levels, bool
                             : a.value.student.mean < b.value.student.mean;
   });
   const std::size_t best = ranking.ranked.front().level;
+  BootstrapOptions of_differences = options;
+  of_differences.shares = false;
   for (Ranked& entry : ranking.ranked) {
     entry.to_best =
         compare(grouped(blocks, [&](const Block& b) { return b.values.at(entry.level) - b.values.at(best); }),
-                options);
+                of_differences);
     entry.tied = entry.to_best.verdict() == 0;
   }
   return ranking;

@@ -11,6 +11,12 @@
 //   Hinkley,
 //              Bootstrap Methods and their Application, 1997, 3.8); assumes no distribution, too narrow below
 //              about 5 groups
+// Of shares, values in [0, 1], Student's interval is made on the logit scale and taken back, so that it stays
+// between 0 and 1 (Brown, Cai, DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science
+// 16, 2001: logit interval; with a variance between groups: svyciprop, method xlogit, Lumley, Complex Surveys,
+// 2010):
+//   logit m +- t_{G-1} (s_m / sqrt(G)) / (m (1 - m)),   logit m = ln(m / (1 - m))
+// The bootstrap of shares stays there by itself. Differences of shares may be negative and are no shares.
 // A comparison pairs the same trace, seed and remaining settings: y = y_a - y_b.
 
 #include <cstdint>
@@ -32,10 +38,13 @@ struct BootstrapOptions {
   double confidence = 0.95;
   std::size_t resamples = 4000;
   std::uint64_t seed = 0;  // same seed, same interval
+  bool shares = false;     // the values are shares; differences of them, in rankings, are not
 };
 
 double student_quantile(double probability, double freedom);
 ConfidenceInterval student_interval(const GroupedValues& values, double confidence = 0.95);
+// Of values in [0, 1]; no width where all of them are 0 or all are 1.
+ConfidenceInterval share_interval(const GroupedValues& values, double confidence = 0.95);
 ConfidenceInterval bootstrap_interval(const GroupedValues& values, const BootstrapOptions& options = {});
 
 struct Comparison {
