@@ -7,11 +7,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <set>
 #include <sstream>
 
 #include "apps/study_plan.hpp"
 #include "apps/study_ranking.hpp"
+#include "apps/study_report.hpp"
 #include "apps/study_run.hpp"
 #include "apps/study_speed.hpp"
 #include "apps/study_table.hpp"
@@ -436,11 +438,14 @@ TEST_CASE(
   const auto document = first.json();
   CHECK(document["cells"] == 4);
   CHECK(document["ran"] == 4);
+  CHECK(document["left"] == 0);
+  CHECK(document["interrupted"] == false);
+  CHECK(document["student_of_means"] == "on the logit scale");
   CHECK(document["rankings"][0]["axis"] == "policy");
   CHECK(document["provenance"].contains("commit"));
   const auto table = shop.shell("cat out/cells.csv");
   CHECK(std::ranges::count(table.out, '\n') == 5);
-  CHECK(fs::exists(shop.path() / "out/report.html"));
+  CHECK_THAT(shop.shell("cat out/report.html").out, Catch::Contains("logit scale") && Catch::Contains("Brown, Cai, DasGupta"));
   CHECK(shop.forefeel("study study.toml -o out --json").json()["ran"] == 0);
   CHECK(shop.shell("cat out/cells.csv").out == table.out);
 
@@ -453,6 +458,63 @@ TEST_CASE(
   CHECK(fs::exists(shop.path() / "out/cell-0003/dispatch.csv"));
   CHECK(gantt.code == (fs::exists(shop.path() / "out/cell-0003/gantt.svg") ? 0 : 1));
   CHECK(shop.forefeel("study study.toml -o out --gantt 9").code == 2);
+}
+
+TEST_CASE("forefeel study: the terminal shows the intervals of the document, and none where one pair gives none") {
+  const test::Workshop shop;
+  shop.write("scene.toml", test::beam_scene("[session]\nseconds = 0.8\nrest_first = false\n"));
+  const std::string varied = "baseline = \"constant:0.02\"\n[vary]\ncost = [\"constant:0.02\", \"constant:0.3\"]\n";
+  shop.write("three.toml", "scene = \"scene.toml\"\nseeds = [1]\n" + varied +
+                               "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.03\", \"path:line,speed=0.02\"]\n");
+  shop.write("one.toml", "scene = \"scene.toml\"\nseeds = [1]\n" + varied + "device = [\"path:circle,speed=0.03\"]\n");
+  const auto told = shop.forefeel("study three.toml -o three --json");
+  REQUIRE(told.code == 0);
+  const auto contrast = told.json()["contrasts"][0];
+  const auto said = shop.forefeel("study three.toml -o three");
+  REQUIRE(said.code == 0);
+  INFO(said.out << contrast.dump());
+  CHECK(contrast["metric"] == "error.first_visit.within_jnd");
+  CHECK(contrast["traces"] == 3);
+  CHECK(contrast["student"][0].get<double>() < contrast["student"][1].get<double>());
+  const auto points = [](const nlohmann::json& value) {
+    std::ostringstream text;
+    text << std::setprecision(3) << 100 * value.get<double>();
+    return text.str();
+  };
+  const auto interval = [&](const char* kind) { return "[" + points(contrast[kind][0]) + ", " + points(contrast[kind][1]) + "]"; };
+  CHECK_THAT(said.out, Catch::Contains("constant:0.3 against constant:0.02: " + points(contrast["mean"]) + ", bootstrap " + interval("bootstrap") +
+                                       ", Student's " + interval("student")));
+  const auto single = shop.forefeel("study one.toml -o one");
+  REQUIRE(single.code == 0);
+  CHECK_THAT(single.out, Catch::Contains("bootstrap none, Student's none: not shown"));
+}
+
+TEST_CASE("sustained speeds: the report says what counts where not even the lowest holds") {
+  const Folder folder;
+  const StudyPlan plan = plan_study(read_study(
+      folder.study("seeds = [1, 2]\n[session]\ndevice = \"path:press\"\n[vary]\npolicy = [\"nearest\", \"fifo\"]\n[sustained]\nlow = 0.02\n"), {}));
+  StudyResult result;
+  for (const double speed : {0.0, 0.08, 0.16, 0.16}) {
+    CellColumns cell = CellColumns::object();
+    cell["sustained.speed"] = speed;
+    result.cells.push_back(cell);
+  }
+  const auto page = [&] {
+    return study_page(plan, result, rankings(plan.study, result.cells), contrasts(plan.study, result.cells, primary_metric(plan.study)));
+  };
+  const std::vector<std::string> notes = sustained_notes(plan.study, result.cells);
+  REQUIRE(notes.size() == 2);
+  CHECK_THAT(notes[0], Catch::Contains("at its own sustained speed"));
+  CHECK_THAT(notes[1], Catch::Contains("In 1 of 4 cells") && Catch::Contains("20 mm/s") && Catch::Contains("lower bounds"));
+  for (const std::string& note : notes) CHECK_THAT(page(), Catch::Contains(note));
+  // It counts as the lowest: seed 1 is 0.16 over 0.02, seed 2 0.16 over 0.08.
+  const std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
+  REQUIRE_FALSE(compared.empty());
+  CHECK(std::abs(compared[0].comparison.student.mean) == Approx(0.5 * (std::log(8) + std::log(2))));
+  result.cells[0]["sustained.speed"] = 0.02;
+  CHECK(sustained_notes(plan.study, result.cells).size() == 1);
+  CHECK_THAT(page(), !Catch::Contains("not even the lowest"));
+  CHECK(sustained_notes(plan_study(read_study(folder.study("seeds = [1]\n"), {})).study, result.cells).empty());
 }
 
 TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {
@@ -476,18 +538,29 @@ TEST_CASE("a study that is interrupted keeps what is done, says so, and goes on 
   shop.write("study.toml",
              "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
              "\"fifo\"]\n");
-  const auto cut = shop.shell(
-      "mkdir out; " FOREFEEL_BINARY_DIR
-      "/apps/forefeel study study.toml -o out --quiet --threads 1 & p=$!; "
-      "while [ $(ls out/cells 2>/dev/null | grep -c json) -lt 2 ] && kill -0 $p 2>/dev/null; do sleep 0.02; "
-      "done; kill -INT $p; wait $p");
+  const auto cut_at = [&](int cells, const std::string& option) {
+    return shop.shell("mkdir -p out; " FOREFEEL_BINARY_DIR "/apps/forefeel study study.toml -o out --threads 1 " + option +
+                      " & p=$!; while [ $(ls out/cells 2>/dev/null | grep -c json) -lt " + std::to_string(cells) +
+                      " ] && kill -0 $p 2>/dev/null; do sleep 0.02; done; kill -INT $p; wait $p");
+  };
+  const auto done = [&] { return std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out); };
+  const auto cut = cut_at(2, "--quiet");
   CHECK(cut.code == 1);
   CHECK(cut.out.empty());
-  CHECK_THAT(cut.err, Catch::Contains("interrupted after") && Catch::Contains("of 12 cells"));
-  const auto count = std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out);
-  CHECK(count >= 2);
-  CHECK(count < 12);
-  CHECK_THAT(cut.err, Catch::Contains("interrupted after " + std::to_string(count) + " of"));
+  CHECK(cut.error_lines() == 1);
+  const auto first = done();
+  CHECK(first >= 2);
+  CHECK(first < 12);
+  CHECK_THAT(cut.err, Catch::Contains("interrupted after " + std::to_string(first) + " of 12 cells, " + std::to_string(12 - first) + " left"));
+  const auto told = cut_at(static_cast<int>(first) + 2, "--json");
+  CHECK(told.code == 1);
+  const auto count = done();
+  CHECK(told.json()["interrupted"] == true);
+  CHECK(told.json()["cells"] == 12);
+  CHECK(told.json()["resumed"] == first);
+  CHECK(told.json()["ran"] == count - first);
+  CHECK(told.json()["left"] == 12 - count);
+  CHECK(told.json()["provenance"].contains("commit"));
   CHECK_FALSE(fs::exists(shop.path() / "out/cells.csv"));
   const auto resumed = shop.forefeel("study study.toml -o out --json");
   REQUIRE(resumed.code == 0);

@@ -177,6 +177,13 @@ TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
   check_refused(shop, "session beam.toml --policy wisest -o run", {"wisest"});
   check_refused(shop, "session beam.toml --seed 99999999999999999999 -o run", {"--seed", "99999999999999999999"});
   check_refused(shop, "session beam.toml --latency 1e300 -o run", {"latency", "86400"});
+  check_refused(shop, "session beam.toml --latency 86401 -o run", {"latency", "86400"});
+  check_refused(shop, "session beam.toml --latency -0.1 -o run", {"latency", "-0.1"});
+  check_refused(shop, "session beam.toml --set session.latency=1e9 -o run", {"latency", "86400"});
+  for (const std::string method : {"trilinear", "tricubic"})
+    for (const std::string placement : {"adaptive", "path"})
+      check_refused(shop, "session beam.toml --set session.method=" + method + " --set session.placement=" + placement + " -o run",
+                    {"session.placement", "lattice", method});
   check_refused(shop, "session beam.toml --set session.visit_cell=1e-300 -o run", {"visit_cell", "1e-9 m"});
   check_refused(shop, "session beam.toml -o ''", {"--output", "empty"});
   check_refused(shop, "session beam.toml --device path:spiral -o run", {"spiral"});

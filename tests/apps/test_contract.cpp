@@ -228,8 +228,27 @@ TEST_CASE("a replay names the run as its device, and ends where that ended", "[c
   REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 -o run --quiet").code == 0);
   const json replayed = run_json(shop, "session beam.toml --clock virtual --replay run -o again");
   CHECK(replayed["device"] == "replay:run");
+  CHECK(replayed["interrupted"] == false);
+  CHECK(replayed["frames_asked"] == 300);
   CHECK(replayed["frames"] == 300);
   CHECK(shop.shell("cut -d, -f1-4 run/frames.csv > a; cut -d, -f1-4 again/frames.csv > b; cmp a b").code == 0);
+}
+
+TEST_CASE("a replay says which options it leaves without effect", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --device path:press,speed=0.02 -o run --quiet").code == 0);
+  const std::string replay = "session beam.toml --clock virtual --replay run --quiet -o ";
+  const Workshop::Outcome plain = shop.forefeel(replay + "plain");
+  CHECK(plain.code == 0);
+  CHECK(plain.err.empty());
+  const Workshop::Outcome said = shop.forefeel(replay + "vain --policy nearest --workers 5 --cost constant:0.5 --latency 0.2");
+  CHECK(said.code == 0);
+  CHECK(said.error_lines() == 1);
+  CHECK_THAT(said.err, Catch::Contains("--policy, --workers, --cost, --latency: without effect with --replay"));
+  CHECK(shop.shell("cmp plain/frames.csv vain/frames.csv").code == 0);
+  const Workshop::Outcome moved = shop.forefeel(replay + "moved --device path:circle --predictor constant-velocity --switch none");
+  CHECK_THAT(moved.err, Catch::Contains("--device, --predictor: without effect") && !Catch::Contains("--switch"));
 }
 
 TEST_CASE("two commands on one cache: both give what one gives, and what they solved is kept", "[contract]") {
@@ -275,7 +294,48 @@ TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   CHECK(frames > 0);
   CHECK(frames < 600000);
   CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted"));
+  CHECK(outcome.json()["interrupted"] == true);
+  CHECK(outcome.json()["frames_asked"] == 600000);
+  CHECK(outcome.error_lines() == 1);
+  CHECK_THAT(outcome.err, Catch::Contains("interrupted after " + std::to_string(frames) + " of 600000 frames"));
   CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
+}
+
+TEST_CASE("a session that is interrupted while it rehearses says so and writes what it has", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome outcome = shop.shell(
+      FOREFEEL_BINARY_DIR "/apps/forefeel session beam.toml --clock virtual --policy clairvoyant --seconds 300 --device "
+      "path:circle,speed=0.01 -o run --json & p=$!; while [ ! -d run ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; "
+      "sleep 0.5; kill -INT $p; wait $p");
+  INFO(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["interrupted"] == true);
+  CHECK(outcome.json()["frames"].get<std::size_t>() < 300000);
+  CHECK(outcome.json()["prediction"].contains("kalman"));
+  CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
+}
+
+TEST_CASE("costs that were recorded are kept, and a damaged file of them is made anew", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string session = "session beam.toml --clock virtual --seconds 0.1 --cost recorded --quiet -o ";
+  const std::string lines = "wc -l < $(find ../cache -name '*[0-9a-f].costs.csv')";
+  REQUIRE(shop.forefeel(session + "one").code == 0);
+  const std::string kept = shop.shell("cat $(find ../cache -name '*.costs.csv')").out;
+  CHECK(kept.starts_with("seconds\n"));
+  CHECK(std::stoi(shop.shell(lines).out) > 40);
+  REQUIRE(shop.forefeel(session + "two").code == 0);
+  CHECK(shop.shell("cat $(find ../cache -name '*.costs.csv')").out == kept);
+  CHECK(shop.shell("cmp one/dispatch.csv two/dispatch.csv").code == 0);
+  for (const std::string damage : {"seconds\n0.01\nnone\n", "", "x"}) {
+    REQUIRE(shop.shell("printf '" + damage + "' > $(find ../cache -name '*.costs.csv')").code == 0);
+    const Workshop::Outcome again = shop.forefeel(session + "again");
+    INFO(again.err);
+    CHECK(again.code == 0);
+    CHECK_THAT(again.err, !Catch::Contains("csv:"));
+    CHECK(std::stoi(shop.shell(lines).out) > 40);
+  }
 }
 
 TEST_CASE("a report stands on its own", "[contract]") {

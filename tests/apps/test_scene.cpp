@@ -1,7 +1,9 @@
 #include <catch2/catch.hpp>
 
+#include "apps/phantom_cache.hpp"
 #include "apps/scene.hpp"
 #include "geometry/error.hpp"
+#include "geometry/phantom.hpp"
 #include "tests/apps/executable.hpp"
 
 using namespace forefeel;
@@ -63,6 +65,32 @@ stale = 1
   CHECK(scene.body->mesh.tets.size() >= 228);
   CHECK(scene.body->mesh.tets.size() <= 252);
   CHECK(scene.space.box.low == Vec3::Constant(-0.004));
+}
+
+TEST_CASE("meshes of phantoms are kept: the same bits, and damaged ones are made anew", "[scene]") {
+  const Workshop shop;
+  const TetMesh made = phantom("beam", 240);
+  const std::string bytes = mesh_bytes(made);
+  const auto same = [&](const std::optional<TetMesh>& mesh) {
+    return mesh && mesh->nodes == made.nodes && mesh->tets == made.tets && mesh->groups == made.groups;
+  };
+  CHECK(made.groups.size() == 2);
+  CHECK(same(mesh_of_bytes(bytes)));
+  for (const std::size_t cut : {std::size_t{0}, std::size_t{5}, std::size_t{40}, bytes.size() / 2, bytes.size() - 1})
+    CHECK_FALSE(mesh_of_bytes(std::string_view(bytes).substr(0, cut)));
+  std::string changed = bytes;
+  changed[bytes.size() / 3] ^= 1;
+  CHECK_FALSE(mesh_of_bytes(changed));
+
+  shop.write("beam.toml", beam_scene());
+  const auto force = [&] { return shop.forefeel("solve beam.toml --at=0,0,-0.003 --json --quiet").json()["states"][0]["force"]; };
+  const auto first = force();
+  const std::string kept = shop.shell("cat ../cache/forefeel/*.mesh").out;
+  CHECK(same(mesh_of_bytes(kept)));
+  CHECK(force() == first);
+  REQUIRE(shop.shell("for f in ../cache/forefeel/*.mesh; do printf damaged > $f; done").code == 0);
+  CHECK(force() == first);
+  CHECK(shop.shell("cat ../cache/forefeel/*.mesh").out == kept);
 }
 
 TEST_CASE("overrides take the place of what the file says", "[scene]") {

@@ -3,6 +3,7 @@
 
 #include "scheduling/statistics.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
@@ -55,6 +56,61 @@ TEST_CASE("a Student interval by hand: over group means, or over the replicates 
   CHECK(groups.mean - groups.low == Approx(groups.high - groups.mean));
   const ConfidenceInterval one = student_interval({{1, 2, 3}});
   CHECK(one.high == Approx(groups.high));
+}
+
+TEST_CASE("intervals of shares stay between 0 and 1: by hand, against the plain one, and turned round") {
+  // Means 0.7, 0.9, 0.8: m = 0.8, s = 0.1; on the logit scale ln 4 +- 4.302653 (0.1 / sqrt 3) / 0.16.
+  const GroupedValues three{{0.7}, {0.85, 0.95}, {0.8}};
+  const ConfidenceInterval share = share_interval(three);
+  CHECK(share.mean == Approx(0.8));
+  CHECK(share.low == Approx(0.4585226097).epsilon(1e-8));
+  CHECK(share.high == Approx(0.9497353076).epsilon(1e-8));
+  CHECK(student_interval(three).high > 1.04);
+  // Half of 50 replicates: se^2 = p (1 - p) / (n - 1), and with that the logit interval of the paper.
+  std::vector<double> coins(50, 0.0);
+  std::fill(coins.begin(), coins.begin() + 25, 1.0);
+  const double half = student_quantile(0.975, 49) / std::sqrt(0.25 * 49);
+  CHECK(share_interval({coins}).high == Approx(1 / (1 + std::exp(-half))));
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    GroupedValues shares(2 + seed % 5), rest;
+    for (std::size_t g = 0; g < shares.size(); ++g)
+      for (std::size_t i = 0; i < 3; ++i) shares[g].push_back(std::min(1.0, 1.3 * uniform(mix(seed, 10 * g + i))));
+    for (const auto& group : shares) {
+      rest.emplace_back();
+      for (const double v : group) rest.back().push_back(1 - v);
+    }
+    const ConfidenceInterval a = share_interval(shares), b = share_interval(rest);
+    CHECK(a.low >= 0);
+    CHECK(a.low <= a.mean);
+    CHECK(a.mean <= a.high);
+    CHECK(a.high <= 1);
+    CHECK(b.low == Approx(1 - a.high).margin(1e-9));
+    CHECK(b.high == Approx(1 - a.low).margin(1e-9));
+  }
+  // Narrow ones are the plain ones.
+  const GroupedValues narrow{{0.5}, {0.5001}, {0.4999}};
+  CHECK(share_interval(narrow).high == Approx(student_interval(narrow).high).epsilon(1e-6));
+  const ConfidenceInterval full = share_interval({{1.0}, {1.0, 1.0}}), one = share_interval({{0.4}});
+  CHECK(full.low == 1);
+  CHECK(full.high == 1);
+  CHECK(one.mean == 0.4);
+  CHECK(std::isnan(one.high));
+}
+
+TEST_CASE("a ranking of shares has such intervals, and plain ones of the differences") {
+  std::vector<Observation> seen;
+  for (std::size_t block = 0; block < 3; ++block) {
+    const double value = 0.9 + 0.05 * static_cast<double>(block);
+    seen.push_back({.level = 0, .block = block, .group = block, .value = value});
+    seen.push_back({.level = 1, .block = block, .group = block, .value = value - (block == 0 ? 0.9 : 0.0)});
+  }
+  const Ranking ranking = rank(seen, 2, true, {.shares = true}), plain = rank(seen, 2, true);
+  REQUIRE(ranking.ranked.size() == 2);
+  CHECK(plain.ranked[0].value.student.high > 1);
+  CHECK(plain.ranked[1].value.student.high > 1);
+  for (const Ranked& entry : ranking.ranked) CHECK(entry.value.student.high <= 1);
+  CHECK(ranking.ranked[1].to_best.student.low < -1);   // a difference, and no share
+  CHECK(ranking.ranked[1].to_best.student.low == plain.ranked[1].to_best.student.low);
 }
 
 TEST_CASE("too few values give a mean without an interval, none give neither") {
@@ -177,10 +233,13 @@ TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installe
       "x = np.array([0.31, 0.42, 0.77, 0.05, 0.66, 0.58, 0.49, 0.93, 0.12, 0.38])\n"
       "t = s.t.interval(0.95, 9, x.mean(), s.sem(x))\n"
       "b = s.bootstrap((x,), np.mean, n_resamples=200000, method='percentile', random_state=1)\n"
+      "from scipy.special import expit, logit\n"
+      "h = s.t.ppf(0.975, 9) * s.sem(x) / (x.mean() * (1 - x.mean()))\n"
+      "l = expit(logit(x.mean()) + np.array([-h, h]))\n"
       "print(repr(float(t[0])), repr(float(t[1])), float(b.confidence_interval.low), "
-      "float(b.confidence_interval.high))\" 2>/dev/null";
-  double low = 0, high = 0, b_low = 0, b_high = 0;
-  if (std::sscanf(output_of(python).c_str(), "%lf %lf %lf %lf", &low, &high, &b_low, &b_high) != 4) {
+      "float(b.confidence_interval.high), repr(float(l[0])), repr(float(l[1])))\" 2>/dev/null";
+  double low = 0, high = 0, b_low = 0, b_high = 0, l_low = 0, l_high = 0;
+  if (std::sscanf(output_of(python).c_str(), "%lf %lf %lf %lf %lf %lf", &low, &high, &b_low, &b_high, &l_low, &l_high) != 6) {
     WARN("python3-scipy is not installed: not compared");
     return;
   }
@@ -188,6 +247,8 @@ TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installe
   const ConfidenceInterval student = student_interval(one);
   CHECK(student.low == Approx(low).epsilon(1e-9));  // SciPy's quantile itself is good to 2e-11
   CHECK(student.high == Approx(high).epsilon(1e-9));
+  CHECK(share_interval(one).low == Approx(l_low).epsilon(1e-9));
+  CHECK(share_interval(one).high == Approx(l_high).epsilon(1e-9));
   const ConfidenceInterval bootstrap = bootstrap_interval(one, {.resamples = 100'000});
   CHECK(bootstrap.low == Approx(b_low).margin(0.003));
   CHECK(bootstrap.high == Approx(b_high).margin(0.003));

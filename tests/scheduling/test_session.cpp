@@ -71,6 +71,36 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
   }
 }
 
+TEST_CASE("labels, first visits and positions that are worked out beside a run are those of its frames") {
+  SessionOptions options = virtual_options(1.5);
+  options.device = "path:lissajous,speed=0.05";
+  options.cost = "lognormal:0.03,0.8";
+  std::vector<Vec3> positions;
+  const SessionInput input = small_input();
+  const SessionResult result = run_session(input, options, {}, {}, [&](const Vec3& at) { positions.push_back(at); });
+  REQUIRE(positions.size() == result.frames.size());
+  StateSpace space(input.space);
+  std::size_t inserted = 0, visits = 0;
+  std::set<Label> seen;
+  std::set<std::tuple<long, long, long>> cells;
+  for (std::size_t k = 0; k < result.frames.size(); ++k) {
+    const FrameRecord& frame = result.frames[k];
+    CHECK(positions[k] == frame.at);
+    for (; inserted < frame.known; ++inserted) space.insert(result.states.at(inserted));
+    REQUIRE(frame.label == space.coverage(frame.at).label);
+    seen.insert(frame.label);
+    const Vec3 cell = (frame.at / input.space.spacing).array().floor();
+    const bool first = cells.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second;
+    if (frame.first_visit) {
+      CHECK(first);
+      CHECK(std::isfinite(frame.error));
+      ++visits;
+    }
+  }
+  CHECK(seen.size() >= 3);
+  CHECK(visits > 3);
+}
+
 TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND at more first visits") {
   for (const std::string device : {"path:reach,speed=0.15,tremor=0.0002", "path:line,speed=0.07"}) {
     SessionOptions options = virtual_options(1);
