@@ -18,6 +18,9 @@ double pivot_tolerance(int power, bool hermite, bool value) {
   if (!hermite) return 1e-15;
   return power == 5 && value ? 1e-11 : 1e-14;
 }
+// Ridge of a set with weights, in units of those: in states far closer together than others no row is ever
+// dropped, which would change at once what the rest makes of them.
+constexpr double above_tolerance = 10;
 constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined
 
 // Pivot of the last functional at the border of a lattice set, in units of h^k: medians over half balls.
@@ -68,29 +71,24 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   moved_.reserve(slot_capacity_ + DenseFactor::panel);
 }
 
-// Centre and scale so that the set fills the unit ball.
+// Centre and scale so that the set fills the unit ball; in a set with weights what counts of it, so that a far
+// state that hardly does changes neither which polynomial is determined nor what a ridge means.
 void RbfFit::set_frame(std::span<const Sample> samples) {
+  const bool weighted = samples[0].weighted;
+  double total = 0, largest = 0;
   centre_.setZero();
-  for (const auto& s : samples) centre_ += (s.at - samples[0].at) / double(samples.size());
-  centre_ += samples[0].at;
-  double largest = 0;
-  for (const auto& s : samples) largest = std::max(largest, (s.at - centre_).squaredNorm());
-  scale_ = largest > 0 ? std::sqrt(largest) : options_.length > 0 ? options_.length : 1;
-  inverse_scale_ = 1 / scale_;
-  // The user's ridge is for the size of what counts: a far state that hardly does must not change it.
-  counted_size_ = 1;
-  if (!(options_.ridge > 0) || samples.empty() || !samples[0].weighted) return;
-  double total = 0, size = 0;
-  Vec3 middle = Vec3::Zero();
   for (const auto& s : samples) {
-    if (!s.state) continue;
-    total += s.weight;
-    middle += s.weight * (s.at - samples[0].at);
+    const double w = !weighted ? 1 : s.state ? s.weight : 0;
+    total += w;
+    centre_ += w * (s.at - samples[0].at);
   }
-  middle = samples[0].at + middle / total;
-  for (const auto& s : samples)
-    if (s.state) size = std::max(size, s.weight * (s.at - middle).norm());
-  if (size > 0) counted_size_ = size * inverse_scale_;
+  centre_ = samples[0].at + centre_ / total;
+  for (const auto& s : samples) {
+    const double w = !weighted ? 1 : s.state ? s.weight : 0;
+    largest = std::max(largest, w * (s.at - centre_).norm());
+  }
+  scale_ = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
+  inverse_scale_ = 1 / scale_;
 }
 
 namespace {
@@ -145,6 +143,8 @@ bool full_rank(std::size_t q, double* gram) {
 RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
   Level level{power_of(options_.kernel), options_.kernel == Kernel::quintic ? 2 : 1,
               options_.data == Data::force_and_stiffness};
+  // Places that carry the affine fit determine it, however little the set around them is.
+  if (std::ranges::any_of(samples, [](const Sample& s) { return !s.state; })) return level;
   for (;; --level.degree) {
     if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
     if (level.degree == 0) {
@@ -241,13 +241,16 @@ void RbfFit::functionals(std::size_t slot) {
   }
 }
 
-// On the diagonal of a functional: the user's, and what its state's weight asks for. The second is about the
+// On the diagonal of a functional: the user's, what keeps it from being dropped, and what its state's weight
+// asks for. The last is about the
 // pivot of a state at the border of a lattice set of spacing h times 1 / w - 1, so that w is about the share
 // of it that counts.
 double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const double w = slot_[slot].sample.weight;
   const int k = level_.power - (functional > 0 ? 2 : 0);
-  const double given = counted_size_ == 1 ? options_.ridge : options_.ridge * std::pow(counted_size_, k);
+  const double given =
+      options_.ridge +
+      (weighted_ ? above_tolerance * pivot_tolerance(level_.power, level_.hermite, functional == 0) : 0);
   if (w >= 1) return given;
   const double h =
       (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;

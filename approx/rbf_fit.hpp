@@ -123,7 +123,6 @@ class RbfFit {
   std::vector<Slot> slot_;
   AlignedArray px_, py_, pz_;  // scaled positions by slot
   AlignedArray hull_;          // 3 x slot_stride: of the living, drawn to their mean by 1 - weight
-  double counted_size_ = 1;    // of what counts in a set with weights, in units of the scale
   bool weighted_ = false;      // of a set with weights
   // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
   // known), the weight (0 for holes), and room for distances.

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "approx/kernel_sums.hpp"
 #include "approx/rbf_fit.hpp"
@@ -151,7 +152,16 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
 
   const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;
   const double radius = std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? mean.squaredNorm() : 0))) * scale_;
-  double length = std::max(weighted_ && half_ball > 0 ? 0.68 * half_ball : radius, options_.length);
+  double length = radius;
+  if (weighted_ && half_ball > 0) {  // 0.68 of it is the usual spread; no more than that of what counts
+    double counted[5];
+    loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), counted);
+    const double shares = std::reduce(slot_array(share), slot_array(share) + slots_);
+    const Vec3 middle = Vec3(counted[0], counted[1], counted[2]) / shares;
+    const double spread = std::sqrt(std::max(0.0, counted[3] / shares - middle.squaredNorm())) * scale_;
+    length = std::min(0.68 * half_ball, 1.5 * spread);
+  }
+  length = std::max(length, options_.length);
   if (length == 0 && base.stiffness.norm() > 0) length = base.force.norm() / base.stiffness.norm();
   if (!(length > 0)) length = base.at.norm() > 0 ? 0.25 * base.at.norm() : 0.005;
   out.trust = 1.5 * length * inverse_scale_;

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <functional>
 #include <random>
-#include <utility>
 
 #include "approx/updater.hpp"
+#include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;
@@ -89,24 +88,6 @@ const std::vector<ModelOptions> models = {
     {.kernel = Kernel::cubic, .neighbours = 60, .ridge = 0.1},
     {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25, .ridge = 0.1}};
 
-// Halving a step again and again: what is left of a jump stays, what is continuous vanishes.
-double left_of(const auto& force, Vec3 a, Vec3 b) {
-  Vec3 fa = force(a), fb = force(b);
-  for (int halving = 0; halving < 40; ++halving) {
-    const Vec3 x = 0.5 * (a + b);
-    if (x == a || x == b) break;
-    const Vec3 f = force(x);
-    if ((f - fa).norm() > (fb - f).norm()) {
-      b = x;
-      fb = f;
-    } else {
-      a = x;
-      fa = f;
-    }
-  }
-  return (fb - fa).norm();
-}
-
 }  // namespace
 
 TEST_CASE("By label: the force is continuous beside planes, lines and lone states") {
@@ -124,22 +105,10 @@ TEST_CASE("By label: the force is continuous beside planes, lines and lone state
           updater.forget();
           return updater.model_at(x).force(x);
         };
-        const int steps = static_cast<int>((to - from).norm() / 4e-4);
-        const auto at = [&](int i) { return Vec3(from + (to - from) * (double(i) / steps)); };
-        std::vector<std::pair<double, int>> changes;
-        Vec3 before = force(from);
-        for (int i = 1; i <= steps; ++i) {
-          const Vec3 now = force(at(i));
-          REQUIRE(now.allFinite());
-          changes.emplace_back((now - before).norm(), i);
-          before = now;
-        }
-        std::ranges::sort(changes, std::greater{});
-        for (std::size_t k = 0; k < std::min<std::size_t>(3, changes.size()); ++k) {
-          const Vec3 a = at(changes[k].second - 1), b = at(changes[k].second);
-          if (set.space.label(a) == Label::safe || set.space.label(b) == Label::safe) continue;
-          CHECK(left_of(force, a, b) < 1e-5 * std::max(1.0, before.norm()));
-        }
+        const Jump jump = largest_jump(set.space, force, from, to, 4e-4, 3);
+        CAPTURE(jump.at.transpose());
+        CHECK(jump.finite);
+        CHECK(jump.left < 1e-5 * std::max(1.0, force(to).norm()));
       }
 }
 

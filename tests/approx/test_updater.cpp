@@ -5,6 +5,7 @@
 
 #include "approx/neighbours.hpp"
 #include "approx/updater.hpp"
+#include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;
@@ -187,38 +188,10 @@ TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with howe
           return updater.model_at(x).force(x);
         };
         for (const auto& [from, to] : ways) {
-          const int steps = static_cast<int>((to - from).norm() / 2e-4);
-          double worst = 0, at = 0;
-          Vec3 before = force(from);
-          bool safe = space.label(from) == Label::safe;
-          for (int i = 1; i <= steps; ++i) {
-            const Vec3 x = from + (to - from) * (double(i) / steps);
-            const Vec3 now = force(x);
-            const double change = (now - before).norm();
-            const bool was_safe = std::exchange(safe, space.label(x) == Label::safe);  // where sets change at once
-            if (change > worst && !safe && !was_safe) {
-              worst = change;
-              at = double(i - 1) / steps;
-            }
-            before = now;
-          }
-          // Halving the steepest step again and again: what is left of a jump stays, what is continuous vanishes.
-          double low = at, high = at + 1.0 / steps;
-          Vec3 f_low = force(from + (to - from) * low), f_high = force(from + (to - from) * high);
-          for (int halving = 0; halving < 16; ++halving) {
-            const double middle = 0.5 * (low + high);
-            const Vec3 f = force(from + (to - from) * middle);
-            if ((f - f_low).norm() > (f_high - f).norm()) {
-              high = middle;
-              f_high = f;
-            } else {
-              low = middle;
-              f_low = f;
-            }
-          }
-          const Vec3 x = from + (to - from) * low;
-          CAPTURE(x.transpose(), worst);
-          CHECK((f_high - f_low).norm() < 1e-4);  // over about 3 nm
+          const Jump jump = largest_jump(space, force, from, to, 2e-4, 1);
+          CAPTURE(jump.at.transpose());
+          CHECK(jump.finite);
+          CHECK(jump.left < 1e-5);
         }
       }
   }

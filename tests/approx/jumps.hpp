@@ -1,0 +1,67 @@
+#pragma once
+// Jumps of a force along a way: of the steepest steps what is left when they are halved again and again. A jump
+// stays, what is continuous vanishes.
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "geometry/state_space.hpp"
+
+namespace forefeel::testing {
+
+// |f(b) - f(a)| when a and b have moved together up to rounding, always the steeper half being kept.
+double left_of(const auto& force, Vec3 a, Vec3 b) {
+  Vec3 fa = force(a), fb = force(b);
+  for (int halving = 0; halving < 40; ++halving) {
+    const Vec3 x = 0.5 * (a + b);
+    if (x == a || x == b) break;
+    const Vec3 f = force(x);
+    if ((f - fa).norm() > (fb - f).norm()) {
+      b = x;
+      fb = f;
+    } else {
+      a = x;
+      fa = f;
+    }
+  }
+  return (fb - fa).norm();
+}
+
+struct Jump {
+  double left = 0;     // [N]
+  Vec3 at{0, 0, 0};    // the step that it is left of begins there
+  bool finite = true;  // all forces on the way
+};
+
+// Over the `count` steepest steps outside safe regions, at whose border sets change at once.
+Jump largest_jump(const StateSpace& space, const auto& force, const Vec3& from, const Vec3& to, double step,
+                  std::size_t count) {
+  const int steps = std::max(1, static_cast<int>((to - from).norm() / step));
+  const auto at = [&](int i) { return Vec3(from + (to - from) * (double(i) / steps)); };
+  std::vector<std::pair<double, int>> changes;
+  Jump worst;
+  Vec3 before = force(from);
+  bool safe = space.label(from) == Label::safe;
+  worst.finite = before.allFinite();
+  for (int i = 1; i <= steps; ++i) {
+    const Vec3 now = force(at(i));
+    const bool was_safe = std::exchange(safe, space.label(at(i)) == Label::safe);
+    worst.finite = worst.finite && now.allFinite();
+    if (!safe && !was_safe) changes.emplace_back((now - before).norm(), i);
+    before = now;
+  }
+  std::ranges::sort(changes, std::greater{});
+  for (std::size_t k = 0; k < std::min(count, changes.size()); ++k) {
+    const Vec3 a = at(changes[k].second - 1);
+    const double left = left_of(force, a, at(changes[k].second));
+    if (left > worst.left) {
+      worst.left = left;
+      worst.at = a;
+    }
+  }
+  return worst;
+}
+
+}  // namespace forefeel::testing

@@ -1,0 +1,122 @@
+// Label sets on states anywhere: scattered, in clusters near and far, in planes, lines and blocks of any size
+// beside each other. Whatever the set, the force is a continuous function of the HIP.
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "approx/updater.hpp"
+#include "tests/approx/jumps.hpp"
+#include "tests/approx/sets.hpp"
+
+using namespace forefeel;
+using namespace forefeel::testing;
+
+namespace {
+
+constexpr double h = 0.006;
+
+class RandomSet {
+ public:
+  explicit RandomSet(unsigned seed) : random_(seed), points_{} {
+    switch (seed % 5) {
+      case 0:
+        for (unsigned c = 0, count = 2 + below(4); c < count; ++c) cluster(anywhere(0.25), 0.02 * part());
+        size_ = 0.2;
+        break;
+      case 1:
+        for (unsigned c = 0, count = 2 + below(4); c < count; ++c) cluster(anywhere(0.06), 0.02 * part());
+        break;
+      case 2: {
+        size_ = 0.02 + 0.08 * part();
+        for (unsigned i = 0, count = 20 + below(200); i < count; ++i) points_.push_back(anywhere(size_));
+        break;
+      }
+      case 3:  // far more crowded in one place than the rest is
+        cluster(anywhere(0.03), 1e-4);
+        line(anywhere(0.05));
+        line(anywhere(0.05));
+        break;
+      default:
+        for (unsigned c = 0, count = 2 + below(3); c < count; ++c) switch (below(5)) {
+            case 0: block(anywhere(0.06), 1 + below(6), 1 + below(6), 1); break;
+            case 1: line(anywhere(0.06)); break;
+            case 2: block(anywhere(0.06), 1 + below(6), 1 + below(6), 1 + below(6)); break;
+            case 3: cluster(anywhere(0.06), 0.02 * part()); break;
+            default: points_.push_back(anywhere(0.08));
+          }
+    }
+  }
+  const std::vector<Vec3>& points() const { return points_; }
+  double part() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  unsigned below(unsigned end) { return random_() % end; }
+  Vec3 anywhere(double half) {
+    const double x = part(), y = part(), z = part();
+    return half * Vec3(2 * x - 1, 2 * y - 1, 2 * z - 1);
+  }
+  Vec3 on_the_way() { return anywhere(size_); }
+
+ private:
+  void cluster(const Vec3& at, double half) {
+    for (unsigned i = 0, count = 1 + below(40); i < count; ++i) points_.push_back(at + anywhere(half));
+  }
+  void line(const Vec3& at) {
+    const Vec3 along = anywhere(1).normalized();
+    for (unsigned i = 0, count = 5 + below(20); i < count; ++i) points_.push_back(at + i * h * along);
+  }
+  void block(const Vec3& at, unsigned nx, unsigned ny, unsigned nz) {
+    for (unsigned i = 0; i < nx; ++i)
+      for (unsigned j = 0; j < ny; ++j)
+        for (unsigned k = 0; k < nz; ++k) points_.push_back(at + h * Vec3(i, j, k));
+  }
+
+  std::mt19937 random_;
+  std::vector<Vec3> points_;
+  double size_ = 0.08;
+};
+
+constexpr std::size_t counts[] = {4, 8, 16, 25, 25, 60};
+constexpr std::pair<Kernel, Data> kinds[] = {{Kernel::linear, Data::force},
+                                             {Kernel::cubic, Data::force},
+                                             {Kernel::quintic, Data::force},
+                                             {Kernel::cubic, Data::force_and_stiffness},
+                                             {Kernel::quintic, Data::force_and_stiffness}};
+
+}  // namespace
+
+TEST_CASE("By label: the force is continuous on states anywhere, and bounded") {
+  for (unsigned seed = 0; seed < 120; ++seed) {
+    RandomSet set(seed);
+    StateSpaceOptions in;
+    in.spacing = h;
+    StateSpace space(in);
+    double mean_force = 0;
+    for (const Vec3& x : set.points()) {
+      const State state = field_state(x);
+      mean_force += state.force.norm() / double(set.points().size());
+      space.insert(state);
+    }
+    const auto [kernel, data] = kinds[set.below(std::size(kinds))];
+    const ModelOptions options{.kernel = kernel,
+                               .data = data,
+                               .neighbours = counts[set.below(std::size(counts))],
+                               .ridge = seed % 4 == 0 ? 0.1 : 0};
+    const Vec3 from = set.on_the_way(), to = set.on_the_way();
+    CAPTURE(seed, set.points().size(), name(kernel), name(data), options.neighbours, options.ridge,
+            from.transpose(), to.transpose());
+    ModelUpdater updater(space, options);
+    Model model;
+    bool bounded = true;
+    const auto force = [&](const Vec3& x) {
+      updater.forget();
+      updater.update(x, model);
+      const Vec3 f = model.force(x);
+      bounded = bounded && f.norm() <= model.force_bound();
+      return f;
+    };
+    const Jump jump = largest_jump(space, force, from, to, 1e-3, 4);
+    CAPTURE(jump.at.transpose());
+    CHECK(jump.finite);
+    CHECK(bounded);
+    CHECK(jump.left < 7e-5 * mean_force);  // a thousandth of the JND
+  }
+}
