@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::size_t few = 32;   // under way: so many are multiplied anew rather than divided by what is left out
 
+// What is left below this is nothing, many orders before a processor slows down at the smallest numbers: leaving out what
+// mends all but a millionth of it does not make it count again.
+constexpr double nothing = 1e-200;
+
 // left_i *= 1 - m(q_i, p), one scale
 FOREFEEL_CLONES
 void mend(std::size_t count, const double* __restrict xyz, const double* p, double inverse, double* __restrict left) {
@@ -20,34 +24,44 @@ void mend(std::size_t count, const double* __restrict xyz, const double* p, doub
   for (std::size_t i = 0; i < count; ++i) {
     const double dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
     const double mended = 1 - (dx * dx + dy * dy + dz * dz) * inverse;
-    left[i] *= 1 - (mended > 0 ? mended : 0.0);
+    const double now = left[i] * (1 - (mended > 0 ? mended : 0.0));
+    left[i] = now < nothing ? 0.0 : now;
   }
 }
 
 }  // namespace
 
 void NeedLeft::begin(std::span<const Vec3> at, std::span<const Needs> needs, const Needs& inverses) {
-  const std::size_t n = at.size();
-  xyz_.resize(3 * n);
-  needs_.resize(scales * n);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) xyz_[k * n + i] = at[i][static_cast<Eigen::Index>(k)];
-    for (std::size_t s = 0; s < scales; ++s) needs_[s * n + i] = needs[i][s];
+  at_.assign(at.begin(), at.end());
+  for (std::size_t s = 0; s < scales; ++s) {
+    Row& row = rows_[s];
+    row.inverse = inverses[s];
+    row.place.clear();
+    row.need.clear();
+    row.of.assign(at.size(), none);
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (!(needs[i][s] > 0)) continue;
+      row.of[i] = static_cast<std::uint32_t>(row.place.size());
+      row.place.push_back(static_cast<std::uint32_t>(i));
+      row.need.push_back(needs[i][s]);
+    }
+    const std::size_t n = row.place.size();
+    row.xyz.resize(3 * n);
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t k = 0; k < 3; ++k) row.xyz[k * n + j] = at[row.place[j]][static_cast<Eigen::Index>(k)];
+    row.left = row.need;
   }
-  inverses_ = inverses;
-  left_ = needs_;
   counted_.clear();
   all_.clear();
 }
 
 void NeedLeft::multiply(const Vec3& p) {
-  const std::size_t n = places();
-  for (std::size_t s = 0; s < scales; ++s) mend(n, xyz_.data(), p.data(), inverses_[s], left_.data() + s * n);
+  for (Row& row : rows_) mend(row.place.size(), row.xyz.data(), p.data(), row.inverse, row.left.data());
   counted_.push_back(p);
 }
 
 void NeedLeft::anew(std::span<const Vec3> under_way) {
-  left_ = needs_;
+  for (Row& row : rows_) row.left = row.need;
   counted_.clear();
   for (const Vec3& p : under_way) multiply(p);
 }
@@ -64,26 +78,25 @@ bool NeedLeft::leave_out(std::span<const Vec3> under_way) {
       out.push_back(p);
   }
   if (kept < under_way.size()) return false;
-  left_ = all_left_;
   counted_.assign(under_way.begin(), under_way.end());
-  const std::size_t n = places();
-  const auto share = [&](const Vec3& p, std::size_t i, double inverse) {
-    return 1 - std::max(0.0, 1 - (at(i) - p).squaredNorm() * inverse);
-  };
-  for (std::size_t s = 0; s < scales; ++s)
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!(needs_[s * n + i] > 0)) continue;
+  for (std::size_t s = 0; s < scales; ++s) {
+    Row& row = rows_[s];
+    row.left = all_left_[s];
+    const auto share = [&](const Vec3& p, const Vec3& q) { return 1 - std::max(0.0, 1 - (q - p).squaredNorm() * row.inverse); };
+    for (std::size_t j = 0; j < row.place.size(); ++j) {
+      const Vec3& q = at_[row.place[j]];
       double gone = 1;
-      for (const Vec3& p : out) gone *= share(p, i, inverses_[s]);
-      double& left = left_[s * n + i];
+      for (const Vec3& p : out) gone *= share(p, q);
+      double& left = row.left[j];
       if (gone == 1) continue;
       if (gone > 1e-6) {
         left /= gone;
         continue;
       }
-      left = needs_[s * n + i];
-      for (const Vec3& p : under_way) left *= share(p, i, inverses_[s]);
+      left = row.need[j];
+      for (const Vec3& p : under_way) left *= share(p, q);
     }
+  }
   return true;
 }
 
@@ -96,7 +109,7 @@ void NeedLeft::set(std::span<const Vec3> under_way) {
   }
   if (all_.empty()) {
     all_ = counted_;
-    all_left_ = left_;
+    for (std::size_t s = 0; s < scales; ++s) all_left_[s] = rows_[s].left;
   }
   if (leave_out(under_way)) return;
   all_.clear();

@@ -5,6 +5,7 @@
 // one pass over the places, and so does leaving out a few of many.
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,9 +23,14 @@ class NeedLeft {
   // Accounts for these and no others.
   void set(std::span<const Vec3> under_way);
 
-  std::size_t places() const { return xyz_.size() / 3; }
-  Vec3 at(std::size_t i) const { return {xyz_[i], xyz_[places() + i], xyz_[2 * places() + i]}; }
-  Needs left(std::size_t i) const { return {left_[i], left_[places() + i], left_[2 * places() + i]}; }
+  std::size_t places() const { return at_.size(); }
+  Vec3 at(std::size_t i) const { return at_[i]; }
+  Needs left(std::size_t i) const {
+    Needs needs{};
+    for (std::size_t s = 0; s < scales; ++s)
+      if (const std::uint32_t j = rows_[s].of[i]; j != none) needs[s] = rows_[s].left[j];
+    return needs;
+  }
   std::span<const Vec3> under_way() const { return counted_; }
 
  private:
@@ -32,10 +38,16 @@ class NeedLeft {
   void anew(std::span<const Vec3> under_way);
   bool leave_out(std::span<const Vec3> under_way);
 
-  std::vector<double> xyz_, needs_, left_;   // a coordinate or scale a row, #places
-  Needs inverses_{};
-  std::vector<Vec3> counted_;                // what left_ accounts for
-  std::vector<double> all_left_;             // of the longest list lately, from which some may be left out
+  static constexpr std::uint32_t none = 0xffffffffu;
+  struct Row {                               // a scale: the places that need anything at it
+    double inverse = 0;
+    std::vector<std::uint32_t> place, of;    // #row -> place, #places -> row or none
+    std::vector<double> xyz, need, left;     // a coordinate a row; #row
+  };
+  std::vector<Vec3> at_;
+  std::array<Row, scales> rows_;
+  std::vector<Vec3> counted_;                // what is accounted for
+  std::array<std::vector<double>, scales> all_left_;   // of the longest list lately, from which some may be left out
   std::vector<Vec3> all_;
 };
 
