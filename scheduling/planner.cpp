@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -37,11 +36,10 @@ Planner::Planner(const SessionInput& input, const SessionOptions& options, Gener
   }
   start_ = space_.size();
   link_.known.store(static_cast<std::uint32_t>(start_), std::memory_order_release);
-  dirty_ = start_ > 0;
   candidates_ = std::make_unique<Candidates>(space_, failed_of(input.known), check_placement(options.placement));
   policy_ = make_policy(options.policy, {.seed = options.seed});
   predictor_ = make_predictor(options.predictor);
-  updater_ = std::make_unique<SessionModel>(space_, options);
+  models_ = std::make_unique<ModelKeeper>(space_, options, link);
   if (policy_->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, options);
   // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
   start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
@@ -64,7 +62,6 @@ bool Planner::insert(const State& state, std::int64_t dispatch) {
   if (!space_.insert(state).is_new) return false;
   dispatch_of_.push_back(dispatch);
   candidates_->learn(state.at);
-  dirty_ = true;
   link_.known.store(static_cast<std::uint32_t>(space_.size()), std::memory_order_release);
   return true;
 }
@@ -409,71 +406,23 @@ void Planner::consider_preemption(double now) {
   generator_.cancel(static_cast<int>(weakest - slots_.data()));
 }
 
-Model* Planner::free_model() {
-  while (const auto returned = link_.returned.pop()) free_.push_back(const_cast<Model*>(*returned));
-  if (free_.empty() && models_.size() < 6) {   // two in the loop, one published, one filled, two on their way back
-    models_.push_back(std::make_unique<Model>());
-    free_.push_back(models_.back().get());
-  }
-  if (free_.empty()) return nullptr;
-  Model* model = free_.back();
-  free_.pop_back();
-  return model;
-}
-
-void Planner::update(double now, bool time_it) {
-  const bool travelled = (hip_.at - updated_at_).norm() >= options_.update_travel * space_.options().spacing;
-  if (space_.empty() || !(dirty_ || travelled || !published_)) return;
-  Model* model = free_model();
-  if (!model) return;   // the loop has not given one back yet: try again at the next call
-  const auto before = std::chrono::steady_clock::now();
-  UpdateReport report;
-  const bool known = updater_->update(hip_.at, *model, &report);
-  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
-  const char* cause = !published_ ? "first" : dirty_ ? "states" : "travel";
-  // The same set gives the same model, unless it was stepped down to the state nearest to the HIP.
-  const bool changed = report.refit || report.replaced > 0 || report.n != updated_n_ || !published_ || model->is_tangent();
-  dirty_ = false;
-  updated_at_ = hip_.at;
-  label_ = report.label;
-  if (!known || !changed) {
-    free_.push_back(model);
-    return;
-  }
-  published_ = true;
-  updated_n_ = static_cast<std::uint32_t>(report.n);
-  SwitchRecord record{.t = now, .model = static_cast<std::uint32_t>(model->serial()), .cause = cause};
-  record.label = report.label;
-  record.n = updated_n_;
-  record.replaced = static_cast<std::uint32_t>(report.replaced);
-  if (time_it) record.fit_us = took.count();
-  updates_.push_back(record);
-  mark_used(*model, now);
-  if (const auto missed = link_.models.publish(model)) {
-    if (*missed) free_.push_back(const_cast<Model*>(*missed));   // never taken
-  }
-}
-
-void Planner::mark_used(const Model& model, double now) {
-  for (const StateId id : model.states()) {
-    const std::int64_t row = dispatch_of_[id.value];
-    if (row < 0) continue;
-    DispatchRecord& record = dispatches_[static_cast<std::size_t>(row)];
-    if (std::isnan(record.first_used)) record.first_used = now;
-  }
-}
+void Planner::update(double now, bool time_it) { models_->update(now, hip_.at, time_it); }
 
 bool Planner::idle() const {
   return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy(); });
 }
 
-void Planner::finish(SessionResult& result) {
+void Planner::finish(SessionResult& result) { finish(result, *models_); }
+
+void Planner::finish(SessionResult& result, ModelKeeper& models) {
+  for (std::size_t id = 0; id < models.first_used().size(); ++id)
+    if (dispatch_of_[id] >= 0) dispatches_[static_cast<std::size_t>(dispatch_of_[id])].first_used = models.first_used()[id];
   for (std::size_t i = 0; i < space_.size(); ++i)
     result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
   for (DispatchRecord& record : dispatches_)
     if (record.status == "running" && std::isnan(record.started)) record.status = "waiting";
   result.dispatch = std::move(dispatches_);
-  result.switches = std::move(updates_);
+  result.switches = models.take_switches();
   result.start_solved_failed = {start_, solved_, failed_};
   result.preempted = preempted_;
   result.solve_seconds = std::move(costs_);

@@ -1,8 +1,8 @@
 #pragma once
 // Decides and updates, the same under both clocks; whoever calls it gives the time.
 //   HIP -> predict -> region -> prioritise -> dispatch / preempt
-//   State -> state space -> neighbours -> update -> publish model
-// One thread owns it. Models are published through the link and recycled as the loop gives them back.
+//   State -> state space -> neighbours -> update -> publish model (model_keeper.hpp)
+// One thread owns it.
 
 #include <cstdint>
 #include <functional>
@@ -14,6 +14,7 @@
 
 #include "scheduling/candidates.hpp"
 #include "scheduling/generator.hpp"
+#include "scheduling/model_keeper.hpp"
 #include "scheduling/predictor.hpp"
 #include "scheduling/render_loop.hpp"
 #include "scheduling/session.hpp"
@@ -41,9 +42,10 @@ class Planner {
   std::size_t failed() const { return failed_; }
   std::size_t preempted() const { return preempted_; }
   bool idle() const;                                 // nothing runs
-  Label label() const { return label_; }             // of the region that chose the newest model
+  Label label() const { return models_->label(); }   // of the region that chose the newest model
   // Ends the records: what still runs is "running". The planner must not be used after.
   void finish(SessionResult& result);
+  void finish(SessionResult& result, ModelKeeper& models);   // where others than update() made the models
 
  private:
   struct Member {
@@ -89,8 +91,6 @@ class Planner {
   void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
   void note_cost(double seconds, bool at_rest);
   void note_surprise(const State& state);            // before it is inserted
-  void mark_used(const Model& model, double now);
-  Model* free_model();
 
   const SessionOptions options_;
   Generator& generator_;
@@ -101,16 +101,12 @@ class Planner {
   std::unique_ptr<Candidates> candidates_;
   std::unique_ptr<Policy> policy_;
   std::unique_ptr<Predictor> predictor_;
-  std::unique_ptr<SessionModel> updater_;
+  std::unique_ptr<ModelKeeper> models_;
   std::unique_ptr<SessionModel> judge_;              // models at states that come; null unless the policy asks
   std::vector<float> surprises_;                     // by state id
 
-  std::vector<std::unique_ptr<Model>> models_;
-  std::vector<Model*> free_;
   HipSample hip_;
-  bool dirty_ = false, published_ = false;
-  Vec3 updated_at_ = Vec3::Zero(), began_at_ = Vec3::Zero();
-  std::uint32_t updated_n_ = 0;
+  Vec3 began_at_ = Vec3::Zero();
 
   std::vector<Slot> slots_;
   std::vector<Start> starts_;
@@ -125,10 +121,8 @@ class Planner {
   std::vector<Ranked> ranked_;
   std::vector<Vec3> pending_;                        // where states are being solved
   std::vector<DispatchRecord> dispatches_;
-  std::vector<SwitchRecord> updates_;                // one per published model
   std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0, jobs_ = 0;
   std::vector<std::string> notes_;
-  Label label_ = Label::blank;
 };
 
 }  // namespace forefeel

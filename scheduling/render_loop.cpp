@@ -15,10 +15,9 @@ RenderLoop::RenderLoop(Device& device, LoopLink& link, const SessionOptions& opt
       log_(frames) {}
 
 void RenderLoop::frame(std::size_t k) noexcept {
-  const double t = frame_time(k, frame_);
-  Vec3 x = device_.position(t, sent_);
-  if (!x.allFinite()) x = hip_.at;   // a device that fails holds its last place
-  hip_ = {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - hip_.at) / frame_)};
+  hip_ = next_hip(device_, hip_, k, frame_, sent_);
+  const double t = hip_.t;
+  const Vec3 x = hip_.at;
   link_.hip.publish(hip_);
 
   const std::uint32_t known = link_.known.load(std::memory_order_acquire);

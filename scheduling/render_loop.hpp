@@ -23,6 +23,14 @@ inline double frame_time(std::size_t k, double frame) {
   return static_cast<double>(std::llround(static_cast<double>(k) * frame * 1e9)) / 1e9;
 }
 
+// Where the HIP is in frame k, after the frame before it. A device that fails holds its last place.
+inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, double frame, const Vec3& sent) noexcept {
+  const double t = frame_time(k, frame);
+  Vec3 x = device.position(t, sent);
+  if (!x.allFinite()) x = last.at;
+  return {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - last.at) / frame)};
+}
+
 // All that planner and loop share. Each member has one writer and one reader.
 struct LoopLink {
   TripleBuffer<const Model*> models;             // planner -> loop

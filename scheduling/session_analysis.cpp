@@ -14,6 +14,7 @@
 #include <mutex>
 #include <stop_token>
 #include <thread>
+#include <utility>
 
 #include "scheduling/session_model.hpp"
 #include "scheduling/session_parts.hpp"
@@ -89,7 +90,9 @@ struct RunAnalysis::Impl {
   void add(const Vec3& at, std::uint32_t known, const StateSpace& all) {
     lot.frames.push_back({at, known});
     ++handed;
-    if (lot.frames.size() < lot_size) return;
+    if (lot.frames.size() == lot_size) hand_over(all);
+  }
+  void hand_over(const StateSpace& all) {
     for (; states < all.size(); ++states) lot.states.push_back(all[StateId{static_cast<std::uint32_t>(states)}]);
     hand_over();
   }
@@ -141,6 +144,7 @@ struct RunAnalysis::Impl {
       space.insert(arrived[inserted]);
       grown = true;
     }
+    if (each_frame) each_frame(found.size(), frame.at, frame.known);
     const bool as_before = !found.empty() && !grown && frame.at == last;   // a hand at rest
     last = frame.at;
     Found result{.label = as_before ? found.back().label : space.label(frame.at, walk), .choice = samples.next(frame.at), .fresh = Vec3::Zero()};
@@ -162,6 +166,7 @@ struct RunAnalysis::Impl {
   Samples samples;
   StateSpace space;                  // what was known in the frame it is at
   SessionModel fresh;
+  RunAnalysis::EachFrame each_frame;
   PathWalk walk;
   std::vector<State> arrived;        // all so far, of which `inserted` are in the space
   std::size_t inserted = 0;
@@ -183,6 +188,13 @@ RunAnalysis::RunAnalysis(const SessionInput& input, const SessionOptions& option
 RunAnalysis::~RunAnalysis() = default;
 
 void RunAnalysis::frame(const Vec3& at, std::uint32_t known, const StateSpace& space) { impl_->add(at, known, space); }
+
+void RunAnalysis::begin(EachFrame each) { impl_->each_frame = std::move(each); }
+const StateSpace& RunAnalysis::space() const { return impl_->space; }
+void RunAnalysis::catch_up(const StateSpace& space) {
+  impl_->hand_over(space);
+  impl_->wait({});
+}
 
 void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
   Impl& my = *impl_;

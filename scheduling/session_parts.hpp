@@ -57,6 +57,11 @@ class RunAnalysis {
 
   // The next frame: where the HIP was, and how many states were known. `space`: holds at least these, in their order.
   void frame(const Vec3& at, std::uint32_t known, const StateSpace& space);
+  // On its thread, for each frame in order: its number, where the HIP was and what was known, which space() then holds.
+  using EachFrame = std::function<void(std::size_t k, const Vec3& at, std::uint32_t known)>;
+  void begin(EachFrame each);        // before the first frame
+  const StateSpace& space() const;   // for EachFrame alone
+  void catch_up(const StateSpace& space);   // returns when all frames so far are done
   // After the run: what was not handed over, then all that result.frames and .switches lack.
   void finish(SessionResult& result, const ShowProgress& show);
 

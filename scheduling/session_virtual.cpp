@@ -4,8 +4,12 @@
 // nothing but the wait.
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <memory>
+#include <optional>
 #include <queue>
 #include <tuple>
 
@@ -130,6 +134,43 @@ class SimulatedWorkers final : public Generator {
   std::map<Vec3, Nanoseconds, ByPlace> done_;   // on states whose solve was broken off
 };
 
+// Models and rendering beside the planner, which does not depend on them where the motion does not depend on the force: they
+// follow it on the thread of the analysis, with the states that were known in each frame.
+class RenderAside {
+ public:
+  RenderAside(const StateSpace& space, const SessionOptions& options, std::size_t frames)
+      : models_(space, options, link_), loop_(motion_, link_, options, frames), frame_(options.frame) {}
+
+  void frame(std::size_t k, const Vec3& at, std::uint32_t known) {
+    const double now = seconds(ns(static_cast<double>(k) * frame_));
+    models_.update(now, motion_.at);   // for where the HIP was seen last
+    motion_.at = at;
+    link_.known.store(known, std::memory_order_relaxed);
+    link_.planner_beat.store(now, std::memory_order_relaxed);
+    loop_.frame(k);
+    force_.store(loop_.log()[k].force.norm(), std::memory_order_relaxed);
+    label_.store(models_.label(), std::memory_order_relaxed);
+  }
+  ModelKeeper& models() { return models_; }
+  RenderLoop& loop() { return loop_; }
+  double force() const { return force_.load(std::memory_order_relaxed); }   // of a frame done lately, on any thread
+  Label label() const { return label_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Motion final : Device {
+    Vec3 position(double, const Vec3&) noexcept override { return at; }
+    double duration() const override { return std::numeric_limits<double>::infinity(); }
+    Vec3 at = Vec3::Zero();
+  };
+  LoopLink link_;
+  Motion motion_;
+  ModelKeeper models_;
+  RenderLoop loop_;
+  double frame_;
+  std::atomic<double> force_{0};
+  std::atomic<Label> label_{Label::blank};
+};
+
 }  // namespace
 
 void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& analysis, SessionResult& result, const ShowProgress& show) {
@@ -144,7 +185,16 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& a
         *plan.input.state_file,
         {.identity = plan.input.identity, .spacing = plan.input.space.spacing, .box = plan.input.space.box, .notes = {}}));
   Planner planner(plan.input, options, workers, link, hooks_of(plan, writer.get()));
-  RenderLoop loop(*plan.device, link, options, plan.frames);
+  // Either the one or the other renders.
+  std::shared_ptr<RenderAside> aside;
+  std::optional<RenderLoop> loop;
+  if (plan.device->answers_force()) {
+    loop.emplace(*plan.device, link, options, plan.frames);
+  } else {
+    aside = std::make_shared<RenderAside>(analysis.space(), options, plan.frames);
+    analysis.begin([aside](std::size_t k, const Vec3& at, std::uint32_t known) { aside->frame(k, at, known); });
+  }
+  HipSample hip;
 
   for (std::size_t i = 0; i < plan.arrivals.size(); ++i) {
     if (plan.arrivals[i].t > options.seconds) break;
@@ -166,23 +216,33 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& a
       planner.plan(now);
     } else {
       // A model made now is rendered now: states and motion up to this instant, at most one update a frame.
-      planner.update(now);
-      link.planner_beat.store(now, std::memory_order_relaxed);
-      loop.frame(event.payload);
-      analysis.frame(loop.hip().at, link.known.load(std::memory_order_relaxed), planner.space());
-      planner.observe(*link.hip.take());
+      if (loop) {
+        planner.update(now);
+        link.planner_beat.store(now, std::memory_order_relaxed);
+        loop->frame(event.payload);
+        hip = loop->hip();
+      } else {
+        hip = next_hip(*plan.device, hip, event.payload, options.frame, Vec3::Zero());
+      }
+      analysis.frame(hip.at, link.known.load(std::memory_order_relaxed), planner.space());
+      planner.observe(hip);
       planner.plan(now);
       const std::size_t next = event.payload + 1;
       if (next == plan.frames || (options.interrupted && options.interrupted->load(std::memory_order_relaxed))) break;
       events.push(ns(static_cast<double>(next) * options.frame), Kind::frame, next);
       if (show && next % 250 == 0)
         show({.t = now, .seconds = options.seconds, .known = planner.space().size(), .solved = planner.solved(),
-              .label = planner.label(), .force = loop.log()[event.payload].force.norm(), .phase = "session"});
+              .label = aside ? aside->label() : planner.label(),
+              .force = aside ? aside->force() : loop->log()[event.payload].force.norm(), .phase = "session"});
     }
   }
   if (writer) writer->flush();
-  take_loop(loop, plan.frames, result);
-  planner.finish(result);
+  if (aside) analysis.catch_up(planner.space());
+  take_loop(aside ? aside->loop() : *loop, plan.frames, result);
+  if (aside)
+    planner.finish(result, aside->models());
+  else
+    planner.finish(result);
   result.workers = workers.workers();
 }
 

@@ -16,6 +16,7 @@
 #include "geometry/error.hpp"
 #include "scheduling/reference_service.hpp"
 #include "scheduling/run_files.hpp"
+#include "scheduling/session_parts.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;
@@ -99,6 +100,62 @@ TEST_CASE("labels, first visits and positions that are worked out beside a run a
   }
   CHECK(seen.size() >= 3);
   CHECK(visits > 3);
+}
+
+TEST_CASE("what is rendered beside the planner is what is rendered in turn with it") {
+  struct Answering final : Device {   // a motion that is said to depend on the force, and does not
+    std::unique_ptr<Device> path;
+    bool answers;
+    Answering(std::unique_ptr<Device> device, bool yes) : path(std::move(device)), answers(yes) {}
+    Vec3 position(double t, const Vec3& force) noexcept override { return path->position(t, force); }
+    double duration() const override { return path->duration(); }
+    bool answers_force() const override { return answers; }
+  };
+  const SessionInput input = small_input();
+  SessionOptions options = virtual_options(1.2);
+  options.workers = 3;
+  options.batch = 1;
+  for (const SwitchRule rule : {SwitchRule::smooth, SwitchRule::paper, SwitchRule::none}) {
+    options.switching.rule = rule;
+    const auto run = [&](bool in_turn, std::size_t frames) {
+      SessionPlan plan(input, options);
+      plan.frames = frames;
+      plan.device = std::make_unique<Answering>(
+          make_device("path:lissajous,speed=0.06,tremor=0.0001", {.box = input.space.box, .seed = 3, .folder = {}}), in_turn);
+      ReferenceService references(input, 2);
+      plan.cost = make_cost("lognormal:0.03,0.8", 3, [&] { return references.recorded_costs(); });
+      RunAnalysis analysis(input, options, references, {});
+      SessionResult result;
+      run_virtual(plan, references, analysis, result, {});
+      analysis.finish(result, {});
+      return result;
+    };
+    for (const std::size_t frames : {1u, 99u, 100u, 1200u}) {
+      const SessionResult one = run(true, frames), other = run(false, frames);
+      REQUIRE(one.frames.size() == frames);
+      REQUIRE(other.frames.size() == frames);
+      for (std::size_t k = 0; k < frames; ++k) {
+        const FrameRecord &a = one.frames[k], &b = other.frames[k];
+        REQUIRE((a.t == b.t && a.at == b.at && a.force == b.force && a.sent == b.sent && a.undamped == b.undamped));
+        REQUIRE((a.label == b.label && a.model == b.model && a.known == b.known && a.took_model == b.took_model));
+        REQUIRE((a.switch_change == b.switch_change && a.motion_change == b.motion_change && a.first_visit == b.first_visit));
+      }
+      REQUIRE(one.switches.size() == other.switches.size());
+      for (std::size_t i = 0; i < one.switches.size(); ++i) {
+        CHECK(one.switches[i].t == other.switches[i].t);
+        CHECK(one.switches[i].cause == other.switches[i].cause);
+      }
+      REQUIRE(one.dispatch.size() == other.dispatch.size());
+      std::size_t used = 0;
+      for (std::size_t i = 0; i < one.dispatch.size(); ++i) {
+        const double a = one.dispatch[i].first_used, b = other.dispatch[i].first_used;
+        CHECK((a == b || (std::isnan(a) && std::isnan(b))));
+        used += std::isfinite(a) ? 1 : 0;
+      }
+      if (frames == 1200) CHECK(used > 5);
+      CHECK(one.work == other.work);
+    }
+  }
 }
 
 TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND at more first visits") {
