@@ -149,6 +149,9 @@ void add_reproduce(CLI::App& app, Commands& commands) {
   sub.add_option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
+  sub.add_option("--seeds", arguments->options.seeds, "Seeds of `speed`, 1 to this; their geometric mean counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   sub.add_option("--workers", arguments->options.workers, "Numbers of workers of `speed`")
       ->check(CLI::Range(1, 100000))
       ->delimiter(',')

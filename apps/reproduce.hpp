@@ -18,6 +18,7 @@ struct ReproduceOptions {
   std::size_t rounds = 60;  // timed repetitions
   double travel = 5;        // of each run of `speed` [m]: about one pass of the lines over the default box
   std::vector<int> workers{2, 4, 16, 64};  // of `speed`
+  int seeds = 1;            // of `speed`, from 1 on
 };
 
 struct Findings {

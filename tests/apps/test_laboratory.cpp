@@ -98,11 +98,13 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
 TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
   const Workshop shop;
   const Workshop::Outcome outcome =
-      shop.forefeel("reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --json --quiet -o out");
+      shop.forefeel("reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --seeds 2 --json --quiet -o out");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const nlohmann::json speed = outcome.json()["experiments"]["speed"];
   REQUIRE(speed["rows"].size() == 1);
+  CHECK(speed["seeds"] == 2);
+  CHECK_THAT(read(shop.path() / "out/speed.toml"), Catch::Contains("seeds = [1, 2]"));
   const nlohmann::json& row = speed["rows"][0];
   CHECK(row["speed"].is_number());
   CHECK(row["rest_known_before"].is_number());
