@@ -93,6 +93,7 @@ TEST_CASE("generate, export, info, classify and evaluate", "[contract]") {
   const json first = run_json(shop, "generate beam.toml -o beam.states");
   check_keys(first, keys);
   CHECK(first["states"] == 27);
+  CHECK(first["interrupted"] == false);
   const json again = run_json(shop, "generate beam.toml -o beam.states");
   CHECK(again["resumed"] == 27);
   CHECK(again["solved"] == 0);
@@ -299,6 +300,21 @@ TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   CHECK(outcome.error_lines() == 1);
   CHECK_THAT(outcome.err, Catch::Contains("interrupted after " + std::to_string(frames) + " of 600000 frames"));
   CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
+}
+
+TEST_CASE("a fill that is interrupted says so, with what it has", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string box = " --set 'state_space.box=[[-0.02,-0.02,-0.02],[0.02,0.02,0.02]]' --set state_space.spacing=0.001 --threads 1";
+  const Workshop::Outcome outcome = shop.shell(
+      FOREFEEL_BINARY_DIR "/apps/forefeel generate beam.toml -o s.states --json" + box + " & p=$!; "
+      "while [ ! -s s.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.3; kill -INT $p; wait $p");
+  INFO(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["interrupted"] == true);
+  CHECK(outcome.json()["solved"].get<int>() > 0);
+  CHECK(outcome.json()["solved"].get<int>() < 68921);
+  CHECK_THAT(outcome.err, Catch::Contains("the same command goes on from here"));
 }
 
 TEST_CASE("a session that is interrupted while it rehearses says so and writes what it has", "[contract]") {
