@@ -32,6 +32,7 @@ constexpr double off_view = 100;  // what a state seems farther by, per square o
 constexpr double in_view = 0.3;   // cosine to a view from which it is off it
 constexpr double turned = 0.93;   // cosine within which a state's own view is blended from the fixed ones
 constexpr double least_weight = 1e-10;
+constexpr double least_near = 1e-3;  // of a side so much more crowded than the nearer one that it is the set
 constexpr double full_narrow = 0.2;  // c_i from which a state may count fully
 // Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
 const Vec3 aside(0.17, -0.11, 0.07);
@@ -261,16 +262,17 @@ double NeighbourSelector::two_sided() const {
   return most;
 }
 
-// Between two ranks, of which the second may be infinite.
-double NeighbourSelector::key_of(double rank) {
+// Between those of two ranks, of which the second may be infinite; `last`: the second.
+double NeighbourSelector::key_of(double rank, double& last) {
   const auto first = static_cast<std::ptrdiff_t>(rank) - 1;
   const double part = rank - std::floor(rank);
+  last = infinite;
   if (first >= std::ssize(keys_)) return infinite;
   const auto at = keys_.begin() + first;
   std::nth_element(keys_.begin(), at, keys_.end());
-  if (part == 0) return *at;
-  const double next = first + 1 < std::ssize(keys_) ? *std::min_element(at + 1, keys_.end()) : infinite;
-  return 1 / ((1 - part) / *at + part / next);
+  if (part == 0) return last = *at;
+  if (first + 1 < std::ssize(keys_)) last = *std::min_element(at + 1, keys_.end());
+  return 1 / ((1 - part) / *at + part / last);
 }
 
 // The keys of all candidates that can be before the one of rank n, which it returns. No key is less than how
@@ -281,17 +283,13 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
     c.key = infinite;
     c.looked = false;
   }
-  // Whatever is crowded elsewhere, the nearest state counts, and others as far as they are hardly farther; of a
-  // flat front those less than h beside it.
-  const double steeper = 1 + 2 * nearest_ / h_;
   double limit = first_end * half_ball(rank_) * h_;
   for (bool all = false;;) {
     double next = infinite;
     for (Candidate& c : candidates_) {
       if (c.looked) continue;
-      const double behind = steeper * (c.distance - nearest_);
-      const double hidden = std::min(
-          behind, c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_);
+      const double hidden =
+          c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_;
       if (!all && hidden > limit) {
         next = std::min(next, hidden);
         continue;
@@ -303,13 +301,14 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
                  std::clamp((whole_ - c.distance) / (entering * h_), 0.0, 1.0);
       if (!(c.narrow > 0)) continue;
       const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + h_ * aside;
-      c.key = std::min(behind, (space_[c.id].at - from).norm()) / c.narrow;
+      c.key = (space_[c.id].at - from).norm() / c.narrow;
       keys_.push_back(c.key);
     }
-    const double end = key_of(rank);
-    if (beyond * end <= next) return end;
-    all = end == infinite;
-    limit = beyond * end;
+    double last = infinite;
+    const double end = key_of(rank, last);
+    limit = std::max(beyond * end, last);
+    if (limit <= next) return end;
+    all = limit == infinite;
   }
 }
 
@@ -368,7 +367,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
     if (!(w > least_weight)) continue;
     // A lone state on the far side decides over a way of that length, however little it counts beside others.
     const double apart = 1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / h_ - 1.5 * usual);
-    chosen_.push_back({c.id, w, w * rise(2 * c.share - 1), std::pow(apart, steep_ * (1 - c.rank))});
+    chosen_.push_back({c.id, w, w * (least_near + (1 - least_near) * rise(2 * c.share - 1)), std::pow(apart, steep_ * (1 - c.rank))});
   }
 }
 

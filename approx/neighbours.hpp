@@ -95,7 +95,7 @@ class NeighbourSelector {
   const Eigen::Vector4d& view(std::size_t k);
   void look_along(Candidate& candidate);
   double find_keys(const Vec3& hip, double pulled, double rank);
-  double key_of(double rank);
+  double key_of(double rank, double& last);
   double extent(double end);
   double share(double distance) const;
   double two_sided() const;

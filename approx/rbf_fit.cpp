@@ -18,9 +18,11 @@ double pivot_tolerance(int power, bool hermite, bool value) {
   if (!hermite) return 1e-15;
   return power == 5 && value ? 1e-11 : 1e-14;
 }
-// Ridge of a set with weights, in units of those: in states far closer together than others no row is ever
-// dropped, which would change at once what the rest makes of them.
-constexpr double above_tolerance = 10;
+// Ridge of a set with weights: in states far closer together than others no row is ever dropped, which would
+// change at once what the rest makes of them, and rounding decides about nothing.
+double least_ridge(int power, bool hermite, bool value) {
+  return 10 * std::max(pivot_tolerance(power, hermite, value), 1e-14);
+}
 constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined
 
 // Pivot of the last functional at the border of a lattice set, in units of h^k: medians over half balls.
@@ -87,6 +89,7 @@ void RbfFit::set_frame(std::span<const Sample> samples) {
     const double w = !weighted ? 1 : s.state ? s.weight : 0;
     largest = std::max(largest, w * (s.at - centre_).norm());
   }
+  if (weighted) largest = std::max(largest, least_size * options_.length);
   scale_ = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
   inverse_scale_ = 1 / scale_;
 }
@@ -250,7 +253,7 @@ double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const int k = level_.power - (functional > 0 ? 2 : 0);
   const double given =
       options_.ridge +
-      (weighted_ ? above_tolerance * pivot_tolerance(level_.power, level_.hermite, functional == 0) : 0);
+      (weighted_ ? least_ridge(level_.power, level_.hermite, functional == 0) : 0);
   if (w >= 1) return given;
   const double h =
       (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;

@@ -39,6 +39,9 @@ struct Sample {
   bool state = true;      // false: a place that carries data, but is no state (affine_places)
 };
 
+// Of a set with weights, in units of ModelOptions::length: of one state that counts alone, too.
+constexpr double least_size = 0.01;
+
 class RbfFit {
  public:
   // Allocates everything for up to `capacity` states.

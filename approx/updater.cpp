@@ -51,7 +51,7 @@ void add_affine_places(std::vector<Sample>& samples, double h) {
     known += s.weight;
     stiffness += s.weight * s.stiffness;
   }
-  const double radius = std::sqrt(spread.trace());
+  const double radius = std::max(std::sqrt(spread.trace()), least_size * h);
   const Mat3 slope =
       known > 0 ? Mat3(-stiffness / known)
                 : Mat3(cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse());

@@ -266,7 +266,8 @@ void check_arguments(const Globals& globals, const ClassifyArguments& arguments)
                                              : std::vector<std::string>{".vtu", ".csv", ".svg", ".png"};
   if (std::ranges::find(known, extension) == known.end())
     throw InputError(arguments.output, fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
-  check_writable(arguments.output);
+  check_writable(arguments.output, {arguments.states});
+  for (const std::string& states : arguments.diff) check_writable(arguments.output, {states});
 }
 
 std::string at_most_90(const std::string& text) {

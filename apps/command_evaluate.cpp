@@ -177,6 +177,7 @@ void warn_in_vain(const Globals& globals, const EvaluateArguments& arguments) {
   if (arguments.method == "rbf") return;
   const bool offline = arguments.method == "offline-rbf";
   std::vector<std::string> vain;
+  if (arguments.select != "label") vain.push_back("--select");
   if (!arguments.kernel.empty() && !offline) vain.push_back("--kernel");
   if (!arguments.data.empty() && !offline) vain.push_back("--data");
   if (arguments.neighbours && arguments.method != "rbf-network") vain.push_back("--neighbours");
@@ -203,6 +204,7 @@ void describe(nlohmann::ordered_json& document, const Method method, const Model
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   warn_in_vain(globals, arguments);
+  if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
   const std::vector<Vec3> points = read_points_csv(arguments.points);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
@@ -214,7 +216,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     throw InputError(arguments.states, "holds no solved state, expected at least one");
   ModelOptions options = model_options(arguments, loaded.states);
   if (arguments.ridge != "auto") options.ridge = ridge_of(arguments.ridge);
-  if (!arguments.output.empty()) check_writable(arguments.output);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
 
   StateSpaceOptions space_options;
   space_options.spacing = arguments.spacing.value_or(loaded.header.spacing);
@@ -301,7 +303,10 @@ void add_evaluate(CLI::App& app, Commands& commands) {
                  "States in a model (default 25 with stiffness, else 100; without it no fewer than 8); outside safe "
                  "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
                  "with --select nearest. Centres of rbf-network")
-      ->check(above_zero);
+      ->check(above_zero)
+      ->check([](const std::string& text) {
+        return std::strtod(text.c_str(), nullptr) < 1e9 ? "" : "is " + text + ", expected a number below 1e9";
+      });
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))
       ->capture_default_str();

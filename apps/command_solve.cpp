@@ -103,7 +103,7 @@ std::string line_for(const State& s) {
 
 int run_solve(const Globals& globals, const SolveArguments& arguments) {
   const std::vector<Vec3> points = wanted_points(arguments);
-  if (!arguments.output.empty()) check_writable(arguments.output);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   const std::vector<SolveOutcome> outcomes = solve_all(scene, points, globals);

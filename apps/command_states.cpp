@@ -48,7 +48,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   if (!(arguments.spacing > 0) || !std::isfinite(arguments.spacing))
     throw InputError("--spacing", fmt::format("{} m, expected a positive number", arguments.spacing));
   const std::vector<State> states = read_states_csv(arguments.input);
-  check_writable(arguments.output);
+  check_writable(arguments.output, {arguments.input});
   refuse_solved(arguments.output);
   StateFileHeader header;
   header.spacing = arguments.spacing;
@@ -79,7 +79,7 @@ struct ExportArguments {
 int run_export(const Globals& globals, const ExportArguments& arguments) {
   const std::string extension = lower_case(std::filesystem::path(arguments.output).extension().string());
   if (extension != ".csv" && extension != ".vtu") throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
-  check_writable(arguments.output);
+  check_writable(arguments.output, {arguments.input});
   const LoadedStates loaded = load_states(arguments.input);
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable));
   const std::size_t written = extension == ".csv" ? usable : loaded.states.size();

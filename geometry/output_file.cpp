@@ -45,7 +45,7 @@ void sweep_parts(const fs::path& folder, const std::string& name) {
 
 }  // namespace
 
-void check_writable(const fs::path& file) {
+void check_writable(const fs::path& file, std::initializer_list<fs::path> read) {
   std::error_code error;
   if (file.empty()) throw InputError("output file", "has no name, expected a path");
   if (is_special(file)) return;
@@ -57,6 +57,9 @@ void check_writable(const fs::path& file) {
     throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
   if (fs::exists(file, error) && ::access(file.c_str(), W_OK) != 0)
     throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+  for (const fs::path& input : read)
+    if (!input.empty() && fs::equivalent(file, input, error))
+      throw InputError(file.string(), fmt::format("would replace {}, which is read, expected another file", input.string()));
 }
 
 OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {

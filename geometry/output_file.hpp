@@ -3,6 +3,7 @@
 // commit(). Without commit() nothing is left behind. Devices and pipes (/dev/stdout) are written directly.
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -28,7 +29,8 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
-// Throws InputError unless a file of that name could be made (folder there and writable); makes nothing.
-void check_writable(const std::filesystem::path& file);
+// Throws InputError unless a file of that name could be made (folder there and writable), or where it is one of
+// those that are `read` for it; makes nothing.
+void check_writable(const std::filesystem::path& file, std::initializer_list<std::filesystem::path> read = {});
 
 }  // namespace forefeel
