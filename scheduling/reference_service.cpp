@@ -104,7 +104,9 @@ void ReferenceService::request(const Vec3& x) {
   wake_.notify_one();
 }
 
-State ReferenceService::get(const Vec3& x) {
+State ReferenceService::get(const Vec3& x) { return *get_until(x, std::chrono::steady_clock::time_point::max()); }
+
+std::optional<State> ReferenceService::get_until(const Vec3& x, std::chrono::steady_clock::time_point end) {
   request(x);
   std::unique_lock lock(mutex_);
   const Entry& entry = entries_.at(key(x));   // references into the map stay valid
@@ -116,7 +118,11 @@ State ReferenceService::get(const Vec3& x) {
       queue_.erase(found);
       queue_.push_front(x);
     }
-    ready_.wait(lock, [&] { return entry.ready || failure_; });
+    const auto settled = [&] { return entry.ready || failure_; };
+    if (end == std::chrono::steady_clock::time_point::max())
+      ready_.wait(lock, settled);
+    else if (!ready_.wait_until(lock, end, settled))
+      return std::nullopt;
   }
   if (!entry.ready) std::rethrow_exception(failure_);
   return entry.state;

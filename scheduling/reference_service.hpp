@@ -3,6 +3,7 @@
 // neither the number of threads nor the order of requests changes it. The file is a state file in the cache folder,
 // keyed by the body's identity and the continuation step.
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
@@ -33,6 +34,7 @@ class ReferenceService {
 
   void request(const Vec3& x);   // starts on it unless known; returns at once
   State get(const Vec3& x);      // waits for it
+  std::optional<State> get_until(const Vec3& x, std::chrono::steady_clock::time_point end);   // nothing where it is late
   std::size_t solved() const;    // not found in the cache
   // Takes states that were solved elsewhere, tight and on the reference branch; they do not enter the file.
   void learn(std::span<const State> states);

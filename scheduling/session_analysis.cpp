@@ -5,6 +5,8 @@
 //     f~* one made from all states known at that moment
 // Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -12,6 +14,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 #include <utility>
@@ -22,6 +25,8 @@
 
 namespace forefeel {
 namespace {
+
+constexpr std::chrono::seconds patience{3};   // with the references of an interrupted run
 
 void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
   const double scale = std::max(reference.norm(), floor);
@@ -212,17 +217,24 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
     frame.first_visit = found.choice.first_visit;
     if (frame.sampled || frame.first_visit) samples.push_back(k);
   }
-  std::size_t failed = 0;
+  // Who interrupts a run does not want to wait for all that is still to be solved.
+  const auto end = result.interrupted ? std::chrono::steady_clock::now() + patience : std::chrono::steady_clock::time_point::max();
+  std::size_t failed = 0, late = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const State reference = my.references.get(result.frames[samples[i]].at);
-    if (reference.usable())
-      judge(result.frames[samples[i]], reference.force, my.found[samples[i]].fresh, my.floor);
+    const std::optional<State> reference = my.references.get_until(result.frames[samples[i]].at, end);
+    if (!reference)
+      ++late;
+    else if (reference->usable())
+      judge(result.frames[samples[i]], reference->force, my.found[samples[i]].fresh, my.floor);
     else
       ++failed;
     if (show)
       show({.t = static_cast<double>(i + 1), .seconds = static_cast<double>(samples.size()), .known = result.states.size(),
             .phase = "references"});
   }
+  if (late > 0)
+    result.notes.push_back(fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
+                                       samples.size()));
   if (failed > 0) result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
 
   // Published models become switches when the loop takes them.

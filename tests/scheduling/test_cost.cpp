@@ -86,6 +86,21 @@ TEST_CASE("recorded costs are measured once, however many ask at the same time; 
   for (int i = 0; i < 3; ++i) CHECK_FALSE((rest.force[i] == 0 && std::signbit(rest.force[i])));
 }
 
+TEST_CASE("a reference is waited for as long as is said, and is there later all the same") {
+  const SessionInput input = testing::small_input();
+  ReferenceService service(input, 1);
+  const auto now = std::chrono::steady_clock::now();
+  const Vec3 x(0.003, -0.002, 0.001), y(0.001, 0.002, -0.003);
+  for (int i = 1; i <= 1000; ++i) service.request(1e-6 * i * y);   // what one thread does not do at once
+  CHECK_FALSE(service.get_until(x, now - std::chrono::seconds(1)));
+  const std::optional<State> later = service.get_until(x, now + std::chrono::hours(1));
+  REQUIRE(later);
+  CHECK(later->usable());
+  CHECK(later->force == service.get(x).force);
+  CHECK(service.get_until(x, now - std::chrono::seconds(1)));   // solved: nothing to wait for
+  CHECK(service.get(y).usable());
+}
+
 TEST_CASE("states that a motion needs: corners of visited cells, faces of the box among them") {
   const Box box{Vec3::Constant(-0.036), Vec3::Constant(0.036)};   // 6 x 0.006 is more than 0.036
   NeededStates needed(box, 0.006);
