@@ -112,6 +112,31 @@ TEST_CASE("By label: the force is continuous beside planes, lines and lone state
       }
 }
 
+// So far from all others that nothing else counts at it.
+TEST_CASE("By label: a lone state has its force, and what is beside it no other") {
+  for (const double far : {0.05, 0.07, 0.12, 0.6, 6.0}) {
+    StateSpace space = empty_space();
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        for (int k = 0; k < 4; ++k) space.insert(field_state(h * Vec3(i, j, k)));
+    State lone = field_state(Vec3(0.03, 0.02, -0.01));
+    lone.at = Vec3(0.018 + far, 0, 0);
+    space.insert(lone);
+    for (const ModelOptions& options : models)
+      for (const std::size_t n : {std::size_t{4}, options.neighbours}) {
+        if (options.ridge > 0) continue;  // smooths
+        for (const double apart : {0.0, 1e-15, 1e-12, 1e-9, 1e-7}) {
+          ModelOptions few = options;
+          few.neighbours = n;
+          CAPTURE(far, name(options.kernel), name(options.data), n, apart);
+          ModelUpdater updater(space, few);
+          const Vec3 x = lone.at + apart * Vec3(0.3, -1, 0.5);
+          CHECK((updater.model_at(x).force(x) - lone.force).norm() <= 1e-9 * (1 + lone.force.norm()) + 2000 * apart);
+        }
+      }
+  }
+}
+
 // A position so near to a state that it has hardly a direction, on the inner side of a corner: labels call it
 // sparse.
 TEST_CASE("By label: a state at the HIP counts fully, however little apart they are") {

@@ -151,6 +151,13 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
   check_refused(shop, all + "--method trilinear", {"lattice"});
   check_refused(shop, all + "--spacing 0", {"--spacing"});
   check_refused(shop, all + "-o absent/out.csv", {"absent"});
+  check_refused(shop, all + "--neighbours 99999999999999999999", {"--neighbours"});
+  for (const std::string file : {"states.csv", "points.csv", "./states.csv"})  // read for it
+    check_refused(shop, all + "-o " + file, {file, "would replace"});
+  check_refused(shop, "classify states.csv --spacing 0.006 -o states.csv", {"states.csv", "would replace"});
+  CHECK(shop.forefeel(all + "-o out.csv").code == 0);  // all are what they were
+  CHECK_THAT(shop.forefeel(all + "--set material.poisson=0.3").err, Catch::Contains("--set: without effect"));
+  CHECK_THAT(shop.forefeel(all + "--method two-force --select nearest").err, Catch::Contains("--select: without effect"));
 }
 
 TEST_CASE("evaluate and info say that states contradict each other, and the first one counts", "[evaluate]") {
