@@ -319,7 +319,8 @@ double NeighbourSelector::extent(double end) {
   for (const Candidate& c : candidates_) {
     if (!(c.key < beyond * end)) continue;
     const double inside = end < infinite ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
-    most = std::max(most, inside * std::min(1.0, c.narrow / full_narrow) * c.key * c.narrow);
+    const double whole = std::min(1.0, c.narrow / full_narrow);  // cubed: c_i is a cube root
+    most = std::max(most, inside * whole * whole * whole * c.key * c.narrow);
   }
   return most;
 }
