@@ -163,7 +163,7 @@ struct RunAnalysis::Impl {
   }
 
   ReferenceService& references;
-  const std::function<void(const Vec3&)>& each_position;
+  std::function<void(const Vec3&)> each_position;
   // of the thread that runs
   Lot lot;
   std::size_t handed = 0, states = 0;
