@@ -368,7 +368,8 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
     if (!(w > least_weight)) continue;
     // A lone state on the far side decides over a way of that length, however little it counts beside others.
     const double apart = 1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / h_ - 1.5 * usual);
-    chosen_.push_back({c.id, w, w * (least_near + (1 - least_near) * rise(2 * c.share - 1)), std::pow(apart, steep_ * (1 - c.rank))});
+    const double near = w * (least_near + (1 - least_near) * rise(2 * c.share - 1));
+    chosen_.push_back({c.id, w, near, std::pow(apart, steep_ * (1 - c.rank))});
   }
 }
 

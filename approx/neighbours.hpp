@@ -13,6 +13,8 @@
 //               key_i      |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball of the
 //                          boundary, not of a layer or two of it, whose polynomial would not be determined
 //               w_i        rises from 0 at the key of rank n to 1 within band h
+//             All states within a distance that is a continuous function of x are looked at, or all there are
+//             where they are few; c_i falls to 0 over the last 2 h before its end.
 //             n is never less than weighted_neighbours(), and between two sides up to bridging_neighbours()
 //             more come in, the key of a broken rank being between those of two. So the far side of a gap
 //             enters when it hardly counts and leaves likewise, and there is no axis and no number of sides

@@ -12,7 +12,7 @@
 namespace forefeel::testing {
 
 // |f(b) - f(a)| when a and b have moved together up to rounding, always the steeper half being kept.
-double left_of(const auto& force, Vec3 a, Vec3 b) {
+double left_of(const auto& force, Vec3& a, Vec3& b) {
   Vec3 fa = force(a), fb = force(b);
   for (int halving = 0; halving < 40; ++halving) {
     const Vec3 x = 0.5 * (a + b);
@@ -31,7 +31,7 @@ double left_of(const auto& force, Vec3 a, Vec3 b) {
 
 struct Jump {
   double left = 0;     // [N]
-  Vec3 at{0, 0, 0};    // the step that it is left of begins there
+  Vec3 at{0, 0, 0};    // there
   bool finite = true;  // all forces on the way
 };
 
@@ -54,8 +54,10 @@ Jump largest_jump(const StateSpace& space, const auto& force, const Vec3& from, 
   }
   std::ranges::sort(changes, std::greater{});
   for (std::size_t k = 0; k < std::min(count, changes.size()); ++k) {
-    const Vec3 a = at(changes[k].second - 1);
-    const double left = left_of(force, a, at(changes[k].second));
+    Vec3 a = at(changes[k].second - 1), b = at(changes[k].second);
+    const double left = left_of(force, a, b);
+    // A step may pass through a corner of a safe region.
+    if (space.label(a) == Label::safe || space.label(b) == Label::safe) continue;
     if (left > worst.left) {
       worst.left = left;
       worst.at = a;

@@ -32,6 +32,19 @@ json run_json(const Workshop& shop, const std::string& arguments) {
   return outcome.json();
 }
 
+// The command, sent SIGINT `seconds` after the shell's test `begun` holds; it ends with 1 and says so. As timeout(1)
+// does, twice at once: one wish, not two.
+Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& arguments, const std::string& begun,
+                                  double seconds) {
+  const Workshop::Outcome outcome = shop.shell(
+      FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments + " --json & p=$!; while ! [ " + begun +
+      " ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep " + std::to_string(seconds) + "; kill -INT $p; kill -INT $p; wait $p");
+  INFO("forefeel " << arguments << " --json\n" << outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["interrupted"] == true);
+  return outcome;
+}
+
 }  // namespace
 
 TEST_CASE("solve", "[contract]") {
@@ -285,17 +298,13 @@ TEST_CASE("two commands on one cache: both give what one gives, and what they so
 TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  // As timeout(1) does, twice at once: one wish, not two. It is interrupted when its first states are on disk.
-  const Workshop::Outcome outcome = shop.shell(
-      FOREFEEL_BINARY_DIR "/apps/forefeel session beam.toml --clock real --seconds 600 --device path:circle -o run --json & p=$!; "
-      "while [ ! -s run/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.5; "
-      "kill -INT $p; kill -INT $p; wait $p");
-  CHECK(outcome.code == 1);
+  // When its first states are on disk.
+  const Workshop::Outcome outcome = run_interrupted(
+      shop, "session beam.toml --clock real --seconds 600 --device path:circle -o run", "-s run/session.states-wal", 0.5);
   const auto frames = outcome.json()["frames"].get<std::size_t>();
   CHECK(frames > 0);
   CHECK(frames < 600000);
   CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted"));
-  CHECK(outcome.json()["interrupted"] == true);
   CHECK(outcome.json()["frames_asked"] == 600000);
   CHECK(outcome.error_lines() == 1);
   CHECK_THAT(outcome.err, Catch::Contains("interrupted after " + std::to_string(frames) + " of 600000 frames"));
@@ -305,13 +314,11 @@ TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
 TEST_CASE("a fill that is interrupted says so, with what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const std::string box = " --set 'state_space.box=[[-0.02,-0.02,-0.02],[0.02,0.02,0.02]]' --set state_space.spacing=0.001 --threads 1";
-  const Workshop::Outcome outcome = shop.shell(
-      FOREFEEL_BINARY_DIR "/apps/forefeel generate beam.toml -o s.states --json" + box + " & p=$!; "
-      "while [ ! -s s.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.3; kill -INT $p; wait $p");
-  INFO(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(outcome.json()["interrupted"] == true);
+  const Workshop::Outcome outcome = run_interrupted(
+      shop,
+      "generate beam.toml -o s.states --set 'state_space.box=[[-0.02,-0.02,-0.02],[0.02,0.02,0.02]]' "
+      "--set state_space.spacing=0.001 --threads 1",
+      "-s s.states-wal", 0.3);
   CHECK(outcome.json()["solved"].get<int>() > 0);
   CHECK(outcome.json()["solved"].get<int>() < 68921);
   CHECK_THAT(outcome.err, Catch::Contains("the same command goes on from here"));
@@ -320,13 +327,9 @@ TEST_CASE("a fill that is interrupted says so, with what it has", "[contract]") 
 TEST_CASE("a session that is interrupted while it rehearses says so and writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome = shop.shell(
-      FOREFEEL_BINARY_DIR "/apps/forefeel session beam.toml --clock virtual --policy clairvoyant --seconds 300 --device "
-      "path:circle,speed=0.01 -o run --json & p=$!; while [ ! -d run ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; "
-      "sleep 0.5; kill -INT $p; wait $p");
-  INFO(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(outcome.json()["interrupted"] == true);
+  const Workshop::Outcome outcome = run_interrupted(
+      shop, "session beam.toml --clock virtual --policy clairvoyant --seconds 300 --device path:circle,speed=0.01 -o run",
+      "-d run", 0.5);
   CHECK(outcome.json()["frames"].get<std::size_t>() < 300000);
   CHECK(outcome.json()["prediction"].contains("kalman"));
   CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
