@@ -156,7 +156,8 @@ Json summary_json(const SessionResult& result, const SessionInput& input, const 
         static_cast<double>(in[static_cast<std::size_t>(label)]) / static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
   Json json;
   json["clock"] = options.clock == Clock::real ? "real" : "virtual";
-  json["seconds"] = options.seconds;
+  const bool whole = static_cast<double>(result.frames.size()) > options.seconds / options.frame - 0.75;
+  json["seconds"] = whole ? options.seconds : static_cast<double>(result.frames.size()) * options.frame;
   json["frames"] = result.frames.size();
   json["deadline"] = deadline_json(result, options);
   json["states"] = states_json(result);
