@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string>
 
 #include "approx/dense_kernels.hpp"
 #include "approx/exact_sums.hpp"
 #include "approx/kernel_rows.hpp"
 #include "approx/kernel_sums.hpp"
 #include "approx/view_loops.hpp"
+#include "geometry/error.hpp"
 
 namespace forefeel {
 
@@ -68,6 +70,15 @@ InstructionSet choose() {
 InstructionSet approx_instruction_set() {
   static const InstructionSet chosen = choose();
   return chosen;
+}
+
+void check_instruction_set() {
+  const char* asked = std::getenv("FOREFEEL_ISA");
+  if (asked == nullptr || *asked == '\0') return;
+  for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512})
+    if (name(set) == asked) return;
+  throw InputError("environment variable FOREFEEL_ISA",
+                   "is '" + std::string(asked) + "', expected portable, avx2 or avx512, or unset");
 }
 
 const dense::Loops& dense::loops() {

@@ -444,10 +444,14 @@ void write_folder(const Globals& globals, const std::string& folder, const Case&
 }  // namespace
 
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder) {
-  if (!scene.empty()) load_scene(scene, globals.set);   // a bad one leaves no folder behind
+  scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set);   // a bad one leaves no folder behind
   if (!folder.empty()) {
     std::error_code failed;
+    const bool there = std::filesystem::exists(folder, failed);
     std::filesystem::create_directories(folder, failed);
+    if (!std::filesystem::is_directory(folder, failed))
+      throw InputError(folder, there ? "is a file, expected a folder for approx.csv and approx.svg"
+                                     : "cannot be made, expected a folder for approx.csv and approx.svg");
     check_writable(std::filesystem::path(folder) / "approx.csv");
   }
   Json document;

@@ -8,7 +8,6 @@
 
 #include "apps/bench_approx.hpp"
 #include "apps/scene.hpp"
-#include "geometry/phantom.hpp"
 
 namespace forefeel::bench {
 namespace {
@@ -17,18 +16,7 @@ constexpr std::size_t inside_count = 300, outside_count = 36;
 constexpr double tolerance = 1e-9;
 
 void take_body(Case& bench, const Globals& globals, const std::string& file) {
-  if (file.empty()) {
-    auto body = std::make_shared<Body>();
-    body->mesh = phantom("liver");
-    body->clamp = body->mesh.groups.at("clamp");
-    body->contact = body->mesh.groups.at("contact");
-    bench.body = body;
-    bench.options.spacing = 0.006;
-    bench.options.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)};
-    bench.name = "liver phantom";
-    return;
-  }
-  const Scene scene = load_scene(file, globals.set);
+  const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   bench.body = scene.body;
   bench.options = scene.space;

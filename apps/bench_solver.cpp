@@ -21,7 +21,6 @@
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
-#include "geometry/phantom.hpp"
 #include "geometry/state_space.hpp"
 #include "solver/baselines/baseline.hpp"
 #include "solver/solver.hpp"
@@ -57,19 +56,9 @@ struct BenchCase {
 };
 
 BenchCase take_case(const Globals& globals, const std::string& file) {
-  if (!file.empty()) {
-    const Scene scene = load_scene(file, globals.set);
-    for (const std::string& warning : scene.warnings) warn(globals, warning);
-    return {scene.body, scene.space, scene.file.string()};
-  }
-  auto body = std::make_shared<Body>();
-  body->mesh = phantom("liver");
-  body->clamp = body->mesh.groups.at("clamp");
-  body->contact = body->mesh.groups.at("contact");
-  StateSpaceOptions space;
-  space.spacing = 0.006;
-  space.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)};
-  return {body, space, "liver phantom"};
+  const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);
+  for (const std::string& warning : scene.warnings) warn(globals, warning);
+  return {scene.body, scene.space, scene.file.string()};
 }
 
 // The box, shrunk towards rest until its lattice has `most` states at most.

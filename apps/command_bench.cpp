@@ -1,6 +1,8 @@
 // forefeel bench approx|solver|coverage|switch [SCENE]: speed against error, ratios to named baselines of the
 // same run.
 
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "apps/bench_elements.hpp"
@@ -25,6 +27,10 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
     throw InputError("--output", "only bench approx and bench solver hard-cases write files, expected none here");
   if (options.states > 0 && (options.what != "solver" || options.scene == "hard-cases" || options.scene == "elements"))
     throw InputError("--states", "only bench solver of a scene takes it, expected none here");
+  const bool own_bodies = options.what == "solver" && (options.scene == "hard-cases" || options.scene == "elements");
+  if (!globals.set.empty() && (own_bodies || (options.what == "coverage" && options.scene.empty())))
+    throw InputError("--set", fmt::format("{}, without effect on bench {}{}, which reads no scene, expected none here", globals.set.front(),
+                                          options.what, own_bodies ? " " + options.scene : ""));
   if (options.what == "coverage") {
     if (!options.scene.empty()) {
       load_scene(options.scene, globals.set);

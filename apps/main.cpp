@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "approx/instruction_set.hpp"
 #include "apps/command.hpp"
 #include "apps/provenance.hpp"
 #include "apps/suggest.hpp"
@@ -75,6 +76,7 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
 int run(int argc, const char* const* argv) {
   remember_command(argc, argv);
+  check_instruction_set();
   CLI::App app{"Haptic rendering of soft bodies from states solved ahead", "forefeel"};
   app.set_version_flag(
       "--version", [] { return version_text(); }, "Version, also of the libraries");

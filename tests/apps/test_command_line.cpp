@@ -45,6 +45,36 @@ TEST_CASE("usage errors are one line", "[command-line]") {
   check_refused(shop, "bench nothing", {"nothing"});
 }
 
+TEST_CASE("an instruction set that is none is refused at the start", "[command-line]") {
+  const Workshop shop;
+  const std::string program = "'" FOREFEEL_BINARY_DIR "/apps/forefeel' ";
+  for (const std::string wrong : {"bogus", "AVX2", "avx2 "}) {
+    const Workshop::Outcome outcome = shop.shell("FOREFEEL_ISA='" + wrong + "' " + program + "bench switch");
+    INFO(outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.error_lines() == 1);
+    for (const std::string& word : {std::string("FOREFEEL_ISA"), "'" + wrong + "'", std::string("portable, avx2 or avx512")})
+      CHECK_THAT(outcome.err, Catch::Contains(word));
+  }
+  for (const std::string right : {"", "portable", "avx2", "avx512"})
+    CHECK(shop.shell("FOREFEEL_ISA='" + right + "' " + program + "--version").code == 0);
+}
+
+TEST_CASE("--set is refused where there is no scene, and is that of the built-in scene where that serves", "[command-line]") {
+  const Workshop shop;
+  for (const std::string bench : {"coverage", "solver hard-cases", "solver elements"})
+    check_refused(shop, "bench " + bench + " --set material.poisson=0.4", {"--set", "material.poisson=0.4", bench});
+  for (const std::string bench : {"approx", "solver", "switch"})
+    check_refused(shop, "bench " + bench + " --set material.poison=0.4", {"--set material.poison", "material.poisson"});
+  check_refused(shop, "reproduce timing --set state_space.spacings=0.01 -o out", {"state_space.spacings"});
+}
+
+TEST_CASE("an output folder that is a file is called one", "[command-line]") {
+  const Workshop shop;
+  shop.write("taken.csv", "x\n");
+  check_refused(shop, "bench approx -o taken.csv", {"taken.csv", "is a file", "expected a folder"});
+}
+
 TEST_CASE("help and version are not errors", "[command-line]") {
   const Workshop shop;
   const Workshop::Outcome version = shop.forefeel("--version");
