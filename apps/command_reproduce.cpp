@@ -89,9 +89,22 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
   return options;
 }
 
-int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
-  const ReproduceOptions options = checked(arguments);
+// What an option is for; `all` runs everything.
+void refuse_in_vain(const std::string& what, const CLI::App& sub) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> uses{
+      {"--depth", {"extrapolation", "damping"}}, {"--gap", {"extrapolation"}}, {"--interval", {"damping"}},
+      {"--rounds", {"timing"}},                  {"--travel", {"speed"}},      {"--seeds", {"speed"}},
+      {"--workers", {"speed"}}};
+  for (const auto& [option, experiments_of] : uses)
+    if (sub.count(option) > 0 && what != "all" && std::ranges::find(experiments_of, what) == experiments_of.end())
+      throw InputError(option, fmt::format("without effect on reproduce {}, expected with {} or all", what,
+                                           fmt::join(experiments_of, ", ")));
+}
+
+int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const CLI::App& sub) {
   const std::vector<Experiment> wanted = chosen(arguments.what);
+  refuse_in_vain(arguments.what, sub);
+  const ReproduceOptions options = checked(arguments);
   if (wanted.back().name == "speed") check_speed_overrides(globals);
   Laboratory laboratory(globals, arguments.scene);
   if (wanted.back().name == "speed") check_session(laboratory.session_input(), laboratory.scene().session);
@@ -128,7 +141,9 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments) {
 void add_reproduce(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<ReproduceArguments>();
   CLI::App& sub = add_command(app, commands, "reproduce", "The paper's table and figures, ours beside them",
-                              [&commands, arguments] { return run_reproduce(commands.globals, *arguments); });
+                              [&commands, arguments, &app] {
+                                return run_reproduce(commands.globals, *arguments, *app.get_subcommand("reproduce"));
+                              });
   std::string names;
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
   sub.add_option("WHAT", arguments->what, names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")->required();

@@ -140,6 +140,9 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   check_refused(shop, "reproduce speed --set session.cost=bogus -o out", {"cost bogus"});
   check_refused(shop, "reproduce all --set session.policy=fifo -o out", {"session.policy"});
   check_refused(shop, "reproduce timing absent.toml -o out", {"absent.toml"});
+  check_refused(shop, "reproduce energy beam.toml --gap 4 -o out", {"--gap", "energy", "extrapolation"});
+  check_refused(shop, "reproduce damping beam.toml --rounds 4 -o out", {"--rounds", "damping", "timing"});
+  check_refused(shop, "reproduce extrapolation beam.toml --workers 4 -o out", {"--workers", "speed"});
   check_refused(shop, "reproduce timing beam.toml", {"--output"});
   check_refused(shop, "reproduce timing beam.toml -o beam.toml/out", {"beam.toml/out"});
   check_refused(shop, "reproduce damping beam.toml --interval 0 -o out", {"--interval"});
