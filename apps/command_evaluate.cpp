@@ -39,7 +39,8 @@ struct Evaluation {
   std::vector<Reach> reach;  // by point; no tangent for the older methods
   std::vector<Vec3> forces;
   std::vector<Label> labels;
-  std::vector<double> fit_us, evaluate_ns;
+  std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
+  std::size_t fitted = 0, updated = 0, reused = 0;  // models, by point: from nothing, by replacing states, unchanged
 };
 
 double median(std::vector<double> values) {
@@ -131,7 +132,10 @@ Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, co
     updater.forget();
     const auto start = Clock::now();
     updater.update(points[i], model, &report);
-    result.fit_us.push_back(1e6 * since(start));
+    const double seconds = since(start);
+    const bool changed = report.refit || report.replaced > 0;
+    if (changed) result.fit_us.push_back(1e6 * seconds);
+    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
     result.labels.push_back(report.label);
     result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
     measure(model, points[i], result);
@@ -147,6 +151,8 @@ Evaluation evaluate_older(Method method, const std::vector<State>& states, const
   const auto start = Clock::now();
   const Approximation field(method, states, options);
   result.fit_us.push_back(1e6 * since(start));
+  result.fitted = 1;  // one field for all points
+  result.reused = points.size() - 1;
   for (const Vec3& x : points) {
     result.labels.push_back(space.coverage(x).label);
     result.reach.push_back({field.bound(x), unknown, unknown});
@@ -231,8 +237,9 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     }
   const Method method = method_of(arguments.method);
   if (contradicting > 0)
-    warn(globals, fmt::format("{}: {} states contradict another at the same position{}", arguments.states,
-                              contradicting, method == Method::rbf ? "; the first one counts" : ""));
+    warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
+                              contradicting == 1 ? "1 state contradicts" : fmt::format("{} states contradict", contradicting),
+                              method == Method::rbf ? "; the first one counts" : ""));
   options.neighbours = std::min(options.neighbours, space.size());
   if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
   MethodOptions older{.model = options, .spacing = space_options.spacing};
@@ -254,6 +261,9 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     for (const Label label : result.labels) document["labels"].push_back(name(label));
     document["fit_us"] = number(fit_us);
     document["evaluate_ns"] = number(evaluate_ns);
+    document["fitted"] = result.fitted;
+    document["updated"] = result.updated;
+    document["reused"] = result.reused;
     document["method"] = arguments.method;
     describe(document, method, options, older);
     document["spacing"] = number(space_options.spacing);
@@ -277,8 +287,11 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     how = fmt::format(", {} on {}", name(options.kernel), name(options.data));
   if (method == Method::rbf) how += fmt::format(", {} neighbours", options.neighbours);
   if (method == Method::rbf_network) how = fmt::format(", {} centres", older.centres);
-  say(globals, fmt::format("{} points from {} states: {}{}; fit {:.1f} us, evaluation {:.0f} ns",
-                           points.size(), space.size(), arguments.method, how, fit_us, evaluate_ns));
+  std::string models = fmt::format("{} fitted", result.fitted);
+  if (result.updated > 0) models += fmt::format(", {} updated", result.updated);
+  if (result.reused > 0) models += fmt::format(", {} reused", result.reused);
+  say(globals, fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
+                           points.size(), space.size(), arguments.method, how, models, fit_us, evaluate_ns));
   return 0;
 }
 

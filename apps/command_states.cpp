@@ -115,7 +115,8 @@ int info_states(const Globals& globals, const std::string& file) {
   const Box extent = box_of(loaded.states);
   const std::size_t contradicting = repeated_states(loaded.states).contradicting;
   if (contradicting > 0)
-    warn(globals, fmt::format("{}: {} states contradict another at the same position; the first one counts", file, contradicting));
+    warn(globals, fmt::format("{}: {} another at the same position; the first one counts", file,
+                              contradicting == 1 ? "1 state contradicts" : fmt::format("{} states contradict", contradicting)));
   if (globals.json) {
     Json document{{"kind", "states"}, {"states", loaded.states.size()}, {"usable", usable}, {"failed", loaded.states.size() - usable}};
     document["by_status"] = Json(by_status);

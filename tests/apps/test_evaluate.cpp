@@ -185,6 +185,38 @@ TEST_CASE("evaluate and info say that states contradict each other, and the firs
         CHECK(outcome.json()["contradicting"] == (states == "other.csv" ? 2 : 0));
     }
   CHECK(once.json()["forces"][0][0].get<double>() == Approx(1));
+  shop.write("single.csv", first + "0,0.01,0,0,2,0\n");
+  for (const std::string command : {"evaluate single.csv --points points.csv", "info single.csv"})
+    CHECK_THAT(shop.forefeel(command).err,
+               Catch::Contains("1 state contradicts another at the same position; the first one counts"));
+}
+
+TEST_CASE("the time of a fit is that of models that were made, and their number is told", "[evaluate]") {
+  const Workshop shop;
+  std::string states = "x,y,z,fx,fy,fz\n", points = "x,y,z\n";
+  for (const int i : {0, 1, 2, 3, 4, 5})
+    for (const int j : {0, 1, 2, 3, 4, 5})
+      for (const int k : {0, 1, 2, 3, 4, 5})
+        states += fmt::format("{},{},{},{},{},{}\n", 0.01 * i, 0.01 * j, 0.01 * k, i + 0.3 * j * k, j - 0.2 * i * i, k);
+  for (int p = 0; p < 9; ++p) points += fmt::format("{},0.024,0.026\n", 0.012 + 0.004 * p);
+  shop.write("states.csv", states);
+  shop.write("points.csv", points);
+  shop.write("point.csv", "x,y,z\n0.024,0.024,0.026\n");
+  const std::string all = "evaluate states.csv --kernel cubic --select nearest --json --points ";
+  // All states in each model: one is made, and it serves every point.
+  const nlohmann::json same = run(shop, all + "points.csv --neighbours 216");
+  CHECK(same["fitted"] == 1);
+  CHECK(same["updated"] == 0);
+  CHECK(same["reused"] == 8);
+  // Far fewer: the sets differ, each point has a model of its own.
+  const nlohmann::json moving = run(shop, all + "points.csv --neighbours 12");
+  CHECK(moving["fitted"].get<int>() + moving["updated"].get<int>() + moving["reused"].get<int>() == 9);
+  CHECK(moving["fitted"].get<int>() > 4);
+  const nlohmann::json lattice = run(shop, all + "points.csv --method trilinear");
+  CHECK(lattice["fitted"] == 1);
+  CHECK(lattice["reused"] == 8);
+  CHECK_THAT(shop.forefeel("evaluate states.csv --points points.csv --kernel cubic --neighbours 216 --select nearest").out,
+             Catch::Contains("models: 1 fitted, 8 reused, median fit"));
 }
 
 TEST_CASE("evaluate says of every method what it uses, and keeps it below its bound", "[evaluate]") {
