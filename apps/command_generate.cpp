@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -60,7 +61,9 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
-  if (arguments.error) return generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error);
+  const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
+  if (arguments.error)
+    return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error), held ? 0 : 1);
   const std::vector<State> known = file.read_all();
 
   std::stop_source stop;
@@ -115,7 +118,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
     warn(globals, "interrupted; the same command goes on from here");
     return 1;
   }
-  if (failed == 0) return 0;
+  if (failed == 0) return held ? 0 : 1;
   warn(globals, fmt::format("{} states did not converge; forefeel export names them and why", failed));
   return 1;
 }

@@ -107,8 +107,9 @@ void choose_spacing_of(const SceneTable& table, Scene& scene) {
                                            cache_folder());
   scene.space.spacing = scene.chosen_spacing->spacing;
   if (!scene.chosen_spacing->holds)
-    scene.warnings.push_back(fmt::format("{}: no spacing that was tried makes safe mean an error below {:g} %; the finest is taken",
-                                         table.where("spacing"), 100 * scene.tolerance));
+    scene.warnings.push_back(fmt::format("{}: no spacing that was tried makes safe mean an error below {:g} % in {:g} % of it; the finest is taken",
+                                         table.where("spacing"), 100 * scene.tolerance,
+                                         100 - 100 * scene.chosen_spacing->allowed_share));
 }
 
 void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, Scene& scene) {

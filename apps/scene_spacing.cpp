@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t rule = 1;  // of choosing; a new number makes what was kept before count for nothing
+constexpr std::int64_t rule = 2;  // of choosing; a new number makes what was kept before count for nothing
 
 fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options, const fs::path& folder) {
   if (folder.empty()) return {};
@@ -32,17 +32,18 @@ fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options
       .add(static_cast<std::int64_t>(m.neighbours))
       .add(m.ridge);
   const CoverageOptions& c = options.coverage;
-  for (const double x :
-       {c.safe_spread, c.safe_cone_radius, c.safe_angle_deg, options.tolerance, options.floor})
+  for (const double x : {c.safe_spread, c.safe_cone_radius, c.safe_angle_deg, options.tolerance, options.floor,
+                         options.allowed_share, options.confidence})
     hash.add(x);
-  hash.add(static_cast<std::int64_t>(options.positions)).add(static_cast<std::int64_t>(options.least_safe));
+  hash.add(static_cast<std::int64_t>(options.positions));
   return folder / (hash.hex().substr(0, 32) + ".spacing.json");
 }
 
 Json to_file(const SpacingChoice& c) {
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)}, {"safe", c.safe},
-          {"states", c.states},   {"solves", c.solves},   {"holds", c.holds}};
+  return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)},   {"safe", c.safe},
+          {"above", c.above},     {"share_above_bound", c.share_bound}, {"states", c.states}, {"solves", c.solves},
+          {"holds", c.holds}};
 }
 
 // Nothing where the file is missing, torn or of another form.
@@ -59,6 +60,8 @@ bool read_kept(const fs::path& file, SpacingChoice& choice) {
     choice.p95 = number("p95");
     choice.max = number("max");
     choice.safe = kept.at("safe").get<std::size_t>();
+    choice.above = kept.at("above").get<std::size_t>();
+    choice.share_bound = kept.at("share_above_bound").get<double>();
     choice.states = kept.at("states").get<std::size_t>();
     choice.solves = kept.at("solves").get<std::size_t>();
     choice.holds = kept.at("holds").get<bool>();
@@ -75,6 +78,8 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
                                 const AutoSpacingOptions& options, const fs::path& folder) {
   SpacingChoice choice;
   choice.tolerance = options.tolerance;
+  choice.allowed_share = options.allowed_share;
+  choice.confidence = options.confidence;
   const fs::path file = file_of(identity, options, folder);
   if (read_kept(file, choice)) return choice;
   const AutoSpacingReport report = choose_spacing(body, options);
@@ -86,6 +91,10 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
             .safe = last.safe,
             .states = last.states,
             .solves = report.solves,
+            .above = last.above,
+            .share_bound = last.share_bound,
+            .allowed_share = options.allowed_share,
+            .confidence = options.confidence,
             .holds = report.holds,
             .kept = false};
   if (file.empty()) return choice;
@@ -99,14 +108,23 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
 }
 
 std::string in_words(const SpacingChoice& c) {
+  const std::string solves = fmt::format("; {} solves{}", c.solves, c.kept ? ", kept from before" : "");
+  if (c.safe == 0)
+    return fmt::format("spacing \"auto\": {:.4g} mm; too few positions of the box are safe on it to judge by{}", 1e3 * c.spacing,
+                       solves);
+  const std::string worst = std::isfinite(c.max) ? fmt::format("{:.2g} %", 100 * c.max) : "without an equilibrium";
   return fmt::format(
-      "spacing \"auto\": {:.4g} mm; at {} safe positions the error is at most {:.2g} % (asked: {:g} %), {} "
-      "solves{}",
-      1e3 * c.spacing, c.safe, 100 * c.max, 100 * c.tolerance, c.solves, c.kept ? ", kept from before" : "");
+      "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {:.2g} %, worst {}), so that with "
+      "{:g} % confidence at most {:.2g} % of what is safe is above it (allowed: {:g} %{}){}",
+      1e3 * c.spacing, c.safe, c.above == 1 ? "1 is" : fmt::format("{} are", c.above), 100 * c.tolerance, 100 * c.p95, worst,
+      100 * c.confidence, 100 * c.share_bound, 100 * c.allowed_share, c.holds ? "" : ", does not hold", solves);
 }
 
 Json to_json(const SpacingChoice& c) {
   Json document = to_file(c);
+  document["share_above"] = c.safe > 0 ? Json(static_cast<double>(c.above) / static_cast<double>(c.safe)) : Json();
+  document["share_above_allowed"] = c.allowed_share;
+  document["confidence"] = c.confidence;
   document["tolerance"] = c.tolerance;
   return document;
 }

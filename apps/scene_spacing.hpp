@@ -15,7 +15,10 @@ struct SpacingChoice {
   double tolerance = 0.07;                       // of the error [1]
   double p95 = unknown, max = unknown;           // errors at the safe positions that were looked at [1]
   std::size_t safe = 0, states = 0, solves = 0;  // those positions; of the lattice; in all
-  bool holds = false;
+  std::size_t above = 0;                         // of those positions: above the tolerance
+  double share_bound = 1;                        // of all safe positions above it, at most, with that confidence [1]
+  double allowed_share = 0.05, confidence = 0.95;
+  bool holds = false;  // share_bound <= allowed_share
   bool kept = false;  // taken from the cache folder: nothing was solved
 };
 

@@ -6,14 +6,35 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <span>
 
-#include "scheduling/halton.hpp"
+#include "scheduling/random.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr int divisions[] = {2, 3, 4, 6, 8, 12, 16, 24};
 constexpr double reference_steps = 24;  // of the continuation, over the longest side
+constexpr std::size_t at_a_time = 40;   // positions, before it is asked whether the spacing can still hold
+constexpr std::size_t most_draws = 20;  // of positions in the box, for each safe one that is wanted
+
+std::vector<Vec3> draws(const Box& box, std::size_t n) {
+  std::vector<Vec3> points;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const Vec3 share(uniform(mix(1934, 3 * i)), uniform(mix(1934, 3 * i + 1)), uniform(mix(1934, 3 * i + 2)));
+    points.push_back(box.low + box.size().cwiseProduct(share));
+  }
+  return points;
+}
+
+// Most positions above the tolerance with which n of them still bound the share: -1 where none do.
+int most_above(std::size_t n, const AutoSpacingOptions& options) {
+  int most = -1;
+  while (static_cast<std::size_t>(most + 1) < n &&
+         share_bound(static_cast<std::size_t>(most + 1), n, options.confidence) <= options.allowed_share)
+    ++most;
+  return most;
+}
 
 // Tight solves at the positions, each at its first use.
 class References {
@@ -25,7 +46,7 @@ class References {
   const State& operator[](std::size_t i) const { return *states_[i]; }
   std::size_t solved() const { return solved_; }
 
-  void solve(const std::vector<std::size_t>& wanted) {
+  void solve(std::span<const std::size_t> wanted) {
     std::vector<std::size_t> missing;
     for (const std::size_t i : wanted)
       if (!states_[i]) missing.push_back(i);
@@ -73,23 +94,31 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   if (space.empty()) return trial;
 
   std::vector<std::size_t> safe;
-  for (std::size_t i = 0; i < references.at().size(); ++i)
+  for (std::size_t i = 0; i < references.at().size() && safe.size() < options.positions; ++i)
     if (space.label(references.at()[i]) == Label::safe) safe.push_back(i);
-  trial.safe = safe.size();
-  if (safe.size() < options.least_safe) return trial;
-  references.solve(safe);
+  const int most = most_above(safe.size(), options);
+  if (most < 0) return trial;  // too few for any bound
   ModelOptions model = options.model;
   model.length = h;
   ModelUpdater updater(space, model);
   std::vector<double> errors;
-  for (const std::size_t i : safe) {
-    const State& truth = references[i];
-    if (!truth.usable()) continue;
-    updater.forget();
-    const Vec3 force = updater.model_at(truth.at).force(truth.at);
-    errors.push_back((force - truth.force).norm() / std::max(truth.force.norm(), options.floor));
+  while (trial.safe < safe.size() && static_cast<int>(trial.above) <= most) {
+    const std::span next = std::span(safe).subspan(trial.safe).first(std::min(at_a_time, safe.size() - trial.safe));
+    references.solve(next);
+    trial.safe += next.size();
+    for (const std::size_t i : next) {
+      const State& truth = references[i];
+      double error = INFINITY;
+      if (truth.usable()) {
+        updater.forget();
+        const Vec3 force = updater.model_at(truth.at).force(truth.at);
+        error = (force - truth.force).norm() / std::max(truth.force.norm(), options.floor);
+      }
+      errors.push_back(error);
+      trial.above += error <= options.tolerance ? 0 : 1;
+    }
   }
-  if (errors.empty()) return trial;
+  trial.share_bound = share_bound(trial.above, trial.safe, options.confidence);
   std::ranges::sort(errors);
   trial.p95 = errors[static_cast<std::size_t>(std::floor(0.95 * static_cast<double>(errors.size() - 1)))];
   trial.max = errors.back();
@@ -98,16 +127,35 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
 
 }  // namespace
 
+double share_bound(std::size_t k, std::size_t n, double confidence) {
+  if (k >= n) return 1;
+  // P(at most k of n) falls with the share.
+  const auto probability = [&](double share) {
+    double sum = 0, term = std::pow(1 - share, static_cast<double>(n));
+    for (std::size_t i = 0; i <= k; ++i) {
+      sum += term;
+      term *= static_cast<double>(n - i) / static_cast<double>(i + 1) * share / (1 - share);
+    }
+    return sum;
+  };
+  double low = static_cast<double>(k) / static_cast<double>(n), high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (probability(middle) > 1 - confidence ? low : high) = middle;
+  }
+  return high;
+}
+
 AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpacingOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const double longest = options.box.size().maxCoeff();
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  References references(body, halton_points(options.box, options.positions), longest / reference_steps, threads);
+  References references(body, draws(options.box, most_draws * options.positions), longest / reference_steps, threads);
   AutoSpacingReport report;
   for (const int division : divisions) {
     report.spacing = longest / division;
     report.trials.push_back(try_spacing(body, options, report.spacing, references, report.solves));
-    report.holds = report.trials.back().max <= options.tolerance;  // false where nothing could be judged
+    report.holds = report.trials.back().share_bound <= options.allowed_share;
     if (report.holds) break;
   }
   report.solves += references.solved();
