@@ -19,7 +19,8 @@ struct Case {
   StateSpaceOptions options;
   std::string name;
   std::vector<State> states;
-  std::vector<State> inside;  // at random positions of the box
+  Box reach;                  // of the lattice that was filled: the box, or less where it is no multiple of h
+  std::vector<State> inside;  // at random positions of that
   double front = 0;           // known half-space x <= front [m], a lattice plane
   // At random positions of the planes this far beyond the front; none where the box does not reach.
   struct Outside {
@@ -27,6 +28,7 @@ struct Case {
     std::vector<State> references;
   };
   std::vector<Outside> outside;
+  std::vector<std::string> notes;  // what could not be had, one a line
 };
 
 Case take_case(const Globals& globals, const std::string& scene, Progress& progress);
