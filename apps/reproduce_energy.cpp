@@ -26,22 +26,32 @@ namespace {
 constexpr std::size_t points = 4000;  // of a loop
 constexpr std::size_t places = 4;
 constexpr double small = 1.2, large = 2.5;  // half axes of fixed and moving loops, in spacings
+constexpr std::size_t most_in_one = 4000;   // states in the model of offline-rbf, whose cost is cubic
 constexpr double quarter = 0.25;            // travel that asks for a new model, in spacings
 
 struct Row {
   std::string method, set;
+  double half_axis = 0;         // the larger of its loops, in spacings
   std::vector<double> ratios;  // net / gross of each loop
 };
 
-// Loops about places of the box in three planes each.
-std::vector<std::vector<Vec3>> loops(const StateSpaceOptions& space, double radius) {
-  std::vector<std::vector<Vec3>> all;
+std::vector<Vec3> centres(const StateSpaceOptions& space) {
+  std::vector<Vec3> all;
   const Vec3 room = (0.5 * space.box.size() - Vec3::Constant(large * space.spacing)).cwiseMax(0);
-  const double a = radius * space.spacing;
   for (std::uint64_t p = 0; p < places; ++p) {
     Vec3 centre = space.box.centre();
     for (int d = 0; d < 3; ++d)
       centre[d] += 0.8 * room[d] * (2 * uniform(mix(77, 3 * p + static_cast<std::uint64_t>(d))) - 1);
+    all.push_back(centre);
+  }
+  return all;
+}
+
+// Loops about places of the box in three planes each.
+std::vector<std::vector<Vec3>> loops(const StateSpaceOptions& space, double radius) {
+  std::vector<std::vector<Vec3>> all;
+  const double a = radius * space.spacing;
+  for (const Vec3& centre : centres(space)) {
     all.push_back(ellipse(centre, a * Vec3::UnitX(), 0.8 * a * Vec3::UnitY(), points));
     all.push_back(ellipse(centre, a * Vec3::UnitY(), 0.8 * a * Vec3::UnitZ(), points));
     all.push_back(
@@ -120,17 +130,18 @@ class Moving {
   bool started_ = false;
 };
 
-void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::vector<Row>& rows) {
+void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::vector<Row>& rows,
+                std::vector<std::string>& notes) {
   const auto all = loops(space.options(), small);
   for (const Kind& kind : kinds(space.size())) {
-    Row row{kind.name, "fixed", {}};
+    Row row{kind.name, "fixed", small, {}};
     for (const auto& loop : all) {
       const Model model = fit(nearest(space, middle(loop), kind.model.neighbours), kind.model, middle(loop));
       row.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return model.force(x); }).ratio());
     }
     rows.push_back(std::move(row));
   }
-  Row row{"energy interpolant, n 25", "fixed", {}};
+  Row row{"energy interpolant, n 25", "fixed", small, {}};
   for (const auto& loop : all) {
     const std::vector<State> set = nearest(space, middle(loop), 25);
     std::vector<const State*> pointers;
@@ -140,16 +151,21 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
   }
   rows.push_back(std::move(row));
   for (const Method method : all_methods()) {
-    if (method == Method::rbf || method == Method::offline_rbf)
-      continue;  // above; too many states for one model
+    if (method == Method::rbf) continue;  // above
+    if (method == Method::offline_rbf && states.size() > most_in_one) {
+      notes.push_back(fmt::format("{}: left out, {} states are too many for one model (at most {})", name(method), states.size(), most_in_one));
+      continue;
+    }
     try {
       const Approximation field(method, states,
-                                {.model = {}, .spacing = space.options().spacing, .centres = 0});
-      Row older{std::string(name(method)), "fixed", {}};
+                                {.model = {.kernel = Kernel::cubic, .data = Data::force, .length = space.options().spacing},
+                                 .spacing = space.options().spacing, .centres = 0});
+      Row older{std::string(name(method)), "fixed", large, {}};
       for (const auto& loop : loops(space.options(), large))
         older.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return field.force(x); }).ratio());
       rows.push_back(std::move(older));
-    } catch (const InputError&) {  // too few states for it
+    } catch (const InputError& error) {  // these states do not suit it
+      notes.push_back(fmt::format("{}: left out, {}", name(method), error.what()));
     }
   }
 }
@@ -165,7 +181,7 @@ Damping moving_rows(const StateSpace& space, std::vector<Row>& rows) {
   std::vector<Row> smooth;
   for (const SwitchRule rule : {SwitchRule::none, SwitchRule::smooth})
     for (const Kind& kind : kinds(space.size())) {
-      Row row{kind.name, rule == SwitchRule::none ? "moving" : "moving, smooth switch", {}};
+      Row row{kind.name, rule == SwitchRule::none ? "moving" : "moving, smooth switch", large, {}};
       for (const auto& loop : loops(space.options(), large)) {
         Moving field(space, kind.model, rule);
         for (const Vec3& x : loop) field(x);
@@ -219,7 +235,7 @@ Picture picture(const std::vector<Row>& rows) {
       "around a loop / energy moved (net / gross)'\n"
       "set yrange [0.4:{}]\nset ytics ({}) noenhanced\nset key outside top center horizontal samplen 1\n{}\n",
       static_cast<double>(names.size()) + 0.6, tics, plot);
-  return {"energy", fmt::format("Median over {} loops, bars from least to most.", 3 * places), 960,
+  return {"energy", fmt::format("Median over {} loops, bars from least to most; sizes of the loops in the table.", 3 * places), 960,
           90 + 36 * static_cast<int>(names.size()), script};
 }
 
@@ -234,13 +250,29 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   for (const State& state : states) space.insert(state);
   std::vector<Row> rows;
   show(0.5, "fixed sets");
-  fixed_rows(space, states, rows);
+  std::vector<std::string> notes;
+  fixed_rows(space, states, rows, notes);
   show(0.7, "moving sets");
   const Damping damping = moving_rows(space, rows);
 
   Findings findings;
-  std::string csv = "method,set,loops,net_over_gross_p50,net_over_gross_max\n";
-  std::vector<std::vector<std::string>> cells{{"method", "set", "net / gross, median", "most"}};
+  const double h = options.spacing;
+  const auto axes_of = [&](double radius) { return nlohmann::ordered_json{radius * h, 0.8 * radius * h}; };
+  std::string csv = "method,set,half_axis,loops,net_over_gross_p50,net_over_gross_max\n";
+  std::vector<std::vector<std::string>> cells{{"method", "set", "half axes of the loops", "net / gross, median", "most"}};
+  std::size_t outside = 0;  // loops with a part beyond the box
+  for (const double radius : {small, large})
+    for (const auto& loop : loops(options, radius))
+      outside += std::ranges::all_of(loop, [&](const Vec3& x) { return ((x - options.box.low).array() >= -1e-12).all() && ((options.box.high - x).array() >= -1e-12).all(); }) ? 0 : 1;
+  findings.summary["loops"] = {{"points", points}, {"half_axes_small", axes_of(small)}, {"half_axes_large", axes_of(large)},
+                               {"planes", {"x, y", "y, z", "(1, 1, 0), (1, -1, 1)"}}, {"beyond_the_box", outside},
+                               {"centres", nlohmann::ordered_json::array()}};
+  std::string where;
+  for (const Vec3& c : centres(options)) {
+    findings.summary["loops"]["centres"].push_back(vector3(c));
+    where += fmt::format("{}({:.3g}, {:.3g}, {:.3g})", where.empty() ? "" : ", ", 1e3 * c[0], 1e3 * c[1], 1e3 * c[2]);
+  }
+  findings.summary["notes"] = notes;
   findings.summary["states"] = states.size();
   findings.summary["switch"] = {{"frames", damping.frames},
                                 {"damped", damping.damped},
@@ -253,11 +285,13 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   };
   for (const Row& row : rows) {
     const double p50 = quantile_of(row.ratios, 0.5), most = quantile_of(row.ratios, 1);
-    csv += fmt::format("\"{}\",\"{}\",{},{:.4g},{:.4g}\n", row.method, row.set, row.ratios.size(), p50, most);
-    cells.push_back({row.method, row.set, fmt::format("{:.2g}", p50), fmt::format("{:.2g}", most)});
+    csv += fmt::format("\"{}\",\"{}\",{:.6g},{},{:.4g},{:.4g}\n", row.method, row.set, row.half_axis * h, row.ratios.size(), p50, most);
+    cells.push_back({row.method, row.set, fmt::format("{:.3g}, {:.3g} mm", 1e3 * row.half_axis * h, 800 * row.half_axis * h),
+                     fmt::format("{:.2g}", p50), fmt::format("{:.2g}", most)});
     findings.summary["rows"].push_back({{"method", row.method},
                                         {"set", row.set},
                                         {"loops", row.ratios.size()},
+                                        {"half_axes", axes_of(row.half_axis)},
                                         {"p50", number(p50)},
                                         {"max", number(most)}});
   }
@@ -273,14 +307,19 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
                         "other differ by more than {:.2g} % of what it lets pass in one frame, so that it had "
                         "nothing to damp.",
                         100 * damping.largest);
-  const std::string found = fmt::format(
-      "On a fixed set an interpolant of the energy gives nothing away ({:.1g}), Hermite r5 {:.1g}, r3 "
-      "{:.1g}, r {:.1g}, trilinear cells {:.1g}. With a set that "
+  std::string found = fmt::format(
+      "Net over gross energy, medians. {} loops each, ellipses in three planes about ({}) mm{}: half axes {:.3g} and {:.3g} mm for models "
+      "of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the older methods, which know all states. On a fixed set: an "
+      "interpolant of the energy {:.1g}, Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of "
+      "all states {:.1g}. With a set that "
       "moves with the HIP and models used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
+      3 * places, where, outside > 0 ? fmt::format(" ({} of {} go beyond the box)", outside, 6 * places) : "", 1e3 * small * h,
+      800 * small * h, 1e3 * large * h, 800 * large * h,
       median_of("energy interpolant, n 25", "fixed"), median_of("Hermite r5, n 25", "fixed"),
-      median_of("r3, n 100", "fixed"), median_of("r, n 100", "fixed"), median_of("trilinear", "fixed"),
+      median_of("r3, n 100", "fixed"), median_of("r, n 100", "fixed"), median_of("trilinear", "fixed"), median_of("offline-rbf", "fixed"),
       median_of("Hermite r5, n 25", "moving"), median_of("r3, n 100", "moving"),
       median_of("r, n 100", "moving"), through);
+  for (const std::string& note : notes) found += " " + note + ".";
   findings.html = paragraph("The question",
                             "The paper does not look at energy. A body at rest gives back what was put in, "
                             "so that a force field that gains energy around a "

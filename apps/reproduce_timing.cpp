@@ -273,15 +273,23 @@ std::string what_we_found(const std::vector<Row>& rows) {
   std::string text =
       fmt::format("On this machine, one thread, {} instructions: ", name(approx_instruction_set()));
   for (const Row& row : rows) {
-    if (row.model.kernel == Kernel::linear) continue;  // costs the same as r3
+    const double direct = median(row.direct);
     text += fmt::format(
-        "{}: Eq. 2 by LU {}, our refit {}, our update {} (a quarter spacing of motion replaces {:.0f} "
+        "{}: {}our refit {}, our update {} (a quarter spacing of motion replaces {:.0f} "
         "states), a force {}, error p95 {:.2g}; ",
-        row.method, in_us(median(row.direct)), in_us(median(row.refit)), in_us(median(row.update)),
-        median(row.replaced), in_us(median(row.evaluate)), quantile_of(row.errors, 0.95));
+        row.method, std::isfinite(direct) ? "Eq. 2 by LU " + in_us(direct) + ", " : "", in_us(median(row.refit)),
+        in_us(median(row.update)), median(row.replaced), in_us(median(row.evaluate)), quantile_of(row.errors, 0.95));
   }
   text.resize(text.size() - 2);
-  return text + ". r costs what r3 costs.";
+  text += ".";
+  for (const Row& r : rows)
+    for (const Row& r3 : rows)
+      if (r.model.kernel == Kernel::linear && r3.model.kernel == Kernel::cubic && r3.model.data == Data::force &&
+          r.model.neighbours == r3.model.neighbours)
+        text += fmt::format(" With {} states r takes {:.2f} times as long as r3 to refit, {:.2f} times to update and {:.2f} times for a force.",
+                            r.model.neighbours, median(r.refit) / median(r3.refit), median(r.update) / median(r3.update),
+                            median(r.evaluate) / median(r3.evaluate));
+  return text;
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 // reproduce, bench switch, calibration of labels, spacing = "auto".
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "apps/calibration.hpp"
@@ -61,6 +65,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   double paper_gap = 0, our_gap = 1e9;
   for (const auto& curve : curves) {
     CHECK(curve["error_tight"]["max"].is_number());
+    CHECK(curve["largest_jump_newton"]["newton"].get<double>() >= curve["largest_jump"]["newton"].get<double>());
+    CHECK(curve["largest_jump"]["jnd"].get<double>() >= curve["largest_jump_newton"]["jnd"].get<double>());
     if (curve["setup"] != "gap") continue;
     const bool ours = curve["method"].get<std::string>().find("Hermite") != std::string::npos;
     if (ours)
@@ -71,6 +77,30 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
     }
   }
   CHECK(our_gap < paper_gap);
+  // The largest by either measure are those of the table.
+  const double gap_end = found["experiments"]["extrapolation"]["gap"];
+  std::istringstream csv(read(shop.path() / "out/extrapolation.csv"));
+  std::map<std::string, std::array<double, 3>> most;  // by setup and method: N; in the gap N, JND
+  for (std::string line; std::getline(csv, line);) {
+    const std::size_t name_end = line.find("\",");
+    if (name_end == std::string::npos) continue;
+    std::vector<std::string> fields;
+    std::istringstream rest(line.substr(name_end + 2));
+    for (std::string field; std::getline(rest, field, ',');) fields.push_back(field);
+    const double s = std::stod(fields[0]), jump = std::stod(fields[8]), jnd = std::stod(fields[9]);
+    auto& m = most[line.substr(0, name_end)];
+    m[0] = std::max(m[0], jump);
+    if (s > 0 && s <= gap_end + 1e-9) m[1] = std::max(m[1], jump), m[2] = std::max(m[2], jnd);
+  }
+  for (const auto& curve : curves) {
+    const auto& m = most.at(curve["setup"].get<std::string>() + ",\"" + curve["method"].get<std::string>());
+    CHECK(curve["largest_jump_newton"]["newton"].get<double>() == Approx(m[0]).epsilon(1e-3));
+    if (curve["setup"] != "gap") continue;
+    CHECK(curve["in_gap"]["largest_jump_newton"]["newton"].get<double>() == Approx(m[1]).epsilon(1e-3));
+    CHECK(curve["in_gap"]["largest_jump"]["jnd"].get<double>() == Approx(m[2]).epsilon(1e-3));
+    CHECK(curve["in_gap"]["largest_jump"]["s"].get<double>() <= gap_end + 1e-9);
+    for (const char* share : {"p50", "p95", "max"}) CHECK(curve["in_gap"]["error_tight"][share].is_number());
+  }
 
   const auto& runs = found["experiments"]["damping"]["runs"];
   REQUIRE(runs.size() == 4);
@@ -84,8 +114,25 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   CHECK(runs[1]["max_frame_change"]["newton"].get<double>() <=
         runs[0]["max_frame_change"]["newton"].get<double>());
 
-  for (const auto& row : found["experiments"]["energy"]["rows"])
+  const auto& energy = found["experiments"]["energy"];
+  CHECK(energy["loops"]["centres"].size() == 4);
+  bool offline = false;
+  for (const auto& row : energy["rows"]) {
     if (row["method"] == "energy interpolant, n 25") CHECK(row["max"].get<double>() < 1e-6);
+    offline = offline || row["method"] == "offline-rbf";
+    // Spacing 4 mm.
+    const bool moves = row["set"] != "fixed", older = row["method"].get<std::string>().find("n ") == std::string::npos;
+    CHECK(row["half_axes"][0].get<double>() == Approx(moves || older ? 0.010 : 0.0048));
+    CHECK(row["half_axes"][1].get<double>() == Approx(0.8 * row["half_axes"][0].get<double>()));
+  }
+  CHECK(offline);
+  CHECK_THAT(page, Catch::Contains("half axes 4.8 and 3.84 mm") && !Catch::Contains("r costs what r3 costs"));
+  const auto& times = found["experiments"]["timing"]["rows"];
+  if (times[0]["n"] == 100 && times[1]["n"] == 100) {
+    CHECK(times[0]["kernel"] == "linear");
+    CHECK_THAT(page, Catch::Contains(fmt::format("With 100 states r takes {:.2f} times as long as r3 to refit",
+                                                 times[0]["refit_us"].get<double>() / times[1]["refit_us"].get<double>())));
+  }
   for (const auto& row : found["experiments"]["timing"]["rows"]) CHECK(row["evaluate_us"].get<double>() > 0);
 
   // The second time nothing is solved, and the same is found.
@@ -179,6 +226,49 @@ TEST_CASE("bench switch: bounds hold and the latest model wins", "[laboratory]")
   }
 }
 
+TEST_CASE("bench approx: inside is inside the lattice, and what is left out is said", "[laboratory]") {
+  const Workshop shop;
+  // f = -K x: trilinear cells are exact, and wrong where the force is held beyond the lattice. The box reaches
+  // 3 mm farther than the lattice of 6 mm does.
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome outcome = shop.forefeel(
+      "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
+      "--set 'state_space.box=[[-0.009,-0.009,-0.009],[0.015,0.009,0.009]]' -o out");
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const nlohmann::json found = outcome.json();
+  bool trilinear = false;
+  for (const auto& method : found["methods"]) {
+    if (method["method"] == "trilinear" || method["method"] == "tricubic") {
+      trilinear = true;
+      CHECK(method["error"]["max"].get<double>() < 1e-6);
+    }
+    CHECK(method["n"].get<int>() <= 36);
+  }
+  CHECK(trilinear);
+  REQUIRE(!found["rows"].empty());
+  std::vector<int> scalar;
+  for (const auto& row : found["rows"])
+    if (row["name"] == "evaluate hermite-r5" && row["baseline"] == "scalar -O2") {
+      scalar.push_back(row["n"]);
+      CHECK(row["ratio"].get<double>() > 0);
+    }
+  CHECK(scalar == std::vector<int>{8});  // 25 + 20 are more than the 36 states
+  const std::string notes = found["notes"].dump();
+  CHECK_THAT(notes, Catch::Contains("r, r3, r5 with n = 100: needs 120 states (20 to replace), the lattice has 36, left out") &&
+                        Catch::Contains("no multiple of the spacing") && Catch::Contains("hermite-r3, hermite-r5 with n = 25"));
+  CHECK_THAT(outcome.err, Catch::Contains("needs 120 states") && !Catch::Contains("gives another force"));
+  CHECK_THAT(shop.files(), Catch::Contains("out/approx.csv"));
+  // No model can be measured on eight states: all else is there, and the answer is incomplete.
+  const Workshop::Outcome few = shop.forefeel(
+      "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
+      "--set 'state_space.box=[[0,0,0],[0.006,0.006,0.006]]'");
+  INFO(few.err);
+  CHECK(few.code == 1);
+  CHECK(few.json()["rows"].empty());
+  CHECK_THAT(few.err, Catch::Contains("no row could be measured"));
+}
+
 TEST_CASE("rank correlation and intervals of a share", "[laboratory]") {
   CHECK(rank_correlation({1, 2, 3, 4}, {10, 20, 30, 1e9}) == Approx(1));
   CHECK(rank_correlation({1, 2, 3, 4}, {4, 3, 2, 1}) == Approx(-1));
@@ -249,6 +339,16 @@ TEST_CASE("calibration as a command", "[laboratory]") {
   check_refused(shop, "classify soft.states --calibrate beam.toml -o other", {"soft.states", "material"});
 }
 
+TEST_CASE("the share that positions bound", "[laboratory]") {
+  CHECK(share_bound(0, 59, 0.95) == Approx(1 - std::pow(0.05, 1.0 / 59)));
+  CHECK(share_bound(0, 58, 0.95) > 0.05);
+  // scipy.stats.beta.ppf(0.95, k + 1, n - k)
+  CHECK(share_bound(4, 200, 0.95) == Approx(0.045180414994718726).epsilon(1e-6));
+  CHECK(share_bound(5, 200, 0.95) == Approx(0.05184333912029053).epsilon(1e-6));
+  CHECK(share_bound(62, 1000, 0.99) == Approx(0.08204589697056867).epsilon(1e-6));
+  CHECK(share_bound(7, 7, 0.95) == 1);
+}
+
 TEST_CASE("spacing = auto makes safe mean an error below the tolerance", "[laboratory]") {
   const Workshop shop;
   const std::string scene = R"([body]
@@ -269,8 +369,11 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   const nlohmann::json a = first.json();
   REQUIRE(a["spacing_auto"]["holds"] == true);
   CHECK(a["spacing"] == a["spacing_auto"]["spacing"]);
-  CHECK(a["spacing_auto"]["max"].get<double>() <= 0.07);
-  CHECK(a["spacing_auto"]["safe"].get<int>() >= 8);
+  CHECK(a["spacing_auto"]["safe"].get<int>() >= 59);  // fewer cannot bound a share by 5 %
+  CHECK(a["spacing_auto"]["share_above_bound"].get<double>() <= 0.05);
+  CHECK(a["spacing_auto"]["share_above"].get<double>() * a["spacing_auto"]["safe"].get<double>() ==
+        Approx(a["spacing_auto"]["above"].get<double>()));
+  CHECK_THAT(first.err, Catch::Contains("of 200 safe positions") && Catch::Contains("95 % confidence"));
   // Kept, whatever the threads, and the same without what was kept.
   CHECK(shop.forefeel("generate beam.toml --threads 1 --json -o b.states").json()["spacing"] == a["spacing"]);
   CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" FOREFEEL_BINARY_DIR
@@ -280,6 +383,34 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   const nlohmann::json fine =
       shop.forefeel("generate beam.toml --json --set state_space.tolerance=0.0005 -o d.states").json();
   CHECK(fine["spacing"].get<double>() < a["spacing"].get<double>());
+  REQUIRE(fine["spacing_auto"]["holds"] == true);
+  // What is claimed, at positions of another draw: of the safe ones no more than a twentieth is above.
+  std::string points = "x,y,z\n";
+  for (int i = 1; i <= 400; ++i)
+    points += fmt::format("{},{},{}\n", 0.016 * std::sin(2.1 * i), 0.016 * std::sin(3.7 * i + 1), 0.016 * std::sin(5.3 * i + 2));
+  shop.write("points.csv", points);
+  const nlohmann::json labels = shop.forefeel("evaluate d.states --points points.csv --json").json();
+  const nlohmann::json truth = shop.forefeel("solve beam.toml --points points.csv --json --quiet --set state_space.spacing=0.004").json();
+  std::size_t safe = 0, above = 0;
+  for (std::size_t i = 0; i < 400; ++i) {
+    if (labels["labels"][i] != "safe") continue;
+    const std::vector<double> f = labels["forces"][i], t = truth["states"][i]["force"];
+    const double error = std::hypot(f[0] - t[0], f[1] - t[1], f[2] - t[2]) / std::max(std::hypot(t[0], t[1], t[2]), 0.05);
+    ++safe;
+    above += error > 0.0005 ? 1 : 0;
+  }
+  CHECK(safe > 200);
+  CHECK(static_cast<double>(above) <= 0.05 * static_cast<double>(safe));
+  // Below what any spacing gives: the states are written, the answer is negative.
+  const Workshop::Outcome never = shop.forefeel(
+      "generate beam.toml --json --set state_space.tolerance=1e-9 --set 'state_space.box=[[-0.016,-0.016,-0.016],[0.016,0,0]]' -o never.states");
+  INFO(never.err);
+  CHECK(never.code == 1);
+  CHECK(never.json()["spacing_auto"]["holds"] == false);
+  CHECK(never.json()["spacing_auto"]["share_above_bound"].get<double>() > 0.05);
+  CHECK(never.json()["states"].get<int>() > 100);
+  CHECK_THAT(never.err, Catch::Contains("no spacing that was tried"));
+  CHECK_THAT(shop.files(), Catch::Contains("never.states"));
   const Workshop::Outcome info = shop.forefeel("info a.states");
   CHECK_THAT(info.out, Catch::Contains("spacing \"auto\""));
   CHECK(shop.forefeel("solve beam.toml --at=0,0,0.001").code == 0);
