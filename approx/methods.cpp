@@ -76,8 +76,11 @@ LatticeField::LatticeField(std::span<const State> states, double spacing, bool c
       on = on && std::abs(k) < 1e6 && std::abs(k - std::round(k)) < 1e-6;
       index[d] = on ? static_cast<std::int32_t>(std::lround(k)) : 0;
     }
-    if (on) forces_[key_of(index)] = s.force;
+    if (!on) continue;
+    forces_[key_of(index)] = s.force;
+    whole_.push_back(index);
   }
+  std::erase_if(whole_, [&](const Index& cell) { return !whole(cell); });
 }
 
 const Vec3* LatticeField::at(const Index& index) const {
@@ -120,44 +123,46 @@ Vec3 LatticeField::ghost(Index index, const Index& cell, int axis) const {
 
 Vec3 LatticeField::force(const Vec3& x) const {
   if (points_.empty() || !x.allFinite()) return Vec3::Zero();
-  Index cell{};
-  double t[3];
-  bool near = true;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double k = x[Eigen::Index(d)] / spacing_;
-    near = near && std::abs(k) < 1e6;
-    cell[d] = near ? static_cast<std::int32_t>(std::floor(k)) : 0;
-    t[d] = k - cell[d];
+  const Vec3 k = x / spacing_;
+  if (k.cwiseAbs().maxCoeff() < 1e6) {
+    Index cell;
+    for (std::size_t d = 0; d < 3; ++d) cell[d] = static_cast<std::int32_t>(std::floor(k[Eigen::Index(d)]));
+    if (whole(cell)) return inside(cell, k);
   }
-  // On a far face of the lattice the cell before it holds the point.
-  for (unsigned mask = 1; near && mask < 8 && !whole(cell); ++mask) {
-    Index before = cell;
-    bool on_face = true;
-    for (std::size_t d = 0; d < 3; ++d) {
-      if ((mask >> d & 1u) == 0) continue;
-      on_face = on_face && t[d] < 1e-9;
-      --before[d];
+  const std::size_t nearest = nearest_of(points_, x);
+  double least = (points_[nearest] / spacing_ - k).squaredNorm();
+  const Index* best = nullptr;
+  for (const Index& cell : whole_)
+    if (const double apart = (into(cell, k) - k).squaredNorm(); apart < least) {
+      least = apart;
+      best = &cell;
     }
-    if (!on_face || !whole(before)) continue;
-    for (std::size_t d = 0; d < 3; ++d) t[d] += cell[d] - before[d];
-    cell = before;
-  }
-  if (!near || !whole(cell)) return values_[nearest_of(points_, x)];
+  return best == nullptr ? values_[nearest] : inside(*best, into(*best, k));
+}
+
+Vec3 LatticeField::into(const Index& cell, const Vec3& k) {
+  const Vec3 low(cell[0], cell[1], cell[2]);
+  return k.cwiseMax(low).cwiseMin(low + Vec3::Ones());
+}
+
+// k: position in spacings, in the cell.
+Vec3 LatticeField::inside(const Index& cell, const Vec3& k) const {
+  const double t[3] = {k[0] - cell[0], k[1] - cell[1], k[2] - cell[2]};
   Vec3 sum = Vec3::Zero();
   if (!cubic_) {
     for (int c = 0; c < 8; ++c) {
-      const int i = c & 1, j = c >> 1 & 1, k = c >> 2;
-      sum += (i ? t[0] : 1 - t[0]) * (j ? t[1] : 1 - t[1]) * (k ? t[2] : 1 - t[2]) *
-             *at({cell[0] + i, cell[1] + j, cell[2] + k});
+      const int i = c & 1, j = c >> 1 & 1, l = c >> 2;
+      sum += (i ? t[0] : 1 - t[0]) * (j ? t[1] : 1 - t[1]) * (l ? t[2] : 1 - t[2]) *
+             *at({cell[0] + i, cell[1] + j, cell[2] + l});
     }
     return sum;
   }
   const auto wx = cubic_weights(t[0]), wy = cubic_weights(t[1]), wz = cubic_weights(t[2]);
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j)
-      for (int k = 0; k < 4; ++k)
-        sum += wx[std::size_t(i)] * wy[std::size_t(j)] * wz[std::size_t(k)] *
-               ghost({cell[0] + i - 1, cell[1] + j - 1, cell[2] + k - 1}, cell, 0);
+      for (int l = 0; l < 4; ++l)
+        sum += wx[std::size_t(i)] * wy[std::size_t(j)] * wz[std::size_t(l)] *
+               ghost({cell[0] + i - 1, cell[1] + j - 1, cell[2] + l - 1}, cell, 0);
   return sum;
 }
 

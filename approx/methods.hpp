@@ -1,11 +1,10 @@
 #pragma once
-// The older methods, to compare with; every one gives f~(x) from a fixed set of states. Outside what a method
-// covers it holds the force of the nearest state unless said otherwise.
-//   trilinear     on the lattice {k h}^3, cells with all eight corners (Matyska, Peterlik 2007)
-//   tricubic      cubic convolution on the lattice; quadratic ghost values beyond the border
+// The older methods, to compare with; every one gives f~(x) from a fixed set of states.
+//   trilinear     on the lattice {k h}^3, cells with all eight corners (Matyska, Peterlik 2007); elsewhere the
+//                 value at the nearest place of such a cell, or the force of the nearest state if that is nearer
+//   tricubic      the same by cubic convolution; quadratic ghost values beyond the border
 //   deflection    force-deflection curves along directions from rest, linear in depth, on from the last two
-//   states
-//                 beyond a curve's end, and between the three nearest directions (Mahvash, Hayward 2004)
+//                 states beyond a curve's end, and between the three nearest directions (Mahvash, Hayward 2004)
 //   two_force     linear in position along the line through two states (Picinbono et al. 2002): those that a
 //                 simulation which computes forces along its way would have computed last, the two nearest
 //   offline_rbf   one RBF model of all states (Peterlik et al.)
@@ -49,10 +48,13 @@ class LatticeField {
   const Vec3* at(const Index& index) const;
   Vec3 ghost(Index index, const Index& cell, int axis) const;
   bool whole(const Index& cell) const;
+  static Vec3 into(const Index& cell, const Vec3& k);  // what of the cell is nearest to k, in spacings
+  Vec3 inside(const Index& cell, const Vec3& k) const;
 
   double spacing_;
   bool cubic_;
   std::unordered_map<std::uint64_t, Vec3> forces_;
+  std::vector<Index> whole_;  // cells with all corners, by the lowest of them
   std::vector<Vec3> points_, values_;
 };
 

@@ -260,6 +260,9 @@ std::span<const StateId> Model::states() const noexcept {
 Kernel Model::kernel() const noexcept {
   return impl_->kernel;
 }
+int Model::degree() const noexcept {
+  return impl_->degree;
+}
 bool Model::is_tangent() const noexcept {
   return impl_->known && impl_->power == 0;
 }

@@ -43,7 +43,8 @@ class Model {
   Vec3 force(const Vec3& x) const noexcept;                                  // [N]; no allocation, no lock
   void evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept;  // jacobian_ij = df_i/dx_j [N/m]
   std::span<const StateId> states() const noexcept;                          // those it was made from
-  Kernel kernel() const noexcept;                                            // after step-down
+  Kernel kernel() const noexcept;                                            // after step-down,
+  int degree() const noexcept;                                               // and that of p
   bool is_tangent() const noexcept;  // stepped down to the tangent (or held force) of the nearest state
   // No force of this model exceeds B = 1.25 (F + K D) [N]: F and K the largest force and stiffness among its
   // states, D the hold distance. f~ is the RBF sum inside the hull of the states and up to the trust distance

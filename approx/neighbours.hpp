@@ -43,9 +43,10 @@ constexpr std::size_t weighted_neighbours(const ModelOptions& options) {
   const std::size_t n = options.neighbours, least = options.data == Data::force ? 20 : 16;
   return options.select == Select::label && n > 1 && n < least ? least : n;
 }
-// n where they have not: of fewer without stiffness the polynomial is not always determined.
+// n where they have not: without stiffness of fewer the polynomial is hardly determined, so that what takes over where
+// a safe region ends would differ by more than the JND.
 constexpr std::size_t nearest_neighbours(const ModelOptions& options) {
-  const std::size_t n = options.neighbours, least = options.data == Data::force ? 8 : 1;
+  const std::size_t n = options.neighbours, least = options.data == Data::force ? 20 : 1;
   return options.select == Select::label && n > 1 && n < least ? least : n;
 }
 // How many come in between two sides, each of which would have about half of n.

@@ -41,6 +41,8 @@ struct Evaluation {
   std::vector<Label> labels;
   std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
   std::size_t fitted = 0, updated = 0, reused = 0;  // models, by point: from nothing, by replacing states, unchanged
+  std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
+  std::size_t stepped_down = 0;
 };
 
 double median(std::vector<double> values) {
@@ -120,6 +122,12 @@ void measure(const Field& field, const Vec3& x, Evaluation& result) {
   result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
 }
 
+// The kernel, or what took its place where the states do not determine its polynomial (rbf_fit.hpp).
+std::string_view kernel_of(const Model& model) {
+  if (model.is_tangent()) return "tangent";
+  return model.degree() == 0 ? "linear with constant" : name(model.kernel());
+}
+
 Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, const ModelOptions& options,
                     const Globals& globals) {
   ModelUpdater updater(space, options);
@@ -137,6 +145,8 @@ Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, co
     if (changed) result.fit_us.push_back(1e6 * seconds);
     ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
     result.labels.push_back(report.label);
+    result.kernels.push_back(kernel_of(model));
+    result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
     result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
     measure(model, points[i], result);
     progress.show(double(i + 1) / double(points.size()),
@@ -259,6 +269,8 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     document["labels"] = nlohmann::ordered_json::array();
     for (const Vec3& f : result.forces) document["forces"].push_back(vector3(f));
     for (const Label label : result.labels) document["labels"].push_back(name(label));
+    document["kernels"] = result.kernels;
+    document["stepped_down"] = result.stepped_down;
     document["fit_us"] = number(fit_us);
     document["evaluate_ns"] = number(evaluate_ns);
     document["fitted"] = result.fitted;
@@ -287,6 +299,9 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     how = fmt::format(", {} on {}", name(options.kernel), name(options.data));
   if (method == Method::rbf) how += fmt::format(", {} neighbours", options.neighbours);
   if (method == Method::rbf_network) how = fmt::format(", {} centres", older.centres);
+  if (result.stepped_down > 0)
+    how += fmt::format(", at {} points stepped down, the first to {}", result.stepped_down,
+                       *std::ranges::find_if(result.kernels, [&](std::string_view k) { return k != name(options.kernel); }));
   std::string models = fmt::format("{} fitted", result.fitted);
   if (result.updated > 0) models += fmt::format(", {} updated", result.updated);
   if (result.reused > 0) models += fmt::format(", {} reused", result.reused);
@@ -313,7 +328,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
       ->check(CLI::IsMember({"force", "force+stiffness"}));
   sub.add_option("--neighbours", arguments->neighbours,
-                 "States in a model (default 25 with stiffness, else 100; without it no fewer than 8); outside safe "
+                 "States in a model (default 25 with stiffness, else 100; without it no fewer than 20); outside safe "
                  "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
                  "with --select nearest. Centres of rbf-network")
       ->check(above_zero)

@@ -49,12 +49,16 @@ TEST_CASE("Lattice methods are exact on the polynomials they hold and converge a
   CHECK(error(Method::trilinear, h, 4) / error(Method::trilinear, h / 2, 8) > 3.3);
   CHECK(error(Method::tricubic, h, 4) / error(Method::tricubic, h / 2, 8) > 6);
   CHECK(error(Method::tricubic, h, 4) < 0.2 * error(Method::trilinear, h, 4));
-  // On the nodes and faces, the far ones included, and held outside.
+  // On the nodes and faces, the far ones included; outside what it is at the nearest place of the lattice.
   const auto states = with(field, h, 2);
   for (const Method method : {Method::trilinear, Method::tricubic}) {
     const Approximation lattice(method, states, {.spacing = h});
     for (const auto& s : states) CHECK((lattice.force(s.at) - s.force).norm() < 1e-12);
     CHECK((lattice.force(Vec3(1, 0, 0)) - field(Vec3(2 * h, 0, 0))).norm() < 1e-12);
+    for (const Vec3& x : inside(200, 6 * h, 4)) {
+      const Vec3 drawn = x.cwiseMax(Vec3::Constant(-2 * h)).cwiseMin(Vec3::Constant(2 * h));
+      CHECK((lattice.force(x) - lattice.force((1 - 1e-9) * drawn)).norm() < 1e-6);
+    }
   }
   CHECK_THROWS_AS(Approximation(Method::trilinear, states_at(inside(30, 0.02, 4)), {.spacing = h}),
                   InputError);

@@ -2,6 +2,8 @@
 // beside each other. Whatever the set, the force is a continuous function of the HIP.
 
 #include <catch2/catch.hpp>
+
+#include <algorithm>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -129,4 +131,29 @@ TEST_CASE("By label: the force is continuous on states anywhere, and bounded") {
     CHECK(bounded);
     CHECK(jump.left < 7e-5 * mean_force);  // a thousandth of the JND
   }
+}
+
+TEST_CASE("Where a safe region ends the set changes at once, by less than the JND") {
+  const double spacing = 2 * h;
+  StateSpaceOptions in;
+  in.spacing = spacing;
+  StateSpace space(in);
+  for (int i = -3; i <= 8; ++i)  // two blocks, 60 mm of gap
+    for (int j = -2; j <= 2; ++j)
+      for (int k = -2; k <= 2; ++k)
+        if (i <= 0 || i >= 5) space.insert(field_state(spacing * Vec3(i, j, k)));
+  for (const auto& [kernel, data] : kinds)
+    for (const std::size_t n : {8, 12, 16, 25, 100}) {
+      ModelUpdater updater(space, {.kernel = kernel, .data = data, .neighbours = n});
+      for (int at = 0; at < 25; ++at) {
+        const Vec3 on(0, spacing * (at % 5 - 1.9) * 0.8, spacing * (at / 5 - 2.1) * 0.8);
+        const auto force = [&](double x) {
+          updater.forget();
+          return updater.model_at(on + Vec3(x, 0, 0)).force(on + Vec3(x, 0, 0));
+        };
+        const Vec3 inside = force(-1e-9), outside = force(1e-9);
+        CAPTURE(name(kernel), name(data), n, on.transpose());
+        CHECK((outside - inside).norm() < std::max(0.003, 0.5 * 0.07 * inside.norm()));
+      }
+    }
 }

@@ -248,3 +248,18 @@ TEST_CASE("evaluate says of every method what it uses, and keeps it below its bo
     CHECK(uses(method) == R"(- "force" - - - -)");
   CHECK(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err.find("--kernel, --ridge") != std::string::npos);
 }
+
+TEST_CASE("evaluate says where the kernel stepped down", "[evaluate]") {
+  const Workshop shop;
+  std::string plane = "x,y,z,fx,fy,fz\n";
+  for (int i = 0; i < 25; ++i) plane += fmt::format("{},{},0,{},{},{}\n", 0.006 * (i % 5), 0.006 * (i / 5), i, i * i, 1);
+  shop.write("plane.csv", plane);
+  shop.write("block.csv", plane + "0.01,0.01,0.006,1,2,3\n0.02,0.01,0.006,1,2,4\n0.01,0.02,-0.006,2,2,3\n");
+  shop.write("points.csv", "x,y,z\n0.01,0.01,0.001\n0.004,0.005,0\n");
+  const std::string cubic = " --points points.csv --kernel cubic --data force --json";
+  const nlohmann::json flat = run(shop, "evaluate plane.csv" + cubic), whole = run(shop, "evaluate block.csv" + cubic);
+  CHECK(flat["kernels"] == nlohmann::json{"linear with constant", "linear with constant"});
+  CHECK(flat["stepped_down"] == 2);
+  CHECK(whole["kernels"] == nlohmann::json{"cubic", "cubic"});
+  CHECK(whole["stepped_down"] == 0);
+}
