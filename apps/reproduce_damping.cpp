@@ -330,7 +330,7 @@ std::string what_we_found(const std::vector<Run>& runs, const std::vector<Readin
       "the force by more than {}. Ours: the models themselves differ by at most {:.3g} N and by at most {:.2g} "
       "JND, each the most of any group, and the smooth switch let no frame change the "
       "force by more than {} ({} frames over its bound of 0.7 % or 1 mN per frame). The error at the HIP "
-      "fell from {} to {} ({} to {} with {}); while groups came it was {} at worst ({}).{}",
+      "went from {} to {} ({} to {} with {}); while groups came it was {} at worst ({}).{}",
       1e3 * script.held_at, groups, script.arriving.front().size(), script.interval, bare.jump, bare.jump_jnd,
       percent(bare.frame_share),
       damped.unsettled == 0 ? "every group" : fmt::format("{} of {} groups (the others not before the next)", groups - damped.unsettled, groups),

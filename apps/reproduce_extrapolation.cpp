@@ -68,6 +68,7 @@ std::vector<PathPoint> walk(const PaperGround& ground, const StateSpace& space, 
 
 struct Fig2 {
   std::vector<Curve> curves;
+  std::size_t asked = 0;  // positions of tight solves; those that have a solution follow
   std::vector<double> tight_s;
   std::vector<Vec3> tight;
 };
@@ -108,6 +109,7 @@ Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& jud
       fig.curves.push_back(std::move(curve));
     }
   }
+  fig.asked = references.size();
   for (const State& state : references)
     if (state.usable()) {
       fig.tight_s.push_back(ground.along(state.at));
@@ -330,10 +332,13 @@ std::string crossing(const Curve& gap, const Judge& judge) {
 std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround& ground) {
   std::string text = fmt::format(
       "Path of {:.3g} mm along {}, {} states in the complete space{}; the gap ends at {:.3g} mm. Errors are against tight "
-      "solves, as p50, p95 and max of the path.",
+      "solves, as p50, p95 and max of the path{}.",
       1e3 * ground.depth(), ground.axis(), ground.complete().size(),
       ground.unsolved() > 0 ? fmt::format(" ({} positions have no solution)", ground.unsolved()) : "",
-      1e3 * ground.far_side());
+      1e3 * ground.far_side(),
+      fig.tight.size() < fig.asked ? fmt::format(", at the {} of {} positions that have a solution, the last at {:.3g} mm",
+                                                 fig.tight.size(), fig.asked, fig.tight_s.empty() ? 0 : 1e3 * fig.tight_s.back())
+                                   : "");
   for (const std::size_t m : {0u, 1u, 2u}) {
     const Curve &blank = curve_of(fig, "blank", m), &sparse = curve_of(fig, "sparse", m), &gap = curve_of(fig, "gap", m);
     text += fmt::format(
@@ -387,6 +392,7 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
   findings.summary["gap"] = ground.far_side();
   findings.summary["states"] = ground.complete().size();
   findings.summary["unsolved"] = ground.unsolved();
+  findings.summary["tight_solves"] = {{"asked", fig.asked}, {"solved", fig.tight.size()}};
   findings.summary["curves"] = nlohmann::ordered_json::array();
   for (const Curve& curve : fig.curves) findings.summary["curves"].push_back(to_json(curve, judge, ground.far_side()));
   const std::string found = what_we_found(fig, judge, ground), worse = where_worse(fig, ground);
@@ -402,7 +408,7 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
   findings.lines = {found, worse};
   for (const Curve& curve : fig.curves)
     if (const Jump most = largest(curve, judge).jnd; curve.method.ours && !(most.jnd <= 1))
-      findings.unmet.push_back(fmt::format("{}: {} jumps by {}", curve.setup, curve.method.name, shown(most)));
+      findings.unmet.push_back(fmt::format("path of situation {}: {} jumps by {}", curve.setup, curve.method.name, shown(most)));
   return findings;
 }
 

@@ -310,7 +310,7 @@ Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions& runs, c
                          "2 m/s are tried. In brackets: over the predecessor (nearest states first, polynomials on the lattice) at the "
                          "spacing and degree that suit it best for that number of workers, which has no damped switch. The first model fades in "
                          "from zero at the rate of the switch. A run at v over L has 0.05 L / v before 5 % of its visits are lost: the first solve, "
-                         "its fade-in (0.15 to 0.25 s) and whatever else the first force lacks must fit into it, 0.25 m over v at L = 5 m. Ours "
+                         "its fade-in and whatever else the first force lacks must fit into it, 0.25 m over v at L = 5 m. Ours "
                          "begins with the state at rest, which is known to be in equilibrium: no iteration, one factorisation for its stiffness, "
                          "charged as one of the four iterations that a state takes on average; the rows before it, the predecessor and the seed "
                          "paper treat it as any other state, the last rows are theirs with the same start. With rest known before the start nothing "
