@@ -279,8 +279,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   if (globals.json) print_json(summary);
   if (!globals.json) tell(globals, summary, run);
   if (!result.interrupted) return 0;
-  warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run hold what was done until then",
-                            result.frames.size(), asked, result.start_solved_failed[1]));
+  if (result.not_begun)
+    warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start", result.notes.front(), asked));
+  else
+    warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run hold what was done until then",
+                              result.frames.size(), asked, result.start_solved_failed[1]));
   flush_warnings();
   return 1;
 }

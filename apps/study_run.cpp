@@ -185,6 +185,7 @@ class Ticker {
 
 double part_of(const SessionProgress& p) {
   const double share = p.seconds > 0 ? std::clamp(p.t / p.seconds, 0.0, 1.0) : 0.0;
+  if (p.phase.starts_with("rehearsal")) return 0;
   if (p.phase == "session") return 0.6 * share;
   return p.phase == "labels" ? 0.6 + 0.3 * share : 0.9 + 0.09 * share;
 }

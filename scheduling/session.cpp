@@ -217,32 +217,56 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   const auto state_file = std::exchange(input.state_file, std::nullopt);
   std::string best = "clairvoyant-greedy";
   double most = -2;
-  std::size_t tried = 0;
-  for (const std::string& name : policy_names()) {
-    if (name == "clairvoyant" || name.find("shuffled") != std::string::npos) continue;
+  for (std::size_t i = 0; i < schedules.size(); ++i) {
+    const std::string& name = schedules[i];
     options.policy = name;
-    const SessionResult result = run_session(input, options, show);
-    if (result.interrupted) {
+    ShowProgress rehearsal;
+    if (show)
+      rehearsal = [&](SessionProgress p) {
+        p.phase = fmt::format("rehearsal {} of {}, {}", i + 1, schedules.size(), p.phase);
+        show(p);
+      };
+    const SessionResult tried = run_session(input, options, rehearsal);
+    if (options.interrupted && options.interrupted->load(std::memory_order_relaxed)) {
+      input.state_file = state_file;
+      SessionResult result = not_begun(input, fmt::format("interrupted while it rehearses, in schedule {} of {}: the session itself was not "
+                                                          "begun", i + 1, schedules.size()));
       if (when_run) when_run(result);
-      if (each_position)
-        for (const FrameRecord& frame : result.frames) each_position(frame.at);
+      result.wall_seconds = seconds_since_start();
       return result;
     }
-    const double share = first_visits_within(result, options.switching);
-    ++tried;
+    const double share = first_visits_within(tried, options.switching);
     if (share > most || (share == most && name == "clairvoyant-greedy")) {
       most = share;
       best = name;
     }
   }
   options.policy = best;
-  input.state_file = state_file;
-  SessionResult result = run_session(input, options, show, when_run, each_position);
-  result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed", best, tried));
+// What an interrupted rehearsal leaves of the session: nothing was rendered, nothing solved that counts.
+SessionResult not_begun(const SessionInput& input, std::string note) {
+  if (input.state_file)
+    StateFile::open_or_create(*input.state_file, {.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}});
+  SessionResult result;
+  StateSpace space(input.space);
+  for (const State& state : input.known)
+    if (state.usable() && space.insert(state).is_new) result.states.push_back(state);
+  result.start_solved_failed[0] = result.states.size();
+  result.interrupted = result.not_begun = true;
+  result.notes.push_back(std::move(note));
   return result;
 }
 
+  input.state_file = state_file;
+  SessionResult result = run_session(input, options, show, when_run, each_position);
+  result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed", best, schedules.size()));
+  return result;
+}
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds_since_start = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+
 }  // namespace
+  std::vector<std::string> schedules = policy_names();
+  std::erase_if(schedules, [](const std::string& name) { return name == "clairvoyant" || name.find("shuffled") != std::string::npos; });
 
 SessionResult run_session(const SessionInput& given, const SessionOptions& options, const ShowProgress& show,
                           const std::function<void(const SessionResult&)>& when_run,

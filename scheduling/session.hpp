@@ -137,6 +137,7 @@ struct SessionResult {
   std::vector<State> states;                 // all known at the end, those of the start first
   double wall_seconds = 0;                   // of the session, its labels and its references; not of reading and writing files
   bool realtime_priority = false, memory_locked = false, interrupted = false;
+  bool not_begun = false;                    // interrupted while the clairvoyant policy rehearsed: no frames, no solves
   std::vector<std::string> notes;            // what the system did not permit, what failed
   // Everything that summary.json holds but provenance is derived from the above in run_files.hpp.
   std::array<std::size_t, 3> start_solved_failed{};

@@ -331,7 +331,15 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
   const Workshop::Outcome outcome = run_interrupted(
       shop, "session beam.toml --clock virtual --policy clairvoyant --seconds 300 --device path:circle,speed=0.01 -o run",
       "-d run", 0.5);
-  CHECK(outcome.json()["frames"].get<std::size_t>() < 300000);
+  // A rehearsal is never taken for the session.
+  CHECK(outcome.json()["frames"] == 0);
+  CHECK(outcome.json()["frames_asked"] == 300000);
+  CHECK(outcome.json()["seconds"] == 0);
+  CHECK(outcome.json()["states"]["solved"] == 0);
+  CHECK(outcome.json()["policy"] == "clairvoyant");
+  CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted while it rehearses"));
+  CHECK(outcome.error_lines() == 1);
+  CHECK_THAT(outcome.err, Catch::Contains("interrupted while it rehearses") && Catch::Contains("0 of 300000 frames"));
   CHECK(outcome.json()["prediction"].contains("kalman"));
   CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
 }
