@@ -204,11 +204,22 @@ void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, S
 }
 
 // What is wrong with the device, the cost or the box was said by the scene unless it was given here: names file, line and key.
-InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given) {
+InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given, const Globals& globals) {
   const std::string problem = std::string(error.what()).substr(std::min(std::string(error.what()).size(), error.where().size() + 2));
   const auto of = [&](const char* kind, bool here, const std::string& place) {
     return error.where().starts_with(kind) && !here ? place : std::string();
   };
+  if (error.where().starts_with("session.") || error.where().starts_with("model.")) {
+    const std::string key = error.where(), option = key.substr(key.find('.') + 1);
+    const std::pair<const char*, bool> options[] = {{"seconds", given.seconds.has_value()},     {"workers", given.workers.has_value()},
+                                                    {"policy", given.policy.has_value()},       {"latency", given.latency.has_value()},
+                                                    {"predictor", given.predictor.has_value()}};
+    for (const auto& [name, here] : options)
+      if (here && key == std::string("session.") + name) return {"--" + option, problem};
+    for (const std::string& set : globals.set)
+      if (set.starts_with(key + "=")) return {"--set " + key, problem};
+    return {scene.file.string() + ": " + key, problem};
+  }
   if (const std::string place = of("state_space.box", false, scene.box_place); !place.empty()) return {place, problem};
   std::string place = of("device", given.device.has_value(), scene.device_place);
   if (place.empty()) place = of("cost", given.cost.has_value(), scene.cost_place);
@@ -234,7 +245,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   try {
     check_session(input, options);
   } catch (const InputError& error) {
-    throw at_its_place(error, scene, given);
+    throw at_its_place(error, scene, given, globals);
   }
   if (options.mpi && options.mpi->rank() > 0) {
     options.mpi->serve(input.body, {.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements});

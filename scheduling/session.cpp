@@ -49,9 +49,21 @@ void check(const SessionInput& input, const SessionOptions& o) {
   expect(!(o.arrivals && o.replay), "arrivals", "cannot go with replay, which brings its own");
 }
 
+// Farther from rest nothing of the body can be [m].
+double farthest(const Body& body) { return 2 * bounding_box(body.mesh).size().maxCoeff(); }
+
+// As many states as there can be in the session, or a few more: `path` places states half a spacing apart, of which no more
+// than 12 go into the room of a lattice state.
+std::size_t most_states(const SessionPlan& plan) {
+  const StateSpaceOptions& space = plan.input.space;
+  const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
+  const double placed = plan.given_arrivals ? 0 : positions * (check_placement(plan.options.placement) == Placement::path ? 12 : 1);
+  return plan.input.known.size() + plan.arrivals.size() + 1 + static_cast<std::size_t>(std::min(placed, 1e9));
+}
+
 // A motion in other units than metres leads where no body can be pulled, and its references would take for ever.
 void check_motion(const SessionPlan& plan) {
-  const double length = bounding_box(plan.input.body->mesh).size().maxCoeff(), most = 2 * length;
+  const double most = farthest(*plan.input.body);
   for (std::size_t k = 0; k < plan.frames; k += 10) {
     const double distance = plan.device->position(frame_time(k, plan.options.frame), Vec3::Zero()).norm();
     if (!(distance <= most))
@@ -81,13 +93,14 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
                                                .seed = options.seed,
                                                .folder = input.scene_folder});
     if (options.arrivals) {
-      plan.arrivals = read_arrivals(*options.arrivals);
+      plan.arrivals = read_arrivals(*options.arrivals, farthest(*input.body));
       plan.given_arrivals = true;
     }
   }
   plan.frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   expect(plan.frames >= 1, "seconds", "is shorter than a frame");
   check_motion(plan);
+  plan.options.model = for_states(options.model, most_states(plan));
   if (options.batch == 0) plan.options.batch = options.clock == Clock::real ? 8 : 1;
   plan.options.force_limit = std::min(options.force_limit, plan.device->limits().force);
   if (knows_the_future(options.policy) && plan.device->answers_force())
@@ -115,9 +128,20 @@ void note_stiffness(const DeviceLimits& limits, const std::string& device, Sessi
                                        limits.stiffness));
 }
 
+// Errors of first visits and the load are of lattice cells: where none fits the box there are none, however the hand moves.
+void note_no_cells(const SessionPlan& plan, SessionResult& result) {
+  const Box& box = plan.input.space.box;
+  const double side = plan.options.visit_cell > 0 ? plan.options.visit_cell : plan.input.space.spacing;
+  const Eigen::Array3d low = (box.low / side).array() - 1e-9, high = (box.high / side).array() + 1e-9;
+  if (((high.floor() - low.ceil()) >= 1).all()) return;
+  const bool no_load = !plan.given_arrivals && result.solve_seconds.empty();
+  result.notes.push_back(fmt::format("no cell of a lattice of {:g} m fits the box: there are no first visits{}", side,
+                                     no_load ? ", and nothing but rest was solved: there is no load" : ""));
+}
+
 }  // namespace
 
-std::vector<Arrival> read_arrivals(const std::filesystem::path& file) {
+std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest) {
   constexpr std::string_view columns[] = {"t", "x", "y", "z"};
   const CsvTable table = read_csv(file, columns);
   std::vector<Arrival> arrivals;
@@ -127,7 +151,11 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file) {
     if (table.at(i, 0) > 86400)
       throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
                        fmt::format("t is {} s, expected at most 86400, a day", table.at(i, 0)));
-    arrivals.push_back({table.at(i, 0), Vec3(table.at(i, 1), table.at(i, 2), table.at(i, 3))});
+    const Vec3 at(table.at(i, 1), table.at(i, 2), table.at(i, 3));
+    if (!(at.norm() <= farthest))
+      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+                       fmt::format("is {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)", at.norm(), farthest));
+    arrivals.push_back({table.at(i, 0), at});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
   return arrivals;
@@ -208,13 +236,31 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
   return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;
 }
 
+// What an interrupted rehearsal leaves of the session: nothing was rendered, nothing solved that counts.
+SessionResult not_begun(const SessionInput& input, std::string note) {
+  if (input.state_file)
+    StateFile::open_or_create(*input.state_file, {.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}});
+  SessionResult result;
+  StateSpace space(input.space);
+  for (const State& state : input.known)
+    if (state.usable() && space.insert(state).is_new) result.states.push_back(state);
+  result.start_solved_failed[0] = result.states.size();
+  result.interrupted = result.not_begun = true;
+  result.notes.push_back(std::move(note));
+  return result;
+}
+
 // Who knows the motion and what each solve will cost can try the session before it counts: under every policy but the
 // placebos, with the motion known and without. The best at first visits is then run.
 SessionResult run_rehearsed(SessionInput input, SessionOptions options, const ShowProgress& show,
                             const std::function<void(const SessionResult&)>& when_run,
                             const std::function<void(const Vec3&)>& each_position) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds_since_start = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   if (!input.references) input.references = std::make_shared<ReferenceService>(input, options.threads);
   const auto state_file = std::exchange(input.state_file, std::nullopt);
+  std::vector<std::string> schedules = policy_names();
+  std::erase_if(schedules, [](const std::string& name) { return name == "clairvoyant" || name.find("shuffled") != std::string::npos; });
   std::string best = "clairvoyant-greedy";
   double most = -2;
   for (std::size_t i = 0; i < schedules.size(); ++i) {
@@ -242,31 +288,13 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
     }
   }
   options.policy = best;
-// What an interrupted rehearsal leaves of the session: nothing was rendered, nothing solved that counts.
-SessionResult not_begun(const SessionInput& input, std::string note) {
-  if (input.state_file)
-    StateFile::open_or_create(*input.state_file, {.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}});
-  SessionResult result;
-  StateSpace space(input.space);
-  for (const State& state : input.known)
-    if (state.usable() && space.insert(state).is_new) result.states.push_back(state);
-  result.start_solved_failed[0] = result.states.size();
-  result.interrupted = result.not_begun = true;
-  result.notes.push_back(std::move(note));
-  return result;
-}
-
   input.state_file = state_file;
   SessionResult result = run_session(input, options, show, when_run, each_position);
   result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed", best, schedules.size()));
   return result;
 }
-  const auto start = std::chrono::steady_clock::now();
-  const auto seconds_since_start = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
 
 }  // namespace
-  std::vector<std::string> schedules = policy_names();
-  std::erase_if(schedules, [](const std::string& name) { return name == "clairvoyant" || name.find("shuffled") != std::string::npos; });
 
 SessionResult run_session(const SessionInput& given, const SessionOptions& options, const ShowProgress& show,
                           const std::function<void(const SessionResult&)>& when_run,
@@ -290,7 +318,7 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
     result.notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
   if (references.note()) result.notes.push_back(*references.note());
   const auto start = std::chrono::steady_clock::now();
-  RunAnalysis analysis(input, options, references, each_position);
+  RunAnalysis analysis(input, plan.options, references, each_position);
   if (options.clock == Clock::virtual_time)
     run_virtual(plan, references, analysis, result, show);
   else
@@ -298,6 +326,7 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
   if (when_run) when_run(result);
   note_stiffness(plan.device->limits(), options.device, result);
   analysis.finish(result, show);
+  note_no_cells(plan, result);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "approx/methods.hpp"
 #include "approx/model_data.hpp"
+#include "approx/neighbours.hpp"
 #include "geometry/error.hpp"
 
 namespace forefeel {
@@ -23,12 +26,34 @@ void check_method(const std::string& method) {
 
 namespace {
 
+constexpr std::size_t always = 32;   // neighbours that are never capped: sets of fewer are made in ways of their own
+constexpr double most_bytes = 1e9;
+
+double matrix_bytes(ModelOptions options, std::size_t neighbours) {
+  options.neighbours = neighbours;
+  const double rows_each = options.data == Data::force ? 1 : 4, spare = 1.125;
+  const double rows = rows_each * spare * static_cast<double>(most_neighbours(options) + affine_places(options));
+  return rows * rows * sizeof(double);
+}
+
 ModelOptions at_first(ModelOptions options, const StateSpace& space) {
+  options.neighbours = std::min(options.neighbours, always);   // of at most `few` states
   options.length = apart_at_first * space.options().spacing;
   return options;
 }
 
 }  // namespace
+
+ModelOptions for_states(ModelOptions options, std::size_t states) {
+  const std::size_t asked = options.neighbours;
+  options.neighbours = std::min(asked, std::max(states, always));
+  if (matrix_bytes(options, options.neighbours) <= most_bytes) return options;
+  std::size_t low = always, high = options.neighbours;   // the one fits, the other does not
+  while (high - low > 1) (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
+  throw InputError("model.neighbours",
+                   fmt::format("is {}, and there may be {} states: a model of so many takes {:.2g} GB, expected at most {} neighbours", asked,
+                               states, 1e-9 * matrix_bytes(options, options.neighbours), low));
+}
 
 SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
     : space_(space),

@@ -34,7 +34,8 @@ struct SessionPlan {
   std::unique_ptr<CostModel> cost;      // virtual clock
 };
 
-std::vector<Arrival> read_arrivals(const std::filesystem::path& file);   // t,x,y,z; sorted by time
+// t,x,y,z; sorted by time. InputError names file and line of one that is farther than so from rest [m].
+std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest);
 struct Replay {
   Trace motion;
   std::vector<Arrival> arrivals;

@@ -248,6 +248,20 @@ TEST_CASE("a replay names the run as its device, and ends where that ended", "[c
   CHECK(shop.shell("cut -d, -f1-4 run/frames.csv > a; cut -d, -f1-4 again/frames.csv > b; cmp a b").code == 0);
 }
 
+TEST_CASE("what a session cannot run with is named with its place", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene("[session]\nlatency = 1e9\n"));
+  shop.write("far.csv", "t,x,y,z\n0.1,0,0,0.006\n0.2,0,0,0.7\n");
+  const std::string session = "session beam.toml --clock virtual --seconds 0.1 -o run ";
+  forefeel::test::check_refused(shop, session, {"beam.toml: session.latency: is 1000000000"});
+  forefeel::test::check_refused(shop, session + "--latency 1e8", {"--latency: is 100000000"});
+  forefeel::test::check_refused(shop, session + "--set session.latency=1e7", {"--set session.latency: is 10000000"});
+  forefeel::test::check_refused(shop, session + "--latency 0 --arrivals far.csv", {"far.csv:3: is 0.7 m from rest"});
+  const std::string many = "--set model.neighbours=100000 --set state_space.spacing=0.0002 ";
+  forefeel::test::check_refused(shop, session + "--latency 0 " + many, {"--set model.neighbours: is 100000", "GB"});
+  forefeel::test::check_refused(shop, "generate beam.toml --error 0.1 -o s.states " + many, {"model.neighbours: is 100000", "GB"});
+}
+
 TEST_CASE("a replay says which options it leaves without effect", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
@@ -341,7 +355,10 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
   CHECK(outcome.error_lines() == 1);
   CHECK_THAT(outcome.err, Catch::Contains("interrupted while it rehearses") && Catch::Contains("0 of 300000 frames"));
   CHECK(outcome.json()["prediction"].contains("kalman"));
-  CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
+  CHECK_THAT(shop.files(), Catch::Contains("run/report.html"));
+  CHECK(shop.shell("wc -l < run/frames.csv").out == "1\n");   // the head
+  CHECK(shop.shell("wc -l < run/dispatch.csv").out == "1\n");
+  CHECK(run_json(shop, "info run/session.states")["states"] == 0);
 }
 
 TEST_CASE("costs that were recorded are kept, and a damaged file of them is made anew", "[contract]") {
