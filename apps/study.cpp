@@ -56,9 +56,22 @@ std::string toml_of(const toml::node& node) {
   return text;
 }
 
+// Numbers in as few digits as read back to the same.
+std::string brief(const toml::node& node) {
+  if (const auto* number = node.as_floating_point(); number && std::isfinite(number->get())) {
+    const std::string text = fmt::format("{}", number->get());
+    return text.find_first_not_of("-0123456789") == std::string::npos ? text + ".0" : text;
+  }
+  const auto* list = node.as_array();
+  if (!list || list->empty()) return toml_of(node);
+  std::string text;
+  for (const toml::node& element : *list) text += (text.empty() ? "[ " : ", ") + brief(element);
+  return text + " ]";
+}
+
 std::string shown(const toml::node& node) {
   const auto* text = node.as_string();
-  return text ? text->get() : toml_of(node);
+  return text ? text->get() : brief(node);
 }
 
 // toml++ sorts keys; here what a person wrote first comes first.

@@ -71,26 +71,62 @@ std::string axis_place(const Study& study, const std::string& column) {
   return study.file.string();
 }
 
-// An error about a value that several keys may have given: the place of the first of them that the study
-// gives.
-InputError placed(const Study& study, const std::string& key, const InputError& error) {
-  const auto found = study.origin.find(key);
-  return found == study.origin.end() ? error : InputError(found->second, error.what());
+// Where the study, or else the scene, gives a key.
+std::string place_of(const Study& study, const Scene& scene, const std::string& key) {
+  for (std::string path = key;;) {
+    if (const auto found = study.origin.find(path); found != study.origin.end()) return found->second;
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string::npos) break;
+    path.resize(dot);
+  }
+  const std::pair<const char*, const std::string&> places[] = {
+      {"session.device", scene.device_place}, {"session.cost", scene.cost_place}, {"state_space.box", scene.box_place}};
+  for (const auto& [known, place] : places)
+    if (key == known && !place.empty()) return place;
+  return scene.file.string() + ": " + key;
 }
 
-void check_session(const Study& study, const Scene& scene, const SessionOptions& options) {
-  try {
-    check_cost(options.cost);
-  } catch (const InputError& error) {
-    throw placed(study, "session.cost", error);
+// What a session would refuse, said with the place that gave it.
+InputError placed(const Study& study, const Scene& scene, const SessionOptions& options, const InputError& error) {
+  const std::string& where = error.where();
+  const std::string whole = error.what();
+  for (const char* section : {"session.", "model.", "state_space."}) {
+    if (!where.starts_with(section)) continue;
+    const std::string place = place_of(study, scene, where), problem = whole.substr(std::min(whole.size(), where.size() + 2));
+    const bool named = place.ends_with(where) || place.ends_with("." + where.substr(where.rfind('.') + 1));
+    return {place, named ? problem : fmt::format("{} {}", where, problem)};
   }
-  try {
-    make_device(options.device, {.box = scene.space.box,
-                                 .inward = scene.inward,
-                                 .seed = options.seed,
-                                 .folder = scene.file.parent_path()});
-  } catch (const InputError& error) {
-    throw placed(study, "session.device", error);
+  const bool arrivals = options.arrivals && where.starts_with(options.arrivals->string());
+  return {place_of(study, scene, where.starts_with("cost") ? "session.cost" : arrivals ? "session.arrivals" : "session.device"), whole};
+}
+
+// All that a session refuses, by its own check.
+void check_cell(const Study& study, const Scene& scene, const SessionInput& input, SessionOptions options) {
+  const std::string device = options.device;
+  const auto check = [&] {
+    try {
+      check_session(input, options);
+    } catch (const InputError& error) {
+      throw placed(study, scene, options, error);
+    }
+  };
+  if (!study.sustained) return check();
+  for (const double speed : {study.sustained->low, study.sustained->high}) {
+    options.device = device_at_speed(device, speed, study.file.string() + ": sustained");
+    options.seconds = study.sustained->travel / speed;
+    check();
+  }
+}
+
+// Where states arrive at given times nothing is solved: who varies what is solved next compares nothing.
+void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options) {
+  if (!options.arrivals) return;
+  for (const StudyAxis& axis : study.axes) {
+    const bool load = axis.column == "target_load";
+    const bool policy = (axis.column == "policy" || axis.column == "session.policy") && axis.values.size() > 1;
+    if (load || policy)
+      throw InputError(axis.where, fmt::format("has no effect where states arrive at given times ({}), since nothing is solved; "
+                                               "expected one or the other", place_of(study, scene, "session.arrivals")));
   }
 }
 
@@ -169,6 +205,7 @@ StudyPlan plan_study(Study given) {
         load_combination(study, choice, plan.scenes.empty() ? nullptr : &plan.scenes.back()));
     const Scene& scene = plan.scenes.back();
     if (c == 0) plan.warnings = scene.warnings;
+    const SessionInput input = session_input(scene);
     for (const std::uint64_t seed : study.seeds) {
       StudyCell cell{.choice = choice, .seed = seed, .scene = c, .options = scene.session, .key = {}};
       cell.options.clock = Clock::virtual_time;
@@ -177,7 +214,8 @@ StudyPlan plan_study(Study given) {
       if (const auto speed = number_of(study, choice, "speed"))
         cell.options.device = device_at_speed(cell.options.device, *speed, axis_place(study, "speed"));
       if (study.sustained) device_at_speed(cell.options.device, 1, study.file.string() + ": sustained");
-      check_session(study, scene, cell.options);
+      check_arrivals(study, scene, cell.options);
+      check_cell(study, scene, input, cell.options);
       if (const auto load = number_of(study, choice, "target_load")) {
         const double demand = states_needed_per_second(scene, cell.options);
         if (demand <= 0)

@@ -211,6 +211,63 @@ TEST_CASE("whatever contradicts itself or cannot run is one line that names the 
         }).find("--set session.policy") == 0);
 }
 
+TEST_CASE("what a session of any cell would refuse is refused beforehand, with the place in the study") {
+  const Folder folder;
+  folder.write("far.csv", "t,x,y,z\n0,0,0,0\n1,1,1,0\n");
+  folder.write("good.csv", "t,x,y,z\n0.1,0,0,0\n");
+  folder.write("bad.csv", "t,x,y,z\n0.1,0,0,0\n0.2,nan,0,0\n");
+  folder.write("distant.csv", "t,x,y,z\n0.1,0,0,0\n0.2,0,0,7\n");
+  struct Bad {
+    std::string text;
+    std::vector<std::string> said;
+  };
+  const std::string vary = "seeds = [1]\n[session]\nseconds = 1.0\n[vary]\n", arrivals = "\"session.arrivals\" = ";
+  const std::vector<Bad> all{
+      {vary + "policy = [\"nearest\", \"clairvoyant\"]\ndevice = [\"hand:touch,target=circle\"]\n",
+       {"study.toml:6: vary.policy: ", "knows the motion"}},
+      {vary + "device = [\"path:circle\", \"trace:far.csv\"]\n", {"study.toml:6: vary.device: ", "far.csv", "from rest"}},
+      {vary + "device = [\"path:circle,amplitude=10,speed=2\"]\n", {"study.toml:6: vary.device: ", "from rest"}},
+      {vary + arrivals + "[\"good.csv\", \"bad.csv\"]\n", {"study.toml:6: vary.session.arrivals: ", "bad.csv:3", "'nan'"}},
+      {vary + arrivals + "[\"good.csv\", \"distant.csv\"]\n", {"study.toml:6: vary.session.arrivals: ", "distant.csv:3", "7 m from rest"}},
+      {vary + "\"session.latency\" = [0.0, 1e9]\n", {"study.toml:6: vary.session.latency: is 1000000000"}},
+      {"seeds = [1]\n[session]\nseconds = 1e9\n[vary]\npolicy = [\"nearest\"]\n", {"study.toml:4: session.seconds: is 1000000000"}},
+      {"seeds = [1]\n[session]\nseconds = 1e-5\n[vary]\npolicy = [\"nearest\"]\n", {"study.toml:4: session.seconds: is shorter"}},
+      {vary + "\"session.placement\" = [\"lattice\", \"path\"]\n\"model.neighbours\" = [25, 100000]\n",
+       {"study.toml:7: vary.model.neighbours: is 100000", "GB"}},
+      {"seeds = [1]\n[session]\ndevice = \"path:circle\"\n[sustained]\ntravel = 1e6\n[vary]\npolicy = [\"nearest\"]\n",
+       {"study.toml:5: sustained: session.seconds is 2"}},
+      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\ntarget_load = [1.0]\n",
+       {"study.toml:6: vary.target_load: ", "study.toml:4: session.arrivals"}},
+      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\npolicy = [\"nearest\", \"fifo\"]\n",
+       {"study.toml:6: vary.policy: ", "study.toml:4: session.arrivals"}},
+  };
+  for (const Bad& bad : all) {
+    const std::string said = refusal([&] { plan_study(read_study(folder.study(bad.text), {})); });
+    INFO(bad.text << "said: " << said);
+    CHECK_FALSE(said.empty());
+    CHECK(said.find('\n') == std::string::npos);
+    for (const std::string& word : bad.said) CHECK(said.find(word) != std::string::npos);
+  }
+  // What the scene says is said with the scene's place.
+  folder.write("scene.toml", [&] {
+    std::ifstream in(folder.path / "scene.toml");
+    std::string scene((std::istreambuf_iterator<char>(in)), {});
+    return scene.replace(scene.find("path:press,speed=0.06"), 21, "path:circle,amplitude=9,speed=50");
+  }());
+  CHECK(refusal([&] { plan_study(read_study(folder.study("seeds = [1]\n[vary]\npolicy = [\"fifo\"]\n"), {})); })
+            .find("scene.toml:12: session.device: ") != std::string::npos);
+}
+
+TEST_CASE("values of a study stand as they were written") {
+  const Folder folder;
+  const Study study = read_study(folder.study("seeds = [1]\n[vary]\n\"state_space.spacing\" = [\"auto\", 0.006, 2.0, 1e-7]\n"
+                                              "\"state_space.box\" = [[[-0.03, 0, 0], [0.1, 1, 1]]]\n"), {});
+  std::vector<std::string> shown;
+  for (const StudyValue& value : study.axes[0].values) shown.push_back(value.text);
+  CHECK(shown == std::vector<std::string>{"auto", "0.006", "2.0", "1e-07"});
+  CHECK(study.axes[1].values[0].text == "[ [ -0.03, 0, 0 ], [ 0.1, 1, 1 ] ]");
+}
+
 TEST_CASE("a study of more cells than anybody waits for is refused") {
   const Folder folder;
   std::string list = "1";
