@@ -60,6 +60,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
+  if (arguments.error) check_generate_to_error(scene);
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
   if (arguments.error)

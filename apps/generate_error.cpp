@@ -9,6 +9,7 @@
 #include "apps/interrupt.hpp"
 #include "geometry/error.hpp"
 #include "scheduling/placement.hpp"
+#include "scheduling/session_model.hpp"
 
 namespace forefeel {
 namespace {
@@ -37,11 +38,13 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   truth["samples"] = report.truth_samples;
   truth["on_surface"] = report.truth_on_surface;
   truth["failed"] = report.truth_failed;
+  truth["unsolved"] = report.truth_unsolved;
   truth["fresh"] = report.truth_is_fresh;
   document["error_true"] = truth;
   document["linear"] = report.linear;
   document["estimate_holds"] = report.estimate_holds;
   document["truth_holds"] = report.truth_holds;
+  if (report.truth_unsolved > 0) document["truth_holds"] = nullptr;   // not known
   document["interrupted"] = report.stopped;
   return document;
 }
@@ -87,6 +90,14 @@ std::string complaint(const PlacementReport& report, double error) {
 
 }  // namespace
 
+void check_generate_to_error(const Scene& scene) {
+  try {
+    for_states(scene.model, lattice(scene.space.box, scene.space.spacing).size());
+  } catch (const InputError& error) {
+    throw InputError(scene.file.string() + ": " + error.where(), std::string(error.what()).substr(error.where().size() + 2));
+  }
+}
+
 int generate_to_error(const Globals& globals, const Scene& scene, StateFile file, const std::string& output,
                       double error) {
   PlacementOptions options;
@@ -119,9 +130,10 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
   if (report.truth_samples > 0)
     say(globals,
-        fmt::format("true error at {} random positions, the largest also at {} on the faces of the box: {}{}",
+        fmt::format("true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
                     report.truth_samples, report.truth_on_surface, in_words(report.truth),
-                    report.truth_is_fresh ? "" : " (some of them became states)"));
+                    report.truth_is_fresh ? "" : " (some of them became states)",
+                    report.truth_unsolved > 0 ? fmt::format("; {} were not solved any more", report.truth_unsolved) : ""));
   const std::string why = complaint(report, error);
   if (why.empty()) return 0;
   warn(globals, why);

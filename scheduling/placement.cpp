@@ -9,6 +9,7 @@
 
 #include "scheduling/halton.hpp"
 #include "scheduling/random.hpp"
+#include "scheduling/session_model.hpp"
 
 namespace forefeel {
 namespace {
@@ -79,6 +80,18 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, std::span<
   return states;
 }
 
+std::size_t most_states(const PlacementOptions& options) {
+  const std::size_t most =
+      options.max_states > 0 ? options.max_states : lattice(options.space.box, options.space.spacing).size();
+  return std::max<std::size_t>(most, 9);
+}
+
+EstimateOptions estimate_of(const PlacementOptions& options, std::size_t known) {
+  EstimateOptions estimate = options.estimate;
+  estimate.model = for_states(estimate.model, most_states(options) + known);
+  return estimate;
+}
+
 class Placement {
  public:
   Placement(std::shared_ptr<const Body> body, const PlacementOptions& options, std::span<const State> known,
@@ -89,13 +102,11 @@ class Placement {
         sink_(sink),
         progress_(progress),
         space_(options.space),
-        estimator_(space_, options.estimate),
+        estimator_(space_, estimate_of(options, known.size())),
         points_(options.space.box),
         solver_(body_) {
     report_.threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-    limit_ = options.max_states > 0 ? options.max_states
-                                    : lattice(options.space.box, options.space.spacing).size();
-    limit_ = std::max<std::size_t>(limit_, 9);
+    limit_ = most_states(options);
     for (const State& state : known) {
       if (state.usable())
         report_.resumed += space_.insert(state).is_new ? 1 : 0;
@@ -259,13 +270,17 @@ class Placement {
                    .truth_done = done,
                    .truth_total = at.size()});
       });
-      report_.truth_solved += truth.size();
+      report_.truth_solved +=
+          static_cast<std::size_t>(std::ranges::count_if(truth, [](const State& s) { return s.status != SolveStatus::cancelled; }));
     }
     const auto usable = [](const State& state) { return state.usable(); };
     const auto within = truth.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
     report_.truth_samples = static_cast<std::size_t>(std::count_if(truth.begin(), within, usable));
     report_.truth_on_surface = static_cast<std::size_t>(std::count_if(within, truth.end(), usable));
-    report_.truth_failed = truth.size() - report_.truth_samples - report_.truth_on_surface;
+    report_.truth_unsolved =
+        static_cast<std::size_t>(std::ranges::count(truth, SolveStatus::cancelled, &State::status));
+    report_.truth_failed =
+        truth.size() - report_.truth_samples - report_.truth_on_surface - report_.truth_unsolved;
     report_.truth = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);
     report_.truth_is_fresh = !truth_decided();
     report_.truth_holds = !options_.stop.stop_requested() && report_.truth.held() <= options_.error;

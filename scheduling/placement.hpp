@@ -63,6 +63,7 @@ struct PlacementReport {
   std::size_t states = 0;  // usable ones, those known before included
   std::size_t solved = 0, failed = 0, resumed = 0;
   std::size_t truth_solved = 0, truth_failed = 0;
+  std::size_t truth_unsolved = 0;                    // of the positions of the truth: the stop came first
   bool linear = false;                               // three solves are the whole state space
   bool estimate_holds = false, truth_holds = false;  // truth_holds: also true where it was not looked at
   bool stopped = false;                              // by the stop token

@@ -200,6 +200,24 @@ TEST_CASE("placing stops at its limits and says so", "[placement]") {
   CHECK(report.states == 4);
 }
 
+TEST_CASE("a truth that is cut says what was not solved, and counts none of it as failed", "[placement]") {
+  const SessionInput input = testing::small_input();
+  const PlacementOptions whole = options_of(input, 0.05);
+  std::stop_source stop;
+  PlacementOptions options = whole;
+  options.stop = stop.get_token();
+  const PlacementReport report = place_states(input.body, options, {}, [](const State&) {}, [&](const PlacementProgress& p) {
+    if (p.truth_done == 10) stop.request_stop();
+  });
+  CHECK(report.stopped);
+  CHECK(report.truth_samples == 10);
+  CHECK(report.truth_failed == 0);
+  CHECK(report.truth_solved == 10);
+  CHECK(report.truth_unsolved >= 30);
+  CHECK(report.truth.p95 > 0);
+  CHECK(place(input, whole).report.truth_unsolved == 0);
+}
+
 TEST_CASE("the next position on-line is the worst of the candidates by weight", "[placement]") {
   const SessionInput input = testing::small_input();
   StateSpace space(input.space);
