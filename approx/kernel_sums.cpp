@@ -15,7 +15,7 @@ namespace {
 // first few by estimates.
 #if defined(__AVX512F__)
 constexpr double tiny = 1e-200;
-constexpr std::size_t turn = 3, estimated = 2, hermite_turn = 3, hermite_estimated = 2;
+constexpr std::size_t turn = 3, estimated = 2, hermite_turn = 4, hermite_estimated = 3;
 #elif defined(__AVX2__)
 constexpr double tiny = 1e-37;
 constexpr std::size_t turn = 5, estimated = 2, hermite_turn = 1, hermite_estimated = 0;
@@ -108,18 +108,26 @@ FOREFEEL_INLINE void add_plain(const double* data, std::size_t stride, std::size
   for (std::size_t c = 0; c < 3; ++c) s[c] = times_plus(phi, load(data + (3 + c) * stride + i), s[c]);
 }
 
+// Six sums by name: what an array holds, GCC keeps on the stack between two loops.
+struct HermiteSums {
+  Pack s0{}, s1{}, s2{}, t0{}, t1{}, t2{};
+};
+
 template <int K>
 FOREFEEL_INLINE void add_hermite(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
-                                 bool divided, Pack s[3], Pack t[3]) {
+                                 bool divided, HermiteSums& sums) {
   const Distance d = distance(data, stride, i, y, divided);
   const Pack low = power_of<K - 2>(d.r2, d.r);  // phi = low r^2
   const Pack phi = low * d.r2, slope = -double(K) * low;
   const Pack gx = slope * d.dx, gy = slope * d.dy, gz = slope * d.dz;
-  for (std::size_t c = 0; c < 3; ++c) {
+  const auto add = [&](std::size_t c, Pack& s, Pack& t) __attribute__((always_inline)) {
     const double* b = data + (6 + 3 * c) * stride + i;
-    s[c] = times_plus(phi, load(data + (3 + c) * stride + i), times_plus(gx, load(b), s[c]));
-    t[c] = times_plus(gy, load(b + stride), times_plus(gz, load(b + 2 * stride), t[c]));
-  }
+    s = times_plus(phi, load(data + (3 + c) * stride + i), times_plus(gx, load(b), s));
+    t = times_plus(gy, load(b + stride), times_plus(gz, load(b + 2 * stride), t));
+  };
+  add(0, sums.s0, sums.t0);
+  add(1, sums.s1, sums.t1);
+  add(2, sums.s2, sums.t2);
 }
 
 // A polynomial (10 x 4, see kernel_sums.hpp), quadratic for r^5 alone, and its gradient; p(t) is the t-th
@@ -207,26 +215,32 @@ FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_
 }
 #endif
 
-template <int K, bool hermite>
-FOREFEEL_INLINE void add_all(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
-#if defined(__AVX512F__)
-  if constexpr (!hermite) return add_all_plain<K>(n, data, stride, y, s);
-#endif
-  Pack t[3] = {};
-  const auto add = [&](std::size_t i, bool divided) __attribute__((always_inline)) {
-    if constexpr (hermite)
-      add_hermite<K>(data, stride, i, y, divided, s, t);
-    else
-      add_plain<K>(data, stride, i, y, divided, s);
-  };
-  constexpr std::size_t all = hermite ? hermite_turn : turn, first = hermite ? hermite_estimated : estimated;
+template <int K>
+FOREFEEL_INLINE void add_all_hermite(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+  HermiteSums sums;
   n &= ~std::size_t{7};
   std::size_t i = 0;
-  for (; i + all * width <= n; i += all * width)
-    for (std::size_t k = 0; k < all; ++k) add(i + k * width, k >= first);
-  for (; i < n; i += width) add(i, 2 * first < all);
-  if constexpr (hermite)
-    for (std::size_t c = 0; c < 3; ++c) s[c] += t[c];
+  for (const std::size_t odd = n % (hermite_turn * width); i < odd; i += width)
+    add_hermite<K>(data, stride, i, y, hermite_estimated == 0, sums);
+  for (; i < n; i += hermite_turn * width)
+    for (std::size_t k = 0; k < hermite_turn; ++k)
+      add_hermite<K>(data, stride, i + k * width, y, k >= hermite_estimated, sums);
+  s[0] = sums.s0 + sums.t0;
+  s[1] = sums.s1 + sums.t1;
+  s[2] = sums.s2 + sums.t2;
+}
+
+template <int K, bool hermite>
+FOREFEEL_INLINE void add_all(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+  if constexpr (hermite) return add_all_hermite<K>(n, data, stride, y, s);
+#if defined(__AVX512F__)
+  return add_all_plain<K>(n, data, stride, y, s);
+#endif
+  n &= ~std::size_t{7};
+  std::size_t i = 0;
+  for (; i + turn * width <= n; i += turn * width)
+    for (std::size_t k = 0; k < turn; ++k) add_plain<K>(data, stride, i + k * width, y, k >= estimated, s);
+  for (; i < n; i += width) add_plain<K>(data, stride, i, y, 2 * estimated < turn, s);
 }
 
 template <int K, bool hermite>
