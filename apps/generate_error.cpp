@@ -25,6 +25,7 @@ nlohmann::ordered_json to_json(const ErrorQuantiles& q) {
 nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   nlohmann::ordered_json document;
   document["states"] = report.states;
+  document["most_states"] = report.most_states;
   document["solved"] = report.solved;
   document["failed"] = report.failed;
   document["resumed"] = report.resumed;
@@ -77,8 +78,11 @@ class Share {
 };
 
 // Why the answer is incomplete; empty where it is not.
-std::string complaint(const PlacementReport& report, double error) {
+std::string complaint(const PlacementReport& report, double error, double spacing) {
   if (report.stopped) return "interrupted; the same command goes on from here";
+  if (!report.estimate_holds && report.states >= report.most_states)
+    return fmt::format("{} states, as many as the lattice of spacing {:g} m has in the box, hold an estimated error of {:.3g}, not {:.3g}: "
+                       "the spacing is the limit, a smaller one allows more", report.states, spacing, report.estimate.held(), error);
   if (!report.estimate_holds)
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
                        report.states, report.estimate.held(), error, report.failed);
@@ -134,7 +138,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
                     report.truth_samples, report.truth_on_surface, in_words(report.truth),
                     report.truth_is_fresh ? "" : " (some of them became states)",
                     report.truth_unsolved > 0 ? fmt::format("; {} were not solved any more", report.truth_unsolved) : ""));
-  const std::string why = complaint(report, error);
+  const std::string why = complaint(report, error, scene.space.spacing);
   if (why.empty()) return 0;
   warn(globals, why);
   return 1;

@@ -126,6 +126,7 @@ class Placement {
     else
       place();
     report_.states = space_.size();
+    report_.most_states = limit_;
     report_.stopped = options_.stop.stop_requested();
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report_;

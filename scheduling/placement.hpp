@@ -61,6 +61,7 @@ struct PlacementOptions {
 
 struct PlacementReport {
   std::size_t states = 0;  // usable ones, those known before included
+  std::size_t most_states = 0;  // that there may be: PlacementOptions::max_states, or what the lattice has
   std::size_t solved = 0, failed = 0, resumed = 0;
   std::size_t truth_solved = 0, truth_failed = 0;
   std::size_t truth_unsolved = 0;                    // of the positions of the truth: the stop came first

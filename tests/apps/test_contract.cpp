@@ -87,6 +87,17 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
   CHECK(shop.shell("cmp cut.sorted whole.sorted").code == 0);
 }
 
+TEST_CASE("generate --error says where the spacing is the limit", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());   // 27 lattice states
+  const Workshop::Outcome outcome = shop.forefeel("generate beam.toml --error 1e-7 -o s.states --json");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["states"] == 27);
+  CHECK(outcome.json()["most_states"] == 27);
+  CHECK(outcome.error_lines() == 3);   // what was done, what is estimated, the warning
+  CHECK_THAT(outcome.err, Catch::Contains("spacing 0.004 m") && Catch::Contains("the spacing is the limit"));
+}
+
 TEST_CASE("mesh", "[contract]") {
   const Workshop shop;
   const json document = run_json(shop, "mesh --phantom ball --elements 400 -o ball.msh");

@@ -183,6 +183,7 @@ TEST_CASE("placing stops at its limits and says so", "[placement]") {
   options.max_states = 12;
   const Placed limited = place(input, options);
   CHECK(limited.states.size() == 12);
+  CHECK(limited.report.most_states == 12);
   CHECK_FALSE(limited.report.estimate_holds);
   CHECK(limited.report.truth_solved == 0);
 
