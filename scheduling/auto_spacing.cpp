@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -129,21 +130,8 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
 
 double share_bound(std::size_t k, std::size_t n, double confidence) {
   if (k >= n) return 1;
-  // P(at most k of n) falls with the share.
-  const auto probability = [&](double share) {
-    double sum = 0, term = std::pow(1 - share, static_cast<double>(n));
-    for (std::size_t i = 0; i <= k; ++i) {
-      sum += term;
-      term *= static_cast<double>(n - i) / static_cast<double>(i + 1) * share / (1 - share);
-    }
-    return sum;
-  };
-  double low = static_cast<double>(k) / static_cast<double>(n), high = 1;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (probability(middle) > 1 - confidence ? low : high) = middle;
-  }
-  return high;
+  return boost::math::binomial_distribution<>::find_upper_bound_on_p(static_cast<double>(n), static_cast<double>(k),
+                                                                     1 - confidence);
 }
 
 AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpacingOptions& options) {
