@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "approx/lanes.hpp"
 
@@ -106,6 +107,14 @@ FOREFEEL_INLINE void add_plain(const double* data, std::size_t stride, std::size
   const Distance d = distance(data, stride, i, y, divided);
   const Pack phi = power_of<K>(d.r2, d.r);
   for (std::size_t c = 0; c < 3; ++c) s[c] = times_plus(phi, load(data + (3 + c) * stride + i), s[c]);
+}
+
+// Unrolled: each knows its number when it is compiled.
+template <std::size_t N, class Work>
+FOREFEEL_INLINE void each_of(const Work& work) {
+  [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
+    (work(std::integral_constant<std::size_t, k>{}), ...);
+  }(std::make_index_sequence<N>{});
 }
 
 // Six sums by name: what an array holds, GCC keeps on the stack between two loops.
@@ -223,8 +232,9 @@ FOREFEEL_INLINE void add_all_hermite(std::size_t n, const double* data, std::siz
   for (const std::size_t odd = n % (hermite_turn * width); i < odd; i += width)
     add_hermite<K>(data, stride, i, y, hermite_estimated == 0, sums);
   for (; i < n; i += hermite_turn * width)
-    for (std::size_t k = 0; k < hermite_turn; ++k)
+    each_of<hermite_turn>([&](auto k) __attribute__((always_inline)) {
       add_hermite<K>(data, stride, i + k * width, y, k >= hermite_estimated, sums);
+    });
   s[0] = sums.s0 + sums.t0;
   s[1] = sums.s1 + sums.t1;
   s[2] = sums.s2 + sums.t2;
@@ -261,7 +271,7 @@ FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, 
 // Between two evaluations the processor looks ahead by a few vectors of centres only: what leads to the first of
 // them is kept short, and the polynomial stands where it has to wait for it.
 template <int K, bool hermite>
-bool quick(const sums::Sum& m, const double x[3], double f[4]) {
+bool quick(const sums::Sum& m, const double x[3], double f[3]) {
   Pack y[3];
   for (std::size_t d = 0; d < 3; ++d) y[d] = (same(x[d]) - same(m.centre[d])) * same(m.inverse_scale);
   const Pack squared = times_plus(y[0], y[0], times_plus(y[1], y[1], y[2] * y[2]));
@@ -273,8 +283,10 @@ bool quick(const sums::Sum& m, const double x[3], double f[4]) {
   Four polynomial = value_of<K>(all_of, at);
   asm("" : "+x"(polynomial));
   add_all<K, hermite>(m.n, m.data, m.stride, y, s);
-  _mm256_storeu_pd(f, reinterpret_cast<__m256d>(sums_of(s) + polynomial));
-  asm("" : "+m"(*reinterpret_cast<double(*)[4]>(f)));
+  const auto all = reinterpret_cast<__m256d>(sums_of(s) + polynomial);
+  _mm_storeu_pd(f, _mm256_castpd256_pd128(all));
+  _mm_store_sd(f + 2, _mm256_extractf128_pd(all, 1));
+  asm("" : "+m"(*reinterpret_cast<double(*)[3]>(f)));
 #else
   add_all<K, hermite>(m.n, m.data, m.stride, y, s);
   finish<K>(s, m.polynomial, y, f);

@@ -18,8 +18,8 @@ struct Sum {
   const double* data = nullptr;
   const double* polynomial = nullptr;
 };
-// f (and a fourth entry) at x; false where a limit is exceeded or something is not a number.
-using Quick = bool (*)(const Sum& sum, const double x[3], double f[4]);
+// f at x, stored so that nobody need copy it; false where a limit is exceeded or something is not a number.
+using Quick = bool (*)(const Sum& sum, const double x[3], double f[3]);
 
 struct Loops {
   Quick quick[2][3];  // plain and Hermite; r, r^3, r^5

@@ -244,10 +244,10 @@ Model& Model::operator=(Model&&) noexcept = default;
 
 Vec3 Model::force(const Vec3& x) const noexcept {
   const Impl& m = *impl_;
-  double f[4];
+  Vec3 f;
   // nearly always: the sum alone, far below the bound
-  if (m.quick_sum != nullptr && m.quick_sum(m.alone, x.data(), f)) return {f[0], f[1], f[2]};
-  return bounded(m, x, nullptr);
+  if (m.quick_sum == nullptr || !m.quick_sum(m.alone, x.data(), f.data())) f = bounded(m, x, nullptr);
+  return f;
 }
 
 void Model::evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept {
