@@ -26,28 +26,7 @@
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_SCALAR(isa) \
-  namespace bench::isa {             \
-  void scalar_hermite_quintic(std::size_t, const double*, const double*, const double*, double*); \
-  }
-FOREFEEL_DECLARE_SCALAR(portable)
-#ifdef FOREFEEL_MULTIVERSION
-FOREFEEL_DECLARE_SCALAR(avx2)
-FOREFEEL_DECLARE_SCALAR(avx512)
-#endif
-
 namespace {
-
-// n x 15: position, coefficients of the force, of the stiffness (3 x 3); polynomial 3 x 10.
-using ScalarHermite = void (*)(std::size_t n, const double* centres, const double* polynomial, const double x[3], double f[3]);
-
-ScalarHermite scalar_hermite() {
-#ifdef FOREFEEL_MULTIVERSION
-  if (approx_instruction_set() == InstructionSet::avx512) return bench::avx512::scalar_hermite_quintic;
-  if (approx_instruction_set() == InstructionSet::avx2) return bench::avx2::scalar_hermite_quintic;
-#endif
-  return bench::portable::scalar_hermite_quintic;
-}
 
 using namespace bench;
 using Json = nlohmann::ordered_json;
@@ -368,11 +347,10 @@ class Bench {
       for (std::size_t k = 0; k < 15; ++k) centres[15 * i + k] = data.data[k * data.stride + i];
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t t = 0; t < 10; ++t) polynomial[10 * c + t] = data.polynomial[t][c];
-    const ScalarHermite sum = scalar_hermite();
     beside_scalar(model, [&](const Vec3& x) {
       const Vec3 y = (x - data.centre) * data.inverse_scale;
       Vec3 f;
-      sum(n, centres.data(), polynomial.data(), y.data(), f.data());
+      scalar_evaluate_hermite(n, centres.data(), polynomial.data(), y.data(), f.data());
       return f;
     }, at, m);
   }

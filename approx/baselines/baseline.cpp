@@ -6,12 +6,13 @@
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_BASELINE(isa)                                                \
-  namespace isa {                                                                     \
-  void* make_lu(long, bool);                                                          \
-  void free_lu(void*);                                                                \
-  double refit_lu(void*, long, const double*, const double*);                         \
-  void scalar_sum(std::size_t, const double*, const double*, const double*, double*); \
+#define FOREFEEL_DECLARE_BASELINE(isa)                                                        \
+  namespace isa {                                                                             \
+  void* make_lu(long, bool);                                                                  \
+  void free_lu(void*);                                                                        \
+  double refit_lu(void*, long, const double*, const double*);                                 \
+  void scalar_sum(std::size_t, const double*, const double*, const double*, double*);         \
+  void scalar_hermite_sum(std::size_t, const double*, const double*, const double*, double*); \
   }
 FOREFEEL_DECLARE_BASELINE(portable)
 #ifdef FOREFEEL_MULTIVERSION
@@ -26,16 +27,17 @@ struct Functions {
   void (*free)(void*);
   double (*refit)(void*, long, const double*, const double*);
   void (*sum)(std::size_t, const double*, const double*, const double*, double*);
+  void (*hermite_sum)(std::size_t, const double*, const double*, const double*, double*);
 };
 
 Functions choose() {
 #ifdef FOREFEEL_MULTIVERSION
   if (approx_instruction_set() == InstructionSet::avx512)
-    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum};
+    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum, avx512::scalar_hermite_sum};
   if (approx_instruction_set() == InstructionSet::avx2)
-    return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum};
+    return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum, avx2::scalar_hermite_sum};
 #endif
-  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum};
+  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum, portable::scalar_hermite_sum};
 }
 
 const Functions& functions() {
@@ -79,6 +81,10 @@ double LuRefit::refit(std::span<const Sample> samples) {
 void scalar_evaluate(std::size_t n, const double* positions, const double* coefficients, const double x[3],
                      double f[3]) {
   functions().sum(n, positions, coefficients, x, f);
+}
+void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial, const double x[3],
+                             double f[3]) {
+  functions().hermite_sum(n, centres, polynomial, x, f);
 }
 
 }  // namespace forefeel

@@ -1,8 +1,8 @@
 #pragma once
 // What `forefeel bench approx` compares with, compiled once for each instruction set and chosen like our own
 // loops:
-//   the saddle system of paper Eq. 2 assembled whole and solved by Eigen's PartialPivLU, three right-hand
-//   sides the sum of paper Eq. 1 (r^3, linear p) centre by centre at -O2, no vectors
+//   the saddle system of paper Eq. 2 assembled whole and solved by Eigen's PartialPivLU, three right-hand sides
+//   the sum of paper Eq. 1 (r^3, linear p), or of r^5 on force and stiffness, centre by centre at -O2, no vectors
 
 #include <cstddef>
 #include <span>
@@ -32,5 +32,9 @@ class LuRefit {
 // positions: x y z of each centre, coefficients: 3 per centre then 3 x 4 of p.
 void scalar_evaluate(std::size_t n, const double* positions, const double* coefficients, const double x[3],
                      double f[3]);
+// r^5 on force and stiffness, quadratic p. centres: n x 15, position, coefficients of the force, of the stiffness
+// (3 x 3); polynomial: 3 x 10 over 1 x y z xx yy zz xy xz yz.
+void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial, const double x[3],
+                             double f[3]);
 
 }  // namespace forefeel

@@ -10,35 +10,22 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "geometry/error.hpp"
 #include "scheduling/reference_service.hpp"
 #include "scheduling/run_files.hpp"
 #include "scheduling/session_parts.hpp"
+#include "run_logs.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;
+using testing::logs;
 using testing::ScratchFolder;
 using testing::small_input;
 using testing::virtual_options;
 
 namespace {
-
-std::string text(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::stringstream all;
-  all << in.rdbuf();
-  return all.str();
-}
-
-// The three logs of a run, as bytes.
-std::string logs(const SessionInput& input, const SessionOptions& options, const std::filesystem::path& folder) {
-  prepare_run_folder(folder);
-  write_run_files(folder, run_session(input, options), options);
-  return text(folder / "frames.csv") + text(folder / "dispatch.csv") + text(folder / "switches.csv");
-}
 
 void expect_no_state_twice(const SessionResult& result) {
   std::set<std::tuple<double, double, double>> solved;
@@ -70,76 +57,6 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
     options.seed = 6;
     CHECK(one != logs(small_input(), options, folder / "other seed"));
   }
-}
-
-TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
-  const ScratchFolder folder("rehearsal");
-  std::atomic<bool> stop{true};
-  SessionOptions options = virtual_options(2);
-  options.policy = "clairvoyant";
-  options.interrupted = &stop;
-  SessionInput input = small_input();
-  input.state_file = folder / "session.states";
-  State rest;
-  rest.at = rest.force = Vec3::Zero();
-  rest.status = SolveStatus::converged;
-  input.known = {rest};
-  std::size_t handed_over = 0, positions = 0;
-  const SessionResult result = run_session(
-      input, options, {}, [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); }, [&](const Vec3&) { ++positions; });
-  CHECK(result.interrupted);
-  CHECK(result.not_begun);
-  CHECK(result.frames.empty());
-  CHECK(result.dispatch.empty());
-  CHECK(result.states.size() == 1);
-  CHECK(result.start_solved_failed == std::array<std::size_t, 3>{1, 0, 0});
-  CHECK(handed_over == 1);
-  CHECK(positions == 0);
-  REQUIRE(result.notes.size() == 1);
-  CHECK_THAT(result.notes[0], Catch::Contains("interrupted while it rehearses"));
-  CHECK(std::filesystem::exists(folder / "session.states"));
-  CHECK(summary_json(result, input, options)["seconds"] == 0);
-}
-
-TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {
-  const ScratchFolder folder("neighbours");
-  SessionOptions options = virtual_options(0.5);
-  options.cost = "constant:0.002";
-  options.model.neighbours = 400;   // of at most 6 x 6 x 6
-  const std::string few = logs(small_input(), options, folder / "few");
-  options.model.neighbours = 100'000;
-  CHECK(logs(small_input(), options, folder / "many") == few);
-  options.placement = "path";
-  SessionInput wide = small_input();
-  wide.space.spacing = 0.001;
-  try {
-    check_session(wide, options);
-    FAIL("accepted");
-  } catch (const InputError& error) {
-    CHECK(error.where() == "model.neighbours");
-    CHECK_THAT(error.what(), Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
-  }
-  options.model.neighbours = 100;
-  CHECK_NOTHROW(check_session(wide, options));
-}
-
-TEST_CASE("a box without room for a lattice cell: a note says why nothing is a first visit") {
-  SessionOptions options = virtual_options(0.3);
-  options.device = "path:circle,speed=0.06";
-  const auto notes = [&](double spacing, double cell) {
-    SessionInput input = small_input();
-    input.space.spacing = spacing;
-    options.visit_cell = cell;
-    const SessionResult result = run_session(input, options);
-    const bool first = std::ranges::any_of(result.frames, &FrameRecord::first_visit);
-    std::string all = first ? "visits " : "";
-    for (const std::string& note : result.notes) all += note;
-    return all;
-  };
-  CHECK_THAT(notes(0.05, 0), Catch::StartsWith("no cell of a lattice of 0.05 m fits the box") && Catch::Contains("there is no load"));
-  CHECK_THAT(notes(0.006, 0.05), Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
-  CHECK(notes(0.006, 0) == "visits ");
-  CHECK(notes(0.012, 0) == "visits ");
 }
 
 TEST_CASE("labels, first visits and positions that are worked out beside a run are those of its frames") {

@@ -1,0 +1,88 @@
+// Sessions at the border of what can be: not begun, more neighbours than states, no room for a lattice cell.
+
+#include <algorithm>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "geometry/error.hpp"
+#include "run_logs.hpp"
+#include "scheduling/session_parts.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+using testing::logs;
+using testing::ScratchFolder;
+using testing::small_input;
+using testing::virtual_options;
+
+TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
+  const ScratchFolder folder("rehearsal");
+  std::atomic<bool> stop{true};
+  SessionOptions options = virtual_options(2);
+  options.policy = "clairvoyant";
+  options.interrupted = &stop;
+  SessionInput input = small_input();
+  input.state_file = folder / "session.states";
+  State rest;
+  rest.at = rest.force = Vec3::Zero();
+  rest.status = SolveStatus::converged;
+  input.known = {rest};
+  std::size_t handed_over = 0, positions = 0;
+  const SessionResult result = run_session(
+      input, options, {}, [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); }, [&](const Vec3&) { ++positions; });
+  CHECK(result.interrupted);
+  CHECK(result.not_begun);
+  CHECK(result.frames.empty());
+  CHECK(result.dispatch.empty());
+  CHECK(result.states.size() == 1);
+  CHECK(result.start_solved_failed == std::array<std::size_t, 3>{1, 0, 0});
+  CHECK(handed_over == 1);
+  CHECK(positions == 0);
+  REQUIRE(result.notes.size() == 1);
+  CHECK_THAT(result.notes[0], Catch::Contains("interrupted while it rehearses"));
+  CHECK(std::filesystem::exists(folder / "session.states"));
+  CHECK(summary_json(result, input, options)["seconds"] == 0);
+}
+
+TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {
+  const ScratchFolder folder("neighbours");
+  SessionOptions options = virtual_options(0.5);
+  options.cost = "constant:0.002";
+  options.model.neighbours = 400;   // of at most 6 x 6 x 6
+  const std::string few = logs(small_input(), options, folder / "few");
+  options.model.neighbours = 100'000;
+  CHECK(logs(small_input(), options, folder / "many") == few);
+  options.placement = "path";
+  SessionInput wide = small_input();
+  wide.space.spacing = 0.001;
+  try {
+    check_session(wide, options);
+    FAIL("accepted");
+  } catch (const InputError& error) {
+    CHECK(error.where() == "model.neighbours");
+    CHECK_THAT(error.what(), Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
+  }
+  options.model.neighbours = 100;
+  CHECK_NOTHROW(check_session(wide, options));
+}
+
+TEST_CASE("a box without room for a lattice cell: a note says why nothing is a first visit") {
+  SessionOptions options = virtual_options(0.3);
+  options.device = "path:circle,speed=0.06";
+  const auto notes = [&](double spacing, double cell) {
+    SessionInput input = small_input();
+    input.space.spacing = spacing;
+    options.visit_cell = cell;
+    const SessionResult result = run_session(input, options);
+    const bool first = std::ranges::any_of(result.frames, &FrameRecord::first_visit);
+    std::string all = first ? "visits " : "";
+    for (const std::string& note : result.notes) all += note;
+    return all;
+  };
+  CHECK_THAT(notes(0.05, 0), Catch::StartsWith("no cell of a lattice of 0.05 m fits the box") && Catch::Contains("there is no load"));
+  CHECK_THAT(notes(0.006, 0.05), Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
+  CHECK(notes(0.006, 0) == "visits ");
+  CHECK(notes(0.012, 0) == "visits ");
+}
