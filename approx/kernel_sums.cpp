@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "approx/lanes.hpp"
 
@@ -16,13 +15,16 @@ namespace {
 // first few by estimates.
 #if defined(__AVX512F__)
 constexpr double tiny = 1e-200;
-constexpr std::size_t turn = 3, estimated = 2, hermite_turn = 4, hermite_estimated = 3;
+constexpr std::size_t turn = 3, estimated = 2;
+constexpr bool hermite_divided = false;
 #elif defined(__AVX2__)
 constexpr double tiny = 1e-37;
-constexpr std::size_t turn = 5, estimated = 2, hermite_turn = 1, hermite_estimated = 0;
+constexpr std::size_t turn = 5, estimated = 2;
+constexpr bool hermite_divided = true;
 #else
 constexpr double tiny = 1e-200;
-constexpr std::size_t turn = 1, estimated = 0, hermite_turn = 1, hermite_estimated = 0;
+constexpr std::size_t turn = 1, estimated = 0;
+constexpr bool hermite_divided = true;
 #endif
 
 FOREFEEL_INLINE Pack divided_root(Pack x) {
@@ -109,14 +111,6 @@ FOREFEEL_INLINE void add_plain(const double* data, std::size_t stride, std::size
   for (std::size_t c = 0; c < 3; ++c) s[c] = times_plus(phi, load(data + (3 + c) * stride + i), s[c]);
 }
 
-// Unrolled: each knows its number when it is compiled.
-template <std::size_t N, class Work>
-FOREFEEL_INLINE void each_of(const Work& work) {
-  [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
-    (work(std::integral_constant<std::size_t, k>{}), ...);
-  }(std::make_index_sequence<N>{});
-}
-
 // Six sums by name: what an array holds, GCC keeps on the stack between two loops.
 struct HermiteSums {
   Pack s0{}, s1{}, s2{}, t0{}, t1{}, t2{};
@@ -124,8 +118,8 @@ struct HermiteSums {
 
 template <int K>
 FOREFEEL_INLINE void add_hermite(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
-                                 bool divided, HermiteSums& sums) {
-  const Distance d = distance(data, stride, i, y, divided);
+                                 HermiteSums& sums) {
+  const Distance d = distance(data, stride, i, y, hermite_divided);
   const Pack low = power_of<K - 2>(d.r2, d.r);  // phi = low r^2
   const Pack phi = low * d.r2, slope = -double(K) * low;
   const Pack gx = slope * d.dx, gy = slope * d.dy, gz = slope * d.dz;
@@ -228,13 +222,7 @@ template <int K>
 FOREFEEL_INLINE void add_all_hermite(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
   HermiteSums sums;
   n &= ~std::size_t{7};
-  std::size_t i = 0;
-  for (const std::size_t odd = n % (hermite_turn * width); i < odd; i += width)
-    add_hermite<K>(data, stride, i, y, hermite_estimated == 0, sums);
-  for (; i < n; i += hermite_turn * width)
-    each_of<hermite_turn>([&](auto k) __attribute__((always_inline)) {
-      add_hermite<K>(data, stride, i + k * width, y, k >= hermite_estimated, sums);
-    });
+  for (std::size_t i = 0; i < n; i += width) add_hermite<K>(data, stride, i, y, sums);
   s[0] = sums.s0 + sums.t0;
   s[1] = sums.s1 + sums.t1;
   s[2] = sums.s2 + sums.t2;
@@ -319,7 +307,7 @@ FOREFEEL_INLINE void hermite_jacobian_of(std::size_t n, const double* data, std:
   const Pack y[3] = {same(at[0]), same(at[1]), same(at[2])};
   Pack s[4] = {}, t[9] = {};
   for (std::size_t i = 0; i < (n & ~std::size_t{7}); i += width) {
-    const Distance d = distance(data, stride, i, y, hermite_estimated == 0);
+    const Distance d = distance(data, stride, i, y, hermite_divided);
     const Pack low = power_of<K - 2>(d.r2, d.r), lower = double(K - 2) * power_of<K - 4>(d.r2, d.r);
     for (std::size_t c = 0; c < 3; ++c) {
       const double* b = data + (6 + 3 * c) * stride + i;
