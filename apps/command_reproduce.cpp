@@ -99,6 +99,8 @@ void refuse_in_vain(const std::string& what, const CLI::App& sub) {
     if (sub.count(option) > 0 && what != "all" && std::ranges::find(experiments_of, what) == experiments_of.end())
       throw InputError(option, fmt::format("without effect on reproduce {}, expected with {} or all", what,
                                            fmt::join(experiments_of, ", ")));
+  if (what == "speed" && sub.count("--seed") > 0)
+    throw InputError("--seed", "without effect on reproduce speed, expected --seeds N: the sessions of seeds 1 to N");
 }
 
 int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const CLI::App& sub) {

@@ -45,7 +45,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   document["linear"] = report.linear;
   document["estimate_holds"] = report.estimate_holds;
   document["truth_holds"] = report.truth_holds;
-  if (report.truth_unsolved > 0) document["truth_holds"] = nullptr;   // not known
+  if (report.truth_unsolved > 0 || report.truth_samples == 0) document["truth_holds"] = nullptr;   // not known
   document["interrupted"] = report.stopped;
   return document;
 }
@@ -81,7 +81,7 @@ class Share {
 std::string complaint(const PlacementReport& report, double error, double spacing) {
   if (report.stopped) return "interrupted; the same command goes on from here";
   if (!report.estimate_holds && report.states >= report.most_states)
-    return fmt::format("{} states, as many as the lattice of spacing {:g} m has in the box, hold an estimated error of {:.3g}, not {:.3g}: "
+    return fmt::format("{} states, all that a spacing of {:g} m is given in the box, hold an estimated error of {:.3g}, not {:.3g}: "
                        "the spacing is the limit, a smaller one allows more", report.states, spacing, report.estimate.held(), error);
   if (!report.estimate_holds)
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",

@@ -61,6 +61,12 @@ std::size_t most_states(const SessionPlan& plan) {
   return plan.input.known.size() + plan.arrivals.size() + 1 + static_cast<std::size_t>(std::min(placed, 1e9));
 }
 
+void check_near(const Vec3& at, double farthest, const std::filesystem::path& file, std::size_t line) {
+  if (!(at.norm() <= farthest))
+    throw InputError(fmt::format("{}:{}", file.string(), line),
+                     fmt::format("is {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)", at.norm(), farthest));
+}
+
 // A motion in other units than metres leads where no body can be pulled, and its references would take for ever.
 void check_motion(const SessionPlan& plan) {
   const double most = farthest(*plan.input.body);
@@ -81,7 +87,7 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   check_cost(options.cost);
   SessionPlan plan(input, options);
   if (options.replay) {
-    Replay replay = read_replay(*options.replay);
+    Replay replay = read_replay(*options.replay, farthest(*input.body));
     plan.device = make_trace_device(std::move(replay.motion.times), std::move(replay.motion.positions));
     plan.arrivals = std::move(replay.arrivals);
     plan.given_arrivals = true;
@@ -152,16 +158,14 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
       throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
                        fmt::format("t is {} s, expected at most 86400, a day", table.at(i, 0)));
     const Vec3 at(table.at(i, 1), table.at(i, 2), table.at(i, 3));
-    if (!(at.norm() <= farthest))
-      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
-                       fmt::format("is {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)", at.norm(), farthest));
+    check_near(at, farthest, file, table.lines[i]);
     arrivals.push_back({table.at(i, 0), at});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
   return arrivals;
 }
 
-Replay read_replay(const std::filesystem::path& run_folder) {
+Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
   Replay replay{.motion = read_trace(run_folder / "frames.csv"), .arrivals = {}};
   const auto dispatch = run_folder / "dispatch.csv";
   constexpr std::string_view columns[] = {"x", "y", "z", "finished", "known"};
@@ -173,8 +177,10 @@ Replay read_replay(const std::filesystem::path& run_folder) {
     return replay;   // a run in which nothing was dispatched
   }
   for (std::size_t i = 0; i < table.rows(); ++i)
-    if (table.texts[i] == "solved" || table.texts[i] == "arrived")
+    if (table.texts[i] == "solved" || table.texts[i] == "arrived") {
       replay.arrivals.push_back({table.at(i, 4), Vec3(table.at(i, 0), table.at(i, 1), table.at(i, 2))});
+      check_near(replay.arrivals.back().at, farthest, dispatch, table.lines[i]);
+    }
   std::stable_sort(replay.arrivals.begin(), replay.arrivals.end(),
                    [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
   return replay;

@@ -68,6 +68,7 @@ struct SessionOptions {
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up
   const std::atomic<bool>* interrupted = nullptr;   // once true, the session ends after that frame
+  double patience = 3;                     // with what is still to be solved for the references of an interrupted run [s]
   double stale_seconds = 0.5;              // watchdog: no sign of the planner for so long fades the force out
 };
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -26,7 +27,6 @@
 namespace forefeel {
 namespace {
 
-constexpr std::chrono::seconds patience{3};   // with the references of an interrupted run
 
 void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
   const double scale = std::max(reference.norm(), floor);
@@ -89,7 +89,9 @@ struct RunAnalysis::Impl {
   static constexpr std::size_t lot_size = 100;
 
   Impl(const SessionInput& input, const SessionOptions& options, ReferenceService& given, const std::function<void(const Vec3&)>& each)
-      : references(given), each_position(each), samples(input, options), space(input.space), fresh(space, options), floor(options.error_floor) {}
+      : references(given), each_position(each), interrupted(options.interrupted),
+        patience(std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(options.patience))), samples(input, options), space(input.space),
+        fresh(space, options), floor(options.error_floor) {}
 
   // ---- of the thread that runs
   void add(const Vec3& at, std::uint32_t known, const StateSpace& all) {
@@ -164,6 +166,8 @@ struct RunAnalysis::Impl {
 
   ReferenceService& references;
   std::function<void(const Vec3&)> each_position;
+  const std::atomic<bool>* interrupted;
+  std::chrono::steady_clock::duration patience;
   // of the thread that runs
   Lot lot;
   std::size_t handed = 0, states = 0;
@@ -217,11 +221,21 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
     frame.first_visit = found.choice.first_visit;
     if (frame.sampled || frame.first_visit) samples.push_back(k);
   }
-  // Who interrupts a run does not want to wait for all that is still to be solved.
-  const auto end = result.interrupted ? std::chrono::steady_clock::now() + patience : std::chrono::steady_clock::time_point::max();
+  // Who interrupts a run, now or before, does not want to wait for all that is still to be solved.
+  constexpr auto never = std::chrono::steady_clock::time_point::max();
+  auto end = never;
+  const auto wait_for = [&](const Vec3& at) {
+    for (;;) {
+      const auto now = std::chrono::steady_clock::now();
+      if (end == never && (result.interrupted || (my.interrupted && my.interrupted->load(std::memory_order_relaxed)))) end = now + my.patience;
+      const auto turn = std::min(end, now + std::chrono::milliseconds(100));
+      std::optional<State> reference = my.references.get_until(at, turn);
+      if (reference || turn == end) return reference;
+    }
+  };
   std::size_t failed = 0, late = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const std::optional<State> reference = my.references.get_until(result.frames[samples[i]].at, end);
+    const std::optional<State> reference = wait_for(result.frames[samples[i]].at);
     if (!reference)
       ++late;
     else if (reference->usable())
@@ -232,9 +246,11 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
       show({.t = static_cast<double>(i + 1), .seconds = static_cast<double>(samples.size()), .known = result.states.size(),
             .phase = "references"});
   }
-  if (late > 0)
+  if (late > 0) {
+    result.interrupted = true;
     result.notes.push_back(fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
                                        samples.size()));
+  }
   if (failed > 0) result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
 
   // Published models become switches when the loop takes them.

@@ -40,7 +40,7 @@ struct Replay {
   Trace motion;
   std::vector<Arrival> arrivals;
 };
-Replay read_replay(const std::filesystem::path& run_folder);
+Replay read_replay(const std::filesystem::path& run_folder, double farthest);
 
 class RunAnalysis;
 

@@ -188,7 +188,7 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
   result.workers = plan.given_arrivals ? 0 : workers.workers();
   result.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
-  if (!plan.given_arrivals && workers.workers() < options.workers)
+  if (!plan.given_arrivals && result.frames.size() == plan.frames && workers.workers() < options.workers)
     result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads", workers.workers(),
                                        options.workers));
 }

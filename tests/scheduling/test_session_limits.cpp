@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -85,4 +86,21 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
   CHECK_THAT(notes(0.006, 0.05), Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
   CHECK(notes(0.006, 0) == "visits ");
   CHECK(notes(0.012, 0) == "visits ");
+}
+
+TEST_CASE("a run that is interrupted while its references are solved ends without them, and says so") {
+  std::atomic<bool> stop{false};
+  SessionOptions options = virtual_options(1);
+  options.device = "path:circle,speed=0.06";
+  options.reference_step = 1e-5;
+  options.threads = 1;
+  options.interrupted = &stop;
+  options.patience = 0;
+  const SessionResult result =
+      run_session(small_input(), options, [&](const SessionProgress& p) { stop = stop || p.phase == "references"; });
+  CHECK(result.interrupted);
+  CHECK(result.frames.size() == 1000);
+  CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
+  const auto without = [](const FrameRecord& f) { return f.sampled && !std::isfinite(f.error); };
+  CHECK(std::ranges::any_of(result.frames, without));
 }
