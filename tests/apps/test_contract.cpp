@@ -95,7 +95,7 @@ TEST_CASE("generate --error says where the spacing is the limit", "[contract]") 
   CHECK(outcome.json()["states"] == 27);
   CHECK(outcome.json()["most_states"] == 27);
   CHECK(outcome.error_lines() == 3);   // what was done, what is estimated, the warning
-  CHECK_THAT(outcome.err, Catch::Contains("spacing 0.004 m") && Catch::Contains("the spacing is the limit"));
+  CHECK_THAT(outcome.err, Catch::Contains("spacing of 0.004 m") && Catch::Contains("the spacing is the limit"));
 }
 
 TEST_CASE("mesh", "[contract]") {
