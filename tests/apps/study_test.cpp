@@ -131,12 +131,26 @@ TEST_CASE("steps keep what the former ones changed") {
                                                                       "session.switch=\"smooth\""});
 }
 
+namespace {
+
+struct Bad {
+  std::string text;
+  std::vector<std::string> said;
+};
+
+// In one line, with every word.
+void check_refused(const Folder& folder, const Bad& bad) {
+  const std::string said = refusal([&] { plan_study(read_study(folder.study(bad.text), {})); });
+  INFO(bad.text << "said: " << said);
+  CHECK_FALSE(said.empty());
+  CHECK(said.find('\n') == std::string::npos);
+  for (const std::string& word : bad.said) CHECK(said.find(word) != std::string::npos);
+}
+
+}  // namespace
+
 TEST_CASE("whatever contradicts itself or cannot run is one line that names the place") {
   const Folder folder;
-  struct Bad {
-    std::string text;
-    std::vector<std::string> said;
-  };
   const std::vector<Bad> all{
       {"seeds = [1, 2, 1]\n", {"study.toml:2: seeds", "1 twice"}},
       {"seeds = []\n", {"study.toml:2: seeds", "empty"}},
@@ -194,13 +208,7 @@ TEST_CASE("whatever contradicts itself or cannot run is one line that names the 
       {"seeds = [1]\n[vary]\n\"body.elements\" = [100]\n\"body.elements\" = [200]\n",
        {"study.toml:5", "not TOML"}},
   };
-  for (const Bad& bad : all) {
-    const std::string said = refusal([&] { plan_study(read_study(folder.study(bad.text), {})); });
-    INFO(bad.text << "said: " << said);
-    CHECK_FALSE(said.empty());
-    CHECK(said.find('\n') == std::string::npos);
-    for (const std::string& word : bad.said) CHECK(said.find(word) != std::string::npos);
-  }
+  for (const Bad& bad : all) check_refused(folder, bad);
   CHECK(refusal([&] {
           read_study(folder.write("s.toml", "scene = \"no.toml\"\nseeds = [1]\n"), {});
         }).find("no.toml") != std::string::npos);
@@ -217,10 +225,6 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
   folder.write("good.csv", "t,x,y,z\n0.1,0,0,0\n");
   folder.write("bad.csv", "t,x,y,z\n0.1,0,0,0\n0.2,nan,0,0\n");
   folder.write("distant.csv", "t,x,y,z\n0.1,0,0,0\n0.2,0,0,7\n");
-  struct Bad {
-    std::string text;
-    std::vector<std::string> said;
-  };
   const std::string vary = "seeds = [1]\n[session]\nseconds = 1.0\n[vary]\n", arrivals = "\"session.arrivals\" = ";
   const std::vector<Bad> all{
       {vary + "policy = [\"nearest\", \"clairvoyant\"]\ndevice = [\"hand:touch,target=circle\"]\n",
@@ -241,13 +245,7 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
       {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\npolicy = [\"nearest\", \"fifo\"]\n",
        {"study.toml:6: vary.policy: ", "study.toml:4: session.arrivals"}},
   };
-  for (const Bad& bad : all) {
-    const std::string said = refusal([&] { plan_study(read_study(folder.study(bad.text), {})); });
-    INFO(bad.text << "said: " << said);
-    CHECK_FALSE(said.empty());
-    CHECK(said.find('\n') == std::string::npos);
-    for (const std::string& word : bad.said) CHECK(said.find(word) != std::string::npos);
-  }
+  for (const Bad& bad : all) check_refused(folder, bad);
   // What the scene says is said with the scene's place.
   folder.write("scene.toml", [&] {
     std::ifstream in(folder.path / "scene.toml");
