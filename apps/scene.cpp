@@ -213,6 +213,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.batch = static_cast<int>(table.integer("batch", 0, 8).value_or(session.batch));
   session.batch_share = table.number("batch_share", positive()).value_or(session.batch_share);
   session.rest_first = table.boolean("rest_first").value_or(session.rest_first);
+  session.first_guess = table.boolean("first_guess").value_or(session.first_guess);
   session.rest_known = table.boolean("rest_known").value_or(session.rest_known);
   session.preempt = table.boolean("preempt").value_or(session.preempt);
   session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
@@ -286,7 +287,7 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   const SceneTable session =
       root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select", "method",
                            "placement", "visit_cell", "visit_stride",
-                           "update_travel", "cost", "latency", "arrivals", "preempt", "rest_first", "rest_known", "batch", "batch_share", "seed", "error_floor",
+                           "update_travel", "cost", "latency", "arrivals", "preempt", "rest_first", "first_guess", "rest_known", "batch", "batch_share", "seed", "error_floor",
                            "reference_step", "jnd", "limits"});
   const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),
                               root.sub("material", {"law", "young", "poisson"}),

@@ -1,18 +1,22 @@
 #include "apps/speed_bound.hpp"
 
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "apps/study_speed.hpp"
 #include "scheduling/device.hpp"
 #include "scheduling/exact_rendering.hpp"
 #include "scheduling/render_loop.hpp"
+#include "scheduling/session_model.hpp"
 #include "scheduling/visited_cells.hpp"
+#include "solver/contact_stiffness.hpp"
 
 namespace forefeel {
 namespace {
 
-ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, const StudyCell& cell, ReferenceService& references) {
+ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, const StudyCell& cell, ReferenceService& references,
+                            const std::function<Vec3(const Vec3&)>& guess) {
   const Scene& scene = plan.scenes[cell.scene];
   const SessionOptions& options = cell.options;
   const auto device = make_device(device_at_speed(options.device, speed, plan.study.file.string()),
@@ -35,18 +39,23 @@ ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, cons
     const State state = references.get(x);
     return state.usable() ? state.force : Vec3::Constant(unknown);
   };
-  return render_exact(motion, visits, t0, options.switching, plan.study.sustained->tolerance, exact);
+  return render_exact(motion, visits, t0, options.switching, plan.study.sustained->tolerance, exact, guess);
 }
 
 }  // namespace
 
-SpeedBound speed_bound(const StudyPlan& plan, const StudyCell& cell, ReferenceService& references, bool rest_first) {
+SpeedBound speed_bound(const StudyPlan& plan, const StudyCell& cell, ReferenceService& references, bool first_guess) {
   const Scene& scene = plan.scenes[cell.scene];
   const auto cost = make_cost(cell.options.cost, cell.seed, [&] { return references.recorded_costs(); });
-  const double t0 = first_possible(*cost, scene.space, cell.options.latency, rest_first);
+  const double t0 = first_possible(*cost, scene.space, cell.options.latency, true);
+  SessionOptions options = cell.options;
+  options.guess = first_guess ? disc_stiffness(*scene.body) : Mat3(Mat3::Zero());
+  const StateSpace nothing(scene.space);
+  SessionModel model(nothing, options);
+  const auto guess = [&](const Vec3& x) { return model.model_at(x).force(x); };
   std::map<double, ExactRendering> seen;
   const SustainedSpeed found = sustained_speed(*plan.study.sustained, [&](double speed) {
-    return (seen[speed] = rendering_at(speed, t0, plan, cell, references)).share();
+    return (seen[speed] = rendering_at(speed, t0, plan, cell, references, guess)).share();
   });
   const ExactRendering& at_best = found.speed > 0 ? seen.at(found.speed) : seen.begin()->second;
   return {.known = at_best.known, .speed = found.speed, .settled_after = at_best.settled - at_best.known};

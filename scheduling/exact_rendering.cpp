@@ -9,7 +9,8 @@ namespace forefeel {
 
 ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::size_t> first_visits, double t0,
                             const SwitchOptions& switching, double tolerance,
-                            const std::function<Vec3(const Vec3&)>& exact) {
+                            const std::function<Vec3(const Vec3&)>& exact,
+                            const std::function<Vec3(const Vec3&)>& guess) {
   constexpr double never = std::numeric_limits<double>::infinity();
   ExactRendering result{.known = never, .settled = never};
   SwitchOptions smooth = switching;
@@ -24,11 +25,12 @@ ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::s
     if (!fading && !visited) continue;
     const Vec3 force = exact(motion[k]);
     if (!force.allFinite()) continue;
-    Vec3 rendered = known ? force : Vec3::Zero();
+    const Vec3 before = !known || fading ? (guess ? guess(motion[k]) : Vec3::Zero()) : force;
+    Vec3 rendered = known ? force : before;
     if (fading) {
       const bool comes = result.known == never;
       if (comes) result.known = t;
-      rendered = damped.step(comes ? Vec3::Zero() : force, force, comes).force;
+      rendered = damped.step(comes ? before : force, force, comes).force;
       if (rendered == force) result.settled = t;
     }
     if (!visited) continue;

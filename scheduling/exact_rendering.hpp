@@ -1,8 +1,8 @@
 #pragma once
 // What the damped switch alone takes away: the session of somebody who knows the force everywhere from the first moment
 // t0 on at which anything can have been solved.
-//   F = 0 before t0,   F = f + e from then on,   e = -f(x) in the first frame, shrinking by the rule `smooth`
-// with f the exact force. t0 is the least that any solve can cost, two messages included: of the state at rest, where
+//   F = g before t0,   F = f + e from then on,   e = g(x) - f(x) in the first frame, shrinking by the rule `smooth`
+// with f the exact force and g the first guess at it, or zero. t0 is the least that any solve can cost, two messages included: of the state at rest, where
 // sessions begin with it, or at a lattice point. No policy, predictor, placement, number of workers or model changes
 // what is lost here. A wrong model may be faster or slower: one softer than the body leaves less to fade in at first.
 
@@ -23,10 +23,11 @@ struct ExactRendering {
 };
 
 // motion: by frame; first_visits: indices into it, growing. exact(x) is asked for first visits, and for all frames from
-// t0 until e is gone; where it is not finite e stays as it is.
+// t0 until e is gone; where it is not finite e stays as it is. guess: g; empty: zero.
 ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::size_t> first_visits, double t0,
                             const SwitchOptions& switching, double tolerance,
-                            const std::function<Vec3(const Vec3&)>& exact);
+                            const std::function<Vec3(const Vec3&)>& exact,
+                            const std::function<Vec3(const Vec3&)>& guess = {});
 
 // t0 [s], every solve begun at once.
 double first_possible(const CostModel& cost, const StateSpaceOptions& space, double latency, bool rest_first);

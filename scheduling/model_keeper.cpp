@@ -22,14 +22,14 @@ Model* ModelKeeper::free_model() {
 
 void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   const bool grown = space_.size() > updated_states_, travelled = (hip - updated_at_).norm() >= travel_;
-  if (space_.empty() || !(grown || travelled || !published_)) return;
+  if (!(grown || (travelled && !space_.empty()) || !published_)) return;
   Model* model = free_model();
   if (!model) return;   // the loop has not given one back yet: try again at the next call
   const auto before = std::chrono::steady_clock::now();
   UpdateReport report;
   const bool known = updater_.update(hip, *model, &report);
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
-  const char* cause = !published_ ? "first" : grown ? "states" : "travel";
+  const char* cause = space_.empty() ? "guess" : updated_states_ == 0 ? "first" : grown ? "states" : "travel";
   // The same set gives the same model, unless it was stepped down to the state nearest to the HIP.
   const bool changed = report.refit || report.replaced > 0 || report.n != updated_n_ || !published_ || model->is_tangent();
   updated_states_ = space_.size();

@@ -32,7 +32,7 @@ class ModelKeeper {
   SessionModel updater_;
   std::vector<std::unique_ptr<Model>> models_;
   std::vector<Model*> free_;
-  bool published_ = false;
+  bool published_ = false;                           // a model
   Vec3 updated_at_ = Vec3::Zero();
   std::size_t updated_states_ = 0;                   // in the space then
   std::uint32_t updated_n_ = 0;

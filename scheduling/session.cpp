@@ -13,6 +13,7 @@
 #include "scheduling/candidates.hpp"
 #include "scheduling/session_model.hpp"
 #include "scheduling/session_parts.hpp"
+#include "solver/contact_stiffness.hpp"
 
 namespace forefeel {
 namespace {
@@ -86,10 +87,12 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   check_placement(options.placement);
   check_cost(options.cost);
   SessionPlan plan(input, options);
+  bool replay_of_arrivals = false;
   if (options.replay) {
     Replay replay = read_replay(*options.replay, farthest(*input.body));
     plan.device = make_trace_device(std::move(replay.motion.times), std::move(replay.motion.positions));
     plan.arrivals = std::move(replay.arrivals);
+    replay_of_arrivals = replay.of_arrivals;
     plan.given_arrivals = true;
   } else {
     if (options.device.starts_with("path:") && !(input.space.box.size().maxCoeff() > 0))
@@ -106,6 +109,8 @@ SessionPlan make_plan(const SessionInput& input, const SessionOptions& options) 
   plan.frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   expect(plan.frames >= 1, "seconds", "is shorter than a frame");
   check_motion(plan);
+  const bool others_states = options.arrivals || std::ranges::any_of(input.known, &State::usable) || replay_of_arrivals;
+  plan.options.guess = options.first_guess && !others_states ? disc_stiffness(*input.body) : Mat3(Mat3::Zero());
   plan.options.model = for_states(options.model, most_states(plan));
   if (options.batch == 0) plan.options.batch = options.clock == Clock::real ? 8 : 1;
   plan.options.force_limit = std::min(options.force_limit, plan.device->limits().force);
@@ -166,7 +171,7 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
 }
 
 Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
-  Replay replay{.motion = read_trace(run_folder / "frames.csv"), .arrivals = {}};
+  Replay replay{.motion = read_trace(run_folder / "frames.csv"), .arrivals = {}, .of_arrivals = false};
   const auto dispatch = run_folder / "dispatch.csv";
   constexpr std::string_view columns[] = {"x", "y", "z", "finished", "known"};
   CsvTable table;
@@ -178,6 +183,7 @@ Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
   }
   for (std::size_t i = 0; i < table.rows(); ++i)
     if (table.texts[i] == "solved" || table.texts[i] == "arrived") {
+      replay.of_arrivals = replay.of_arrivals || table.texts[i] == "arrived";
       replay.arrivals.push_back({table.at(i, 4), Vec3(table.at(i, 0), table.at(i, 1), table.at(i, 2))});
       check_near(replay.arrivals.back().at, farthest, dispatch, table.lines[i]);
     }

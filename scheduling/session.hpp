@@ -51,6 +51,11 @@ struct SessionOptions {
   // Rest is known from the start: its force is zero, its stiffness comes from one factorisation before the first frame. The
   // hand then feels the body's tangent at once, and nothing has to fade in from zero.
   bool rest_known = false;
+  // While nothing is known the hand feels the stiffness that a disc on a half-space of the body's material would have
+  // (solver/contact_stiffness.hpp): no solve, no state. The first true state replaces it, faded in like any newer model.
+  // Not where states come from files, nor where some are known from the start.
+  bool first_guess = true;
+  Mat3 guess = Mat3::Zero();               // that stiffness [N/m], by run_session(); zero: none
   // States of one job: the chosen one and its neighbours on its factor, 1 to 8; 0: 8 in real time and 1 under the virtual
   // clock, whose cost models know single solves. There each neighbour is taken to cost batch_share of a solve of its own
   // (0.4 to 0.6 measured on bodies of 1.7 and 8 thousand tetrahedra).

@@ -158,7 +158,7 @@ struct RunAnalysis::Impl {
     if (result.choice.sampled || result.choice.first_visit) {
       references.request(frame.at);
       fresh.forget();   // no set of an earlier moment has a say
-      if (!space.empty()) result.fresh = fresh.model_at(frame.at).force(frame.at);
+      result.fresh = fresh.model_at(frame.at).force(frame.at);
     }
     found.push_back(result);
     if (each_position) each_position(frame.at);

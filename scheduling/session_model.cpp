@@ -61,13 +61,31 @@ SessionModel::SessionModel(const StateSpace& space, const SessionOptions& option
       first_(space, at_first(options.model, space)),
       with_stiffness_(options.model.data == Data::force_and_stiffness),
       lattice_(options.method != "rbf"),
-      cubic_(options.method == "tricubic") {}
+      cubic_(options.method == "tricubic") {
+  if (options.guess.isZero(0)) return;
+  State rest;
+  rest.force = Vec3::Zero();
+  rest.stiffness = options.guess;
+  guessed_ = std::make_unique<StateSpace>(space.options());
+  guessed_->insert(rest);
+  ModelOptions tangent = at_first(options.model, space);
+  tangent.data = Data::force_and_stiffness;
+  guess_.emplace(*guessed_, tangent);
+}
 
-bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* report) {
-  if (space_.empty()) {
+bool SessionModel::update_guess(const Vec3& hip, Model& out, UpdateReport* report) {
+  if (!guess_) {
     out.impl().clear();
     return false;
   }
+  guess_->update(hip, out, report);
+  out.impl().states.clear();
+  out.impl().serial = ++serial_;
+  if (report != nullptr) *report = {.label = Label::blank};
+  return true;
+}
+
+bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* report) {
   space_.within(hip, around * space_.options().spacing, near_);
   if (near_.empty()) space_.nearest(hip, 1, near_);
   states_.clear();
@@ -84,6 +102,7 @@ bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* rep
 }
 
 bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
+  if (space_.empty()) return update_guess(hip, out, report);
   if (lattice_) return update_lattice(hip, out, report);
   const bool known = (with_stiffness_ && space_.size() <= few ? first_ : rbf_).update(hip, out, report);
   if (known) out.impl().serial = ++serial_;   // one count for both

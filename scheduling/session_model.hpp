@@ -5,6 +5,7 @@
 //   trilinear, tricubic    interpolation in the lattice cell around the HIP (approx/methods.hpp), as before RBF models:
 //                          where a corner of the cell is not known, the force of the nearest state
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,16 +26,19 @@ class SessionModel {
   // The space must outlive it; both belong to one thread.
   SessionModel(const StateSpace& space, const SessionOptions& options);
 
-  // As ModelUpdater: false while no state is known.
+  // As ModelUpdater: false while no state is known and there is no first guess either. That has no states.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);
   Model model_at(const Vec3& hip);
   void forget();
 
  private:
+  bool update_guess(const Vec3& hip, Model& out, UpdateReport* report);
   bool update_lattice(const Vec3& hip, Model& out, UpdateReport* report);
 
   const StateSpace& space_;
   ModelUpdater rbf_, first_;
+  std::unique_ptr<StateSpace> guessed_;      // rest with the first guess; null: none
+  std::optional<ModelUpdater> guess_;
   bool with_stiffness_, lattice_, cubic_;
   std::vector<StateId> near_;
   std::vector<State> states_;

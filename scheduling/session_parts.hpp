@@ -39,6 +39,7 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
 struct Replay {
   Trace motion;
   std::vector<Arrival> arrivals;
+  bool of_arrivals = false;             // nothing was solved in that run
 };
 Replay read_replay(const std::filesystem::path& run_folder, double farthest);
 

@@ -172,6 +172,7 @@ Json summary_json(const SessionResult& result, const SessionInput& input, const 
   json["select"] = name(options.model.select);
   json["seed"] = options.seed;
   json["device"] = options.replay ? "replay:" + options.replay->string() : options.device;
+  json["first_guess"] = !result.switches.empty() && result.switches.front().cause == "guess";
   json["wall_seconds"] = result.wall_seconds;
   json["realtime_priority"] = result.realtime_priority;
   json["memory_locked"] = result.memory_locked;

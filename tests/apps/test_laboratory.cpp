@@ -155,10 +155,10 @@ TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
   const nlohmann::json& row = speed["rows"][0];
   CHECK(row["speed"].is_number());
   CHECK(row["rest_known_before"].is_number());
-  CHECK(row["rest_first_for_all"]["seed_paper"].is_number());
+  CHECK(row["our_start_for_all"]["seed_paper"].is_number());
   const std::string csv = read(shop.path() / "out/speed.csv");
   for (const char* step : {"predecessor, tricubic 18 mm", "seed paper: r3 n=100, 6 mm", "default, motion known (clairvoyant)",
-                           "+ rest first (default)", "seed paper, 12 mm + rest first"})
+                           "+ rest first", "+ first guess (default)", "seed paper, 12 mm + our start"})
     CHECK_THAT(csv, Catch::Contains(step));
 }
 

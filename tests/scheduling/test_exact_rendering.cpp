@@ -69,6 +69,19 @@ TEST_CASE("Without a switch to wait for only what comes before the first state i
   CHECK(std::isinf(never.settled));
 }
 
+// F = c f while f is unknown; then |e| = |c - 1| |f| at first. Held at f: F = c f grows by 0.7 % a frame up to 0.93 f, or
+// falls by as much down to 1.07 f.
+TEST_CASE("A first guess leaves what it is off to fade out") {
+  const std::vector<Vec3> still(1000, Vec3(0.02, 0, 0));
+  for (const double c : {0.25, 0.5, 0.8, 1.0, 1.5, 4.0}) {
+    CAPTURE(c);
+    const ExactRendering r =
+        render_exact(still, all_of(still), 0.1, {}, 0.07, spring, [&](const Vec3& x) { return Vec3(c * spring(x)); });
+    const double frames = c < 1 ? std::log(0.93 / c) / std::log(1.007) : c > 1 ? std::log(c / 1.07) / -std::log(0.993) : -100;
+    CHECK(static_cast<double>(r.visits - r.within) == Approx(100 + frames).margin(2));
+  }
+}
+
 TEST_CASE("Exact forces are asked for only where they count, and unknown ones are left out") {
   const auto motion = straight(0.5, 3);
   std::size_t asked = 0;

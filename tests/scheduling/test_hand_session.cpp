@@ -42,7 +42,9 @@ TEST_CASE("rest known from the start: the body's tangent is felt at once, and co
   options.cost = "constant:10";      // nothing else is solved in time
   options.device = "path:press,speed=0.01";
   options.reference_step = 1e-4;
+  options.first_guess = false;
   const SessionResult empty = run_session(small_input(), options);
+  options.first_guess = true;        // not where something is known
   options.rest_known = true;
   const SessionResult known = run_session(small_input(), options);
   CHECK(empty.start_solved_failed[0] == 0);

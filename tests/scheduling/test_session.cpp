@@ -18,6 +18,7 @@
 #include "scheduling/session_parts.hpp"
 #include "run_logs.hpp"
 #include "small_body.hpp"
+#include "solver/contact_stiffness.hpp"
 
 using namespace forefeel;
 using testing::logs;
@@ -226,6 +227,7 @@ TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factor
       SessionOptions options = virtual_options(0.3);
       options.placement = placement;
       options.workers = 3;
+      options.first_guess = false;
       options.cost = "constant:0.08";
       options.latency = 0.001;
       options.device = fast ? "path:lissajous,speed=0.5" : "path:press,speed=0.02";
@@ -259,6 +261,82 @@ TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factor
       for (const DispatchRecord& d : plain.dispatch)
         if (d.status == "solved") CHECK(d.finished - d.started == Approx(0.08));
     }
+}
+
+TEST_CASE("virtual clock: until something is known the hand feels the first guess, and the first state replaces it") {
+  SessionOptions options = virtual_options(0.6);
+  options.cost = "constant:0.4";   // rest after 0.1 s
+  options.device = "path:lissajous,speed=0.03";
+  const Mat3 guess = disc_stiffness(*small_input().body);
+  const auto is_guess = [&](const FrameRecord& f) { return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm(); };
+  for (const char* method : {"rbf", "tricubic"})
+    for (const Data data : {Data::force, Data::force_and_stiffness}) {
+      CAPTURE(method, name(data));
+      options.method = method;
+      options.model.data = data;
+      const SessionResult r = run_session(small_input(), options);
+      CHECK(r.start_solved_failed[0] == 0);
+      std::size_t before = 0, after = 0;
+      for (const FrameRecord& f : r.frames) {
+        REQUIRE(f.switch_change <= f.switch_bound);
+        if (f.known == 0) {
+          ++before;
+          REQUIRE(is_guess(f));
+          REQUIRE((f.force - f.undamped).norm() <= 1e-12);   // from rest on: nothing fades in
+          REQUIRE(f.label == Label::blank);
+        } else if (f.at.norm() > 1e-3) {
+          ++after;
+          REQUIRE_FALSE(is_guess(f));
+        }
+      }
+      CHECK(before == 100);
+      CHECK(after > 400);
+      REQUIRE(r.switches.size() >= 2);
+      CHECK(r.switches[0].cause == "guess");
+      CHECK(r.switches[0].n == 0);
+      CHECK(r.switches[1].cause == "first");
+      CHECK(r.switches[1].jump_undamped > 0);
+      CHECK(r.switches[1].t == Approx(0.1).margin(0.0011));
+      // what is known, asked for and solved is the same without it
+      options.first_guess = false;
+      const SessionResult without = run_session(small_input(), options);
+      options.first_guess = true;
+      REQUIRE(without.dispatch.size() == r.dispatch.size());
+      for (std::size_t i = 0; i < r.dispatch.size(); ++i) {
+        CHECK(without.dispatch[i].at == r.dispatch[i].at);
+        CHECK((without.dispatch[i].finished == r.dispatch[i].finished || std::isnan(r.dispatch[i].finished)));
+      }
+      for (const FrameRecord& f : without.frames)
+        if (f.known == 0) REQUIRE(f.force == Vec3::Zero());
+    }
+}
+
+TEST_CASE("the first guess has no say where states come from elsewhere, and is replayed with its run") {
+  const ScratchFolder folder("guess");
+  std::ofstream(folder / "late.csv") << "t,x,y,z\n0.1,0,0,0\n";
+  SessionOptions options = virtual_options(0.2);
+  options.cost = "constant:0.4";
+  const SessionResult solved = run_session(small_input(), options);
+  std::filesystem::create_directories(folder / "solved");
+  std::filesystem::create_directories(folder / "arrived");
+  write_run_files(folder / "solved", solved, options);
+  CHECK(summary_json(solved, small_input(), options)["first_guess"] == true);
+  SessionOptions arriving = options;
+  arriving.arrivals = folder / "late.csv";
+  const SessionResult arrived = run_session(small_input(), arriving);
+  for (const FrameRecord& f : arrived.frames)
+    if (f.known == 0) REQUIRE(f.force == Vec3::Zero());
+  CHECK(summary_json(arrived, small_input(), arriving)["first_guess"] == false);
+  write_run_files(folder / "arrived", arrived, arriving);
+  for (const auto& [run, recorded] : {std::pair{"solved", &solved}, std::pair{"arrived", &arrived}}) {
+    CAPTURE(run);
+    SessionOptions again = options;
+    again.replay = folder / run;
+    const SessionResult replayed = run_session(small_input(), again);
+    REQUIRE(replayed.frames.size() == recorded->frames.size());
+    for (std::size_t k = 0; k < replayed.frames.size(); ++k)
+      REQUIRE((replayed.frames[k].force - recorded->frames[k].force).norm() <= 1e-9);
+  }
 }
 
 TEST_CASE("times that cannot be and a box without room are refused, naming the row or the key") {
