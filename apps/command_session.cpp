@@ -94,17 +94,43 @@ void take_states(const Scene& scene, const SessionArguments& given, const Global
   input.known = StateFile::open_or_create(file, header).read_all();
 }
 
+// Options that say what is solved, by whom and when.
+std::vector<std::string> scheduling_options(const SessionArguments& given) {
+  std::vector<std::string> options;
+  if (given.policy) options.push_back("--policy");
+  if (given.predictor) options.push_back("--predictor");
+  if (given.workers) options.push_back("--workers");
+  if (given.cost) options.push_back("--cost");
+  if (given.latency) options.push_back("--latency");
+  return options;
+}
+
 // A replay takes motion and arrivals from its run; what is asked of a planner then is said to be in vain.
-void warn_in_vain(const Globals& globals, const SessionArguments& given) {
+void warn_in_vain(const Globals& globals, const Scene& scene, const SessionArguments& given) {
   if (!given.replay) return;
-  std::vector<std::string> vain;
-  if (given.device) vain.push_back("--device");
-  if (given.policy) vain.push_back("--policy");
-  if (given.predictor) vain.push_back("--predictor");
-  if (given.workers) vain.push_back("--workers");
-  if (given.cost) vain.push_back("--cost");
-  if (given.latency) vain.push_back("--latency");
+  std::vector<std::string> vain = scheduling_options(given);
+  if (given.device) vain.insert(vain.begin(), "--device");
+  for (const auto& [key, place] : scene.scheduling)
+    if (place.starts_with("--set ")) vain.push_back(place);
   if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));
+}
+
+// Nothing is solved where states arrive at given times: what is said of solving there is refused. What the scene holds for its
+// other runs is passed over with a warning where the arrivals come from the command line.
+void check_in_vain(const Globals& globals, const Scene& scene, const SessionArguments& given) {
+  if (given.replay || (!given.arrivals && scene.arrivals_place.empty())) return;
+  const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place;
+  std::vector<std::string> options = scheduling_options(given);
+  if (given.mpi) options.push_back("--mpi");
+  if (!options.empty()) throw InputError(options.front(), no_effect_beside(arrivals));
+  const bool by_scene = !arrivals.starts_with("--");
+  std::vector<std::string> passed_over;
+  for (const auto& [key, place] : scene.scheduling) {
+    if (by_scene || place.starts_with("--set ")) throw InputError(place, no_effect_beside(arrivals));
+    passed_over.push_back(place);
+  }
+  if (!passed_over.empty())
+    warn(globals, fmt::format("{}: without effect where states arrive at given times ({})", fmt::join(passed_over, ", "), arrivals));
 }
 
 // A run is not written over the one that it replays.
@@ -231,6 +257,7 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
 int run_session_command(const Globals& globals, const SessionArguments& given, const std::shared_ptr<MpiGroup>& mpi) {
   const Scene scene = load_scene(given.scene, globals.set);
   SessionOptions options = options_of(scene, given, globals);
+  check_in_vain(globals, scene, given);
   if (mpi) join(mpi, given, options);
   SessionInput input{.body = scene.body,
                      .identity = scene.identity,
@@ -257,7 +284,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   keep_replayed(options, run);
   prepare_run_folder(run);
   set_aside_states_of_last_run(globals, input, run);
-  warn_in_vain(globals, given);
+  warn_in_vain(globals, scene, given);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
 

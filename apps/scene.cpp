@@ -303,6 +303,9 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   scene.device_place = session.where("device");
   scene.cost_place = session.where("cost");
   scene.box_place = space.where("box");
+  if (session.has("arrivals")) scene.arrivals_place = session.where("arrivals");
+  for (const std::string& key : scheduling_keys())
+    if (session.has(key)) scene.scheduling.emplace_back("session." + key, session.where(key));
   scene.body_source = body_source(table, file);
   if (like && like->body_source == scene.body_source)
     share_body(*like, scene);
@@ -323,6 +326,25 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
 
 Scene built_in_scene(std::span<const std::string> overrides) {
   return make_scene(toml::parse(built_in), "liver phantom", overrides, nullptr);
+}
+
+const std::vector<std::string>& scheduling_keys() {
+  static const std::vector<std::string> keys{"policy", "workers", "cost", "latency", "preempt", "placement",
+                                             "predictor", "rest_first", "batch", "batch_share"};
+  return keys;
+}
+
+bool exclude_each_other(const std::string& key, const std::string& other) {
+  const auto among = [](const std::string& name, const std::string& section, const std::vector<std::string>& keys) {
+    return name.starts_with(section + ".") && std::ranges::find(keys, name.substr(section.size() + 1)) != keys.end();
+  };
+  return key != other && std::ranges::any_of(alternatives, [&](const auto& of) {
+           return among(key, of.first, of.second) && among(other, of.first, of.second);
+         });
+}
+
+std::string no_effect_beside(const std::string& arrivals) {
+  return fmt::format("has no effect where states arrive at given times ({}), since nothing is solved; expected one or the other", arrivals);
 }
 
 std::string_view built_in_scene_text() { return built_in; }

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/scene_spacing.hpp"
@@ -28,6 +29,9 @@ struct Scene {
   Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
   std::string hash;                        // of the scene as overridden, without comments
   std::string device_place, cost_place, box_place;   // where the scene says them: "liver.toml:30: session.device"
+  std::string arrivals_place;                        // empty where it does not
+  // Of scheduling_keys() those that are written, not defaulted, each with its place.
+  std::vector<std::pair<std::string, std::string>> scheduling;
   std::vector<std::string> warnings;
   std::string body_source;                 // the sections that make the body, as text
 };
@@ -42,6 +46,13 @@ Scene load_scene(const std::filesystem::path& file, std::span<const std::string>
 // neo-Hookean, spacing 6 mm.
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
+
+// Keys of [session] that say what is solved, by whom and when, and no more: without effect where states arrive at given times.
+const std::vector<std::string>& scheduling_keys();
+// Of two such keys only one may be given ("contact.node", "contact.group"); an override of one takes the other's place.
+bool exclude_each_other(const std::string& key, const std::string& other);
+// "has no effect where states arrive at given times (<arrivals>), …"
+std::string no_effect_beside(const std::string& arrivals);
 
 // $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
 std::filesystem::path cache_folder();

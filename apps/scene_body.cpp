@@ -133,6 +133,20 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
   return patch;
 }
 
+// What is said of a section as a whole is said at the key that made it.
+InputError at_key(const InputError& error, const BodySections& sections, const std::string& file) {
+  const std::string whole = error.what(), problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
+  const auto key_of = [](const SceneTable& table, std::initializer_list<const char*> keys) {
+    for (const char* key : keys)
+      if (table.has(key)) return table.where(key);
+    return table.place();
+  };
+  if (error.where() == file + ": clamp") return {key_of(sections.clamp, {"nodes", "group", "below"}), problem};
+  if (error.where() == file + ": contact") return {key_of(sections.contact, {"node", "nodes", "nearest", "group"}), problem};
+  if (error.where() == "phantom") return {key_of(sections.body, {"elements", "phantom"}), problem};
+  return error;
+}
+
 std::string hash_nodes(const std::vector<NodeIndex>& nodes) {
   Sha256 hash;
   for (const NodeIndex node : nodes) hash.add(std::int64_t{node});
@@ -141,12 +155,16 @@ std::string hash_nodes(const std::vector<NodeIndex>& nodes) {
 
 }  // namespace
 
-Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file,
+namespace {
+
+constexpr double shortest = 1e-6, longest = 1e6;   // bodies [m]; beyond them sums of squares leave what a double holds
+
+Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file,
                std::vector<std::string>& warnings) {
   const bool is_phantom = sections.body.exactly_one_of({"mesh", "phantom"}) == "phantom";
   Body body;
   body.material = read_material(sections.material, is_phantom);  // cheap checks before a mesh is made
-  const std::optional<double> length = sections.body.number("length", positive());
+  const std::optional<double> length = sections.body.number("length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
   body.element =
       sections.body.word<Element>("element", {{"linear", Element::linear}, {"quadratic", Element::quadratic}})
           .value_or(body.element);
@@ -160,6 +178,17 @@ Body read_body(const BodySections& sections, const fs::path& folder, const std::
   body.contact = read_contact(sections.contact, body.mesh, is_phantom);
   for (const std::string& warning : check(body, file)) warnings.push_back(file + ": " + warning);
   return body;
+}
+
+}  // namespace
+
+Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file,
+               std::vector<std::string>& warnings) {
+  try {
+    return make_body(sections, folder, file, warnings);
+  } catch (const InputError& error) {
+    throw at_key(error, sections, file);
+  }
 }
 
 BodyIdentity identity_of(const Body& body) {

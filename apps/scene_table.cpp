@@ -88,6 +88,12 @@ std::string SceneTable::where(const std::string& key) const {
   return made ? "--set " + full(key) : file_ + ": " + full(key);
 }
 
+std::string SceneTable::place() const {
+  if (table_ && table_->source().begin) return fmt::format("{}:{}: {}", file_, table_->source().begin.line, path_);
+  if (table_ && !table_->empty()) return where(std::string(table_->begin()->first.str()));   // made by overrides
+  return fmt::format("{}: {}", file_, path_);
+}
+
 InputError SceneTable::wrong(const std::string& key, const std::string& expected) const {
   const toml::node* value = node(key);
   return {where(key), fmt::format("{}, expected {}", value ? "is " + shown(*value) : "missing", expected)};
@@ -161,7 +167,10 @@ std::optional<Box> SceneTable::box(const std::string& key) const {
   const toml::array* corners = value->as_array();
   if (!corners || corners->size() != 2) throw wrong(key, expected);
   const std::optional<Vec3> low = vector_of(corners->get(0)), high = vector_of(corners->get(1));
-  if (!low || !high || (low->array() > high->array()).any()) throw wrong(key, expected);
+  if (!low || !high) throw wrong(key, expected);
+  if ((low->array() > high->array()).any())
+    throw InputError(where(key), fmt::format("is inverted: [{:g}, {:g}, {:g}] is not below [{:g}, {:g}, {:g}] on every axis, expected {}",
+                                             (*low)[0], (*low)[1], (*low)[2], (*high)[0], (*high)[1], (*high)[2], expected));
   return Box{*low, *high};
 }
 
@@ -177,7 +186,7 @@ std::string SceneTable::exactly_one_of(const std::vector<std::string>& keys) con
     if (has(key)) given.push_back(key);
   if (given.size() == 1) return given.front();
   const std::string found = given.empty() ? "none given" : listed(given) + " given";
-  throw InputError(fmt::format("{}: {}", file_, path_), found + ", expected exactly one of " + listed(keys));
+  throw InputError(given.empty() ? place() : where(given.back()), found + ", expected exactly one of " + listed(keys));
 }
 
 std::size_t chosen_word(const SceneTable& table, const std::string& key, const std::string& text,

@@ -267,10 +267,36 @@ TEST_CASE("what a session cannot run with is named with its place", "[contract]"
   forefeel::test::check_refused(shop, session, {"beam.toml: session.latency: is 1000000000"});
   forefeel::test::check_refused(shop, session + "--latency 1e8", {"--latency: is 100000000"});
   forefeel::test::check_refused(shop, session + "--set session.latency=1e7", {"--set session.latency: is 10000000"});
-  forefeel::test::check_refused(shop, session + "--latency 0 --arrivals far.csv", {"far.csv:3: is 0.7 m from rest"});
+  shop.write("plain.toml", beam_scene());
+  forefeel::test::check_refused(shop, "session plain.toml --clock virtual --seconds 0.1 -o run --arrivals far.csv", {"far.csv:3: is 0.7 m from rest"});
   const std::string many = "--set model.neighbours=100000 --set state_space.spacing=0.0002 ";
   forefeel::test::check_refused(shop, session + "--latency 0 " + many, {"--set model.neighbours: is 100000", "GB"});
   forefeel::test::check_refused(shop, "generate beam.toml --error 0.1 -o s.states " + many, {"model.neighbours: is 100000", "GB"});
+}
+
+TEST_CASE("what is said of solving is refused where states arrive at given times", "[contract]") {
+  using forefeel::test::check_refused;
+  const Workshop shop;
+  shop.write("good.csv", "t,x,y,z\n0.1,0,0,0\n");
+  shop.write("beam.toml", beam_scene());
+  shop.write("others.toml", beam_scene("[session]\nworkers = 3\npreempt = false\n"));
+  shop.write("both.toml", beam_scene("[session]\nrest_first = true\narrivals = \"good.csv\"\n"));
+  shop.write("alone.toml", beam_scene("[session]\narrivals = \"good.csv\"\n"));
+  const std::string more = " --clock virtual --seconds 0.1 --quiet -o ", given = "session beam.toml --arrivals good.csv" + more;
+  for (const char* option : {"--workers 2", "--cost paper", "--latency 0.1", "--policy fifo", "--predictor kalman"})
+    check_refused(shop, given + "run " + option, {std::string(option).substr(0, std::string(option).find(' ')) + ": has no effect", "--arrivals"});
+  for (const char* key : {"preempt=true", "placement=path", "rest_first=false", "batch=4"})
+    check_refused(shop, given + "run --set session." + key, {"--set session." + std::string(key).substr(0, std::string(key).find('=')) + ": has no effect"});
+  check_refused(shop, "session both.toml" + more + "run", {"both.toml:12: session.rest_first: has no effect", "both.toml:13: session.arrivals"});
+  check_refused(shop, "session alone.toml --workers 3" + more + "run", {"--workers: has no effect", "alone.toml:12: session.arrivals"});
+  // What a scene holds for its other runs is not in the way of --arrivals, but said.
+  const Workshop::Outcome said = shop.forefeel("session others.toml --arrivals good.csv" + more + "said");
+  CHECK(said.code == 0);
+  CHECK(said.error_lines() == 1);
+  CHECK_THAT(said.err, Catch::Contains("others.toml:12: session.workers, others.toml:13: session.preempt: without effect") && Catch::Contains("--arrivals"));
+  const Workshop::Outcome plain = shop.forefeel(given + "plain --switch none --set session.update_travel=0.5");
+  CHECK(plain.code == 0);
+  CHECK(plain.err.empty());
 }
 
 TEST_CASE("a replay says which options it leaves without effect", "[contract]") {
@@ -286,6 +312,8 @@ TEST_CASE("a replay says which options it leaves without effect", "[contract]") 
   CHECK(said.error_lines() == 1);
   CHECK_THAT(said.err, Catch::Contains("--policy, --workers, --cost, --latency: without effect with --replay"));
   CHECK(shop.shell("cmp plain/frames.csv vain/frames.csv").code == 0);
+  const Workshop::Outcome set = shop.forefeel(replay + "set --set session.preempt=false");
+  CHECK_THAT(set.err, Catch::Contains("--set session.preempt: without effect with --replay"));
   const Workshop::Outcome moved = shop.forefeel(replay + "moved --device path:circle --predictor constant-velocity --switch none");
   CHECK_THAT(moved.err, Catch::Contains("--device, --predictor: without effect") && !Catch::Contains("--switch"));
 }
