@@ -89,6 +89,8 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   options.threads = globals.threads;
   StudyCell alone = cell;
   alone.options = options;
+  alone = with_load_found(plan, alone, input);
+  options.cost = alone.options.cost;
   Progress progress(globals, "session");
   const SessionResult result = run_cell(plan, alone, input, [&](const SessionProgress& p) {
     progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, p.phase);
@@ -179,6 +181,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
     }
     return 1;
   }
+  if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
   add_regret(plan.study, result.cells);
   const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
   std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "apps/scene.hpp"
 #include "apps/suggest.hpp"
 
 namespace forefeel {
@@ -49,7 +50,8 @@ toml::table parse(const std::string& text, const fs::path& file) {
 std::string toml_of(const toml::node& node) {
   std::ostringstream out;
   const auto flags = toml::toml_formatter::default_flags & ~toml::format_flags::allow_literal_strings &
-                     ~toml::format_flags::allow_multi_line_strings;
+                     ~toml::format_flags::allow_multi_line_strings & ~toml::format_flags::allow_binary_integers &
+                     ~toml::format_flags::allow_octal_integers & ~toml::format_flags::allow_hexadecimal_integers;
   node.visit([&](const auto& value) { out << toml::toml_formatter(value, flags); });
   std::string text = out.str();
   std::ranges::replace(text, '\n', ' ');
@@ -109,6 +111,7 @@ class Reader {
   std::string scene_key(const std::string& written, const std::string& place, bool pseudo_allowed) const;
   void claim(const std::string& key, const std::string& place, const std::string& how);
   std::string rebased(const std::string& key, const toml::node& node) const;
+  std::string identity(const std::string& key, const toml::node& node) const;
   void check_combinations() const;
 
   Study study_;
@@ -146,6 +149,7 @@ void Reader::read_scene() {
   if (!node || !node->is_string())
     throw InputError(where(node, "scene"), "missing, expected the file of a scene");
   study_.scene = study_.file.parent_path() / node->as_string()->get();
+  study_.scene_place = where(node, "scene");
   if (!fs::is_regular_file(study_.scene))
     throw InputError(
         where(node, "scene"),
@@ -205,6 +209,10 @@ void Reader::claim(const std::string& key, const std::string& place, const std::
     if (within(key, other) || within(other, key) || cost_twice)
       throw InputError(place, fmt::format("{}, but {} is {} ({}); expected it once", how, other, given.first,
                                           given.second));
+    // Those of one axis take turns.
+    const bool in_turn = place == given.second || (how == "changed by a step" && how == given.first);
+    if (exclude_each_other(key, other) && !in_turn && !place.starts_with("--set "))
+      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected one of the two", how, other, given.first, given.second));
   }
   if (key == "session.clock" && how != "fixed")
     throw InputError(place, "the clock of a study is virtual, so that its cells repeat; it cannot be varied");
@@ -219,7 +227,7 @@ std::string Reader::rebased(const std::string& key, const toml::node& node) cons
   if (!text || !names_file) return toml_of(node);
   const auto moved = [&](const std::string& file) -> std::string {
     const fs::path beside = study_.file.parent_path() / file;
-    if (fs::path(file).is_absolute() || !fs::exists(beside)) return file;
+    if (file.empty() || fs::path(file).is_absolute() || !fs::exists(beside)) return file;
     const fs::path folder = fs::absolute(study_.scene).parent_path();
     return fs::proximate(fs::absolute(beside).lexically_normal(), folder.lexically_normal()).string();
   };
@@ -231,6 +239,21 @@ std::string Reader::rebased(const std::string& key, const toml::node& node) cons
     value = "trace:" + moved(value.substr(6, end - 6)) + value.substr(end);
   }
   return toml_of(toml::value<std::string>(value));
+}
+
+// The same for values that are the same however they are written: 2, 2.0 and 0x2; a file by any of its names.
+std::string Reader::identity(const std::string& key, const toml::node& node) const {
+  if (const auto* number = node.as_integer()) return std::to_string(number->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  const std::string written = rebased(key, node);
+  const auto* text = node.as_string();
+  const bool device = key == "session.device";
+  if (!text || !(device ? text->get().starts_with("trace:") : key == "session.arrivals" || key == "body.mesh")) return written;
+  const std::string value = toml::parse("value = " + written)["value"].value_or(std::string());
+  const std::size_t begin = device ? 6 : 0, end = device ? std::min(value.find(','), value.size()) : value.size();
+  std::error_code error;
+  const fs::path file = fs::weakly_canonical(study_.scene.parent_path() / value.substr(begin, end - begin), error);
+  return error ? written : value.substr(0, begin) + file.string() + value.substr(end);
 }
 
 // ---- what is fixed, stepped, varied
@@ -314,11 +337,15 @@ StudyAxis Reader::read_axis(const std::string& column, const toml::node& node) {
   const toml::array* list = node.as_array();
   if (!list) throw InputError(axis.where, fmt::format("is {}, expected a list of values", toml_of(node)));
   if (list->empty()) throw InputError(axis.where, "is an empty list, expected at least one value");
+  std::map<std::string, std::string> seen;   // identity -> as written
   for (const toml::node& element : *list) {
     StudyValue value = read_value(column, element, where(&element, "vary." + column));
-    if (std::ranges::any_of(axis.values, [&](const StudyValue& other) { return other.text == value.text; }))
+    const auto [other, fresh] = seen.try_emplace(element.is_table() ? value.text : identity(key, element), value.text);
+    if (!fresh)
       throw InputError(where(&element, "vary." + column),
-                       fmt::format("holds '{}' twice, expected each value once", value.text));
+                       other->second == value.text ? fmt::format("holds '{}' twice, expected each value once", value.text)
+                                                   : fmt::format("holds '{}', which is the same as '{}', expected each value once", value.text,
+                                                                 other->second));
     axis.values.push_back(std::move(value));
   }
   if (together_.empty()) claim(key, axis.where, "varied");
@@ -369,6 +396,7 @@ void Reader::read_steps() {
       if (written == "name") continue;
       const std::string place = where(value, "step." + written);
       const std::string key = scene_key(written, place, false);
+      std::erase_if(kept, [&](const auto& before) { return exclude_each_other(key, before.first); });
       kept[key] = rebased(key, *value);
       places.try_emplace(key, place);
     }
@@ -417,15 +445,19 @@ void Reader::read_sustained() {
                      fmt::format("low {} is not below high {}", options.low, options.high));
   claim("speed", where(node, "sustained"), "searched");
   claim("session.seconds", where(node, "sustained"), "given by travel over speed");
+  if (const auto load = claimed_.find("target_load"); load != claimed_.end())
+    throw InputError(where(node, "sustained"), fmt::format("searches the speed at which a given number of workers keeps up, but target_load sets what "
+                                                           "they keep up with ({}); expected one or the other", load->second.second));
   study_.sustained = options;
+  study_.sustained_place = where(node, "sustained");
 }
 
 void Reader::check_combinations() const {
   double total = static_cast<double>(study_.seeds.size());
   for (const StudyAxis& axis : study_.axes) total *= static_cast<double>(axis.values.size());
   if (total > static_cast<double>(most_cells))
-    throw InputError(study_.file.string(),
-                     fmt::format("gives {:.4g} cells, expected at most {}", total, most_cells));
+    throw InputError(study_.axes.empty() ? where(root_.get("seeds"), "seeds") : study_.axes.back().where,
+                     fmt::format("makes {:.4g} cells, expected at most {}", total, most_cells));
 }
 
 Study Reader::read() {

@@ -60,6 +60,7 @@ struct Study {
   std::optional<std::size_t> baseline;  // value of axes[0]
   std::vector<std::string> fixed;       // "key.path=TOML"
   std::optional<SustainedOptions> sustained;
+  std::string scene_place, sustained_place;   // "study.toml:1: scene"
   std::map<std::string, std::string> origin;  // scene key -> where it was given, for messages
 
   std::size_t combinations() const;  // without seeds

@@ -79,11 +79,25 @@ std::string place_of(const Study& study, const Scene& scene, const std::string& 
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
-  const std::pair<const char*, const std::string&> places[] = {
-      {"session.device", scene.device_place}, {"session.cost", scene.cost_place}, {"state_space.box", scene.box_place}};
+  const std::pair<const char*, const std::string&> places[] = {{"session.device", scene.device_place},
+                                                               {"session.cost", scene.cost_place},
+                                                               {"session.arrivals", scene.arrivals_place},
+                                                               {"state_space.box", scene.box_place}};
   for (const auto& [known, place] : places)
-    if (key == known && !place.empty()) return place;
-  return scene.file.string() + ": " + key;
+    if (key == known && !place.empty() && place != scene.file.string() + ": " + key) return place;
+  return study.scene_place + ": " + scene.file.string() + ": " + key;   // nobody wrote it
+}
+
+// What is wrong with a motion may come from the speed that the study gives, or from the body and the box that it changes.
+std::string place_of_device(const Study& study, const Scene& scene, const std::string& problem) {
+  if (problem.starts_with("speed "))
+    for (const StudyAxis& axis : study.axes)
+      if (axis.column == "speed") return axis.where;
+  if (problem.starts_with("speed ") && study.sustained) return study.sustained_place;
+  if (!study.origin.contains("session.device"))
+    for (const char* key : {"body.length", "state_space.box"})
+      if (const auto found = study.origin.find(key); found != study.origin.end()) return found->second;
+  return place_of(study, scene, "session.device");
 }
 
 // What a session would refuse, said with the place that gave it.
@@ -96,8 +110,9 @@ InputError placed(const Study& study, const Scene& scene, const SessionOptions& 
     const bool named = place.ends_with(where) || place.ends_with("." + where.substr(where.rfind('.') + 1));
     return {place, named ? problem : fmt::format("{} {}", where, problem)};
   }
-  const bool arrivals = options.arrivals && where.starts_with(options.arrivals->string());
-  return {place_of(study, scene, where.starts_with("cost") ? "session.cost" : arrivals ? "session.arrivals" : "session.device"), whole};
+  if (where.starts_with("cost")) return {place_of(study, scene, "session.cost"), whole};
+  if (options.arrivals && where.starts_with(options.arrivals->string())) return {place_of(study, scene, "session.arrivals"), whole};
+  return {place_of_device(study, scene, whole.substr(std::min(whole.size(), where.size() + 2))), whole};
 }
 
 // All that a session refuses, by its own check.
@@ -112,22 +127,30 @@ void check_cell(const Study& study, const Scene& scene, const SessionInput& inpu
   };
   if (!study.sustained) return check();
   for (const double speed : {study.sustained->low, study.sustained->high}) {
-    options.device = device_at_speed(device, speed, study.file.string() + ": sustained");
+    options.device = device_at_speed(device, speed, study.sustained_place);
     options.seconds = study.sustained->travel / speed;
     check();
   }
 }
 
-// Where states arrive at given times nothing is solved: who varies what is solved next compares nothing.
-void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options) {
+// Where states arrive at given times nothing is solved: who says how compares nothing. What the scene says for other runs is
+// passed over with a warning where the study brings the arrivals.
+void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options, std::vector<std::string>& warnings) {
   if (!options.arrivals) return;
-  for (const StudyAxis& axis : study.axes) {
-    const bool load = axis.column == "target_load";
-    const bool policy = (axis.column == "policy" || axis.column == "session.policy") && axis.values.size() > 1;
-    if (load || policy)
-      throw InputError(axis.where, fmt::format("has no effect where states arrive at given times ({}), since nothing is solved; "
-                                               "expected one or the other", place_of(study, scene, "session.arrivals")));
+  const std::string arrivals = place_of(study, scene, "session.arrivals");
+  const auto refuse = [&](const std::string& place) { throw InputError(place, no_effect_beside(arrivals)); };
+  if (study.sustained) refuse(study.sustained_place);
+  for (const StudyAxis& axis : study.axes)
+    if (axis.column == "target_load") refuse(axis.where);
+  std::string passed_over;
+  for (const auto& [key, where] : scene.scheduling) {
+    if (where.starts_with("--set ")) refuse(place_of(study, scene, key));   // by the study
+    if (!scene.arrivals_place.starts_with("--set ")) refuse(where);
+    passed_over += (passed_over.empty() ? "" : ", ") + where;
   }
+  if (passed_over.empty()) return;
+  const std::string warning = fmt::format("{}: without effect where states arrive at given times ({})", passed_over, arrivals);
+  if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
 }
 
 std::string key_of(const Scene& scene, const SessionOptions& options, const Study& study) {
@@ -213,8 +236,8 @@ StudyPlan plan_study(Study given) {
       cell.options.seed = seed;
       if (const auto speed = number_of(study, choice, "speed"))
         cell.options.device = device_at_speed(cell.options.device, *speed, axis_place(study, "speed"));
-      if (study.sustained) device_at_speed(cell.options.device, 1, study.file.string() + ": sustained");
-      check_arrivals(study, scene, cell.options);
+      if (study.sustained) device_at_speed(cell.options.device, 1, study.sustained_place);
+      check_arrivals(study, scene, cell.options, plan.warnings);
       check_cell(study, scene, input, cell.options);
       if (const auto load = number_of(study, choice, "target_load")) {
         const double demand = states_needed_per_second(scene, cell.options);
@@ -224,6 +247,10 @@ StudyPlan plan_study(Study given) {
                                        "motion through it",
                                        cell.options.device));
         cell.options.cost = cost_for_load(*load, cell.options, demand, axis_place(study, "target_load"));
+        if (cell.options.device.starts_with("hand:")) {
+          cell.load_to_find = *load;
+          cell.free_demand = demand;
+        }
       }
       cell.key = key_of(scene, cell.options, study);
       plan.cells.push_back(std::move(cell));

@@ -15,6 +15,9 @@ struct StudyCell {
   std::uint64_t seed = 0;
   std::size_t scene = 0;   // into StudyPlan::scenes
   SessionOptions options;  // of the session; threads 1
+  // Of a hand, whose motion answers the force: the load that a rehearsal is to find the cost for (0: none), and what the
+  // motion would need if nothing held the hand back [states/s].
+  double load_to_find = 0, free_demand = 0;
   std::string key;         // SHA-256 of everything that its result depends on
 };
 

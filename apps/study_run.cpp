@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -204,7 +205,7 @@ CellColumns run_sustained(const StudyPlan& plan, const StudyCell& cell, const Se
   std::map<double, CellColumns> seen;
   const auto share_at = [&](double speed) {
     StudyCell trial = cell;
-    trial.options.device = device_at_speed(cell.options.device, speed, plan.study.file.string());
+    trial.options.device = device_at_speed(cell.options.device, speed, plan.study.sustained_place);
     trial.options.seconds = sought.travel / speed;
     const SessionResult result = run_cell(plan, trial, input, {});
     CellColumns columns = cell_columns(result, input, trial.options);
@@ -243,6 +244,47 @@ SessionResult run_cell(const StudyPlan& plan, const StudyCell& cell, const Sessi
   }
 }
 
+StudyCell with_load_found(const StudyPlan& plan, const StudyCell& cell, const SessionInput& input) {
+  if (!(cell.load_to_find > 0)) return cell;
+  constexpr int tries = 12, corrected = 3;   // from then on halfway between what is too much and what is too little
+  constexpr double near = 0.025;
+  StudyCell trial = cell, best = cell;
+  trial.options.reference_step = 1e9;   // what is rehearsed is the motion alone
+  trial.options.visit_stride = 1'000'000;
+  double demand = cell.free_demand, least = std::numeric_limits<double>::infinity();
+  double too_little = 0, too_much = 0;   // demands
+  for (int i = 0; i < tries && least > near; ++i) {
+    const SessionResult result = run_cell(plan, trial, input, {});
+    const auto load = summary_json(result, input, trial.options)["load"];
+    if (result.interrupted || !load.is_number()) break;
+    const double met = load.get<double>() / cell.load_to_find;
+    if (std::abs(std::log(met)) < least) {
+      least = std::abs(std::log(met));
+      best.options.cost = trial.options.cost;
+    }
+    (met < 1 ? too_little : too_much) = demand;
+    demand = i + 1 < corrected || too_little == 0 || too_much == 0 ? demand * met : std::sqrt(too_little * too_much);
+    trial.options.cost = cost_for_load(cell.load_to_find, trial.options, demand, plan.study.origin.at("target_load"));
+  }
+  return best;
+}
+
+std::optional<std::string> loads_missed(const StudyPlan& plan, const std::vector<CellColumns>& cells) {
+  std::size_t missed = 0, of_hands = 0;
+  double worst = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!(plan.cells[i].load_to_find > 0)) continue;
+    ++of_hands;
+    const auto load = cells[i].find("load");
+    const double miss = load != cells[i].end() && load->is_number() ? std::abs(load->get<double>() / plan.cells[i].load_to_find - 1) : 1;
+    missed += miss > 0.05 ? 1 : 0;
+    worst = std::max(worst, miss);
+  }
+  if (missed == 0) return {};
+  return fmt::format("{} of {} cells with a hand miss their target_load by more than 5 %, by {:.0f} % at most: their sessions hold too few "
+                     "solves, expected a longer one; the column `load` holds what was met", missed, of_hands, 100 * worst);
+}
+
 StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globals& globals) {
   std::error_code error;
   fs::create_directories(folder / "cells", error);
@@ -276,6 +318,7 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
         cell.options.interrupted = &watch.flag();
         SessionInput input = session_input(plan.scenes[cell.scene]);
         input.references = references.of(input);
+        cell = with_load_found(plan, cell, input);
         const auto show = [&](double part) { ticker.at(item, part); };
         result.cells[todo[item]] = plan.study.sustained ? run_sustained(plan, cell, input, show)
                                                         : run_plain(plan, cell, input, show);

@@ -241,9 +241,37 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
       {"seeds = [1]\n[session]\ndevice = \"path:circle\"\n[sustained]\ntravel = 1e6\n[vary]\npolicy = [\"nearest\"]\n",
        {"study.toml:5: sustained: session.seconds is 2"}},
       {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\ntarget_load = [1.0]\n",
-       {"study.toml:6: vary.target_load: ", "study.toml:4: session.arrivals"}},
+       {"study.toml:6: vary.target_load: has no effect", "study.toml:4: session.arrivals"}},
       {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\npolicy = [\"nearest\", \"fifo\"]\n",
        {"study.toml:6: vary.policy: ", "study.toml:4: session.arrivals"}},
+      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\npolicy = [\"fifo\"]\n",
+       {"study.toml:6: vary.policy: has no effect", "study.toml:4: session.arrivals"}},
+      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\npreempt = false\n",
+       {"study.toml:5: session.preempt: has no effect", "study.toml:4: session.arrivals"}},
+      {"seeds = [1]\n[session]\nrest_first = true\n[[step]]\nname = \"a\"\n\"session.arrivals\" = \"good.csv\"\n",
+       {"study.toml:4: session.rest_first: has no effect", "study.toml:7: step.session.arrivals"}},
+      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\ndevice = \"path:press\"\n[sustained]\ntravel = 0.05\n",
+       {"study.toml:6: sustained: has no effect", "study.toml:4: session.arrivals"}},
+      {vary + arrivals + "[\"\"]\n", {"study.toml:6: vary.session.arrivals: is ''"}},
+      {vary + arrivals + "[\"good.csv\", \"./good.csv\"]\n", {"study.toml:6: vary.session.arrivals: ", "the same as 'good.csv'"}},
+      {vary + "device = [\"trace:good.csv,scale=0.5\", \"trace:../" + folder.path.filename().string() + "/good.csv,scale=0.5\"]\n",
+       {"study.toml:6: vary.device: ", "the same as 'trace:good.csv,scale=0.5'"}},
+      {vary + "workers = [2, 0x2]\n", {"study.toml:6: vary.workers: holds '2' twice"}},
+      {vary + "target_load = [1, 1.0]\n", {"study.toml:6: vary.target_load: holds '1.0', which is the same as '1'"}},
+      {"seeds = [1]\n[sustained]\ntravel = 0.05\n", {"study.toml:3: sustained: ", "names its speed already"}},
+      {"seeds = [1]\n[session]\ndevice = \"trace:good.csv\"\n[sustained]\n", {"study.toml:5: sustained: ", "no speed to set"}},
+      {"seeds = [1]\n[session]\ndevice = \"hand:touch,target=circle\"\n[sustained]\n", {"study.toml:5: sustained: ", "no speed to set"}},
+      {"seeds = [1]\n[session]\ndevice = \"path:press\"\n[vary]\ntarget_load = [1]\n[sustained]\n",
+       {"study.toml:7: sustained: ", "study.toml:6: vary.target_load"}},
+      {"seeds = [1]\n[session]\ndevice = \"path:press\"\n[vary]\nspeed = [0.1, 1e9]\n", {"study.toml:6: vary.speed: ", "at most 1000"}},
+      {vary + "\"contact.group\" = [\"contact\", \"clamp\"]\n", {"study.toml:6: vary.contact.group: node ", "is clamped"}},
+      {"seeds = [1]\n[contact]\ngroup = \"contact\"\nnode = 3\n", {"study.toml:5: contact.node: ", "study.toml:4", "one of the two"}},
+      {"seeds = [1]\n[contact]\nradius = 0.01\n", {"study.toml:4: contact.radius: none given", "exactly one of"}},
+      {vary + "\"clamp.nodes\" = [[1]]\n", {"study.toml:6: vary.clamp.nodes: ", "on one line"}},
+      {vary + "\"body.elements\" = [5]\n", {"study.toml:6: vary.body.elements: ", "cannot be met"}},
+      {vary + "\"body.length\" = [0.1, 1e-300]\n", {"study.toml:6: vary.body.length: is 1e-300"}},
+      {vary + "\"body.length\" = [0.1, 0.001]\n", {"study.toml:6: vary.body.length: ", "from rest"}},
+      {vary + "\"state_space.box\" = [[[0.1, 0, 0], [0, 1, 1]]]\n", {"study.toml:6: vary.state_space.box: is inverted", "[0.1, 0, 0]"}},
   };
   for (const Bad& bad : all) check_refused(folder, bad);
   // What the scene says is said with the scene's place.
@@ -256,6 +284,49 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
             .find("scene.toml:12: session.device: ") != std::string::npos);
 }
 
+TEST_CASE("what a scene holds for its own runs is passed over with a warning where a study brings the arrivals") {
+  const Folder folder;
+  folder.write("good.csv", "t,x,y,z\n0.1,0,0,0\n");
+  const auto scene = [&](const std::string& more) {
+    std::ifstream in(folder.path / "scene.toml");
+    folder.write("more.toml", std::string(std::istreambuf_iterator<char>(in), {}) + more);
+    return plan_study(read_study(folder.write("s.toml", "scene = \"more.toml\"\nseeds = [1, 2]\n[vary]\n\"session.arrivals\" = [\"good.csv\"]\n"), {}));
+  };
+  const auto said = [](const StudyPlan& plan) {
+    return std::ranges::count_if(plan.warnings, [](const std::string& w) { return w.find("without effect") != std::string::npos; });
+  };
+  CHECK(said(scene("")) == 0);
+  const StudyPlan plan = scene("workers = 3\npolicy = \"fifo\"\n");
+  REQUIRE(said(plan) == 1);
+  CHECK_THAT(plan.warnings.back(), Catch::Contains("more.toml:14: session.workers") && Catch::Contains("more.toml:15: session.policy") &&
+                                       Catch::Contains("s.toml:4: vary.session.arrivals"));
+}
+
+TEST_CASE("steps that take turns among contacts keep the last one given") {
+  const Folder folder;
+  const Study study = read_study(folder.study("seeds = [1]\n[[step]]\nname = \"a\"\n\"contact.node\" = 40\n[[step]]\nname = \"b\"\n"
+                                              "\"contact.group\" = \"contact\"\n"), {});
+  CHECK(study.axes[0].values[0].overrides == std::vector<std::string>{"contact.node=40"});
+  CHECK(study.axes[0].values[1].overrides == std::vector<std::string>{"contact.group=\"contact\""});
+}
+
+TEST_CASE("a target load is met by a hand too, whose motion answers the force") {
+  const Folder folder;
+  const StudyPlan plan = plan_study(read_study(
+      folder.study("seeds = [1, 2]\n[material]\nlaw = \"linear\"\nyoung = 20000.0\n[session]\nseconds = 6.0\ndevice = \"hand:touch,target=circle\"\n"
+                   "[vary]\ntarget_load = [0.5, 1.0]\n"), {}));
+  std::vector<CellColumns> cells = run(plan, folder.path / "out", 2);
+  REQUIRE(cells.size() == 4);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    CHECK(cell_number(cells[i], "load") == Approx(i < 2 ? 0.5 : 1.0).epsilon(0.05));
+    CHECK(cells[i]["cost"] != plan.cells[i].options.cost);   // that of a hand which nothing holds back
+  }
+  CHECK_FALSE(loads_missed(plan, cells));
+  cells[3]["load"] = 1.2;
+  REQUIRE(loads_missed(plan, cells));
+  CHECK_THAT(*loads_missed(plan, cells), Catch::StartsWith("1 of 4 cells") && Catch::Contains("20 %"));
+}
+
 TEST_CASE("values of a study stand as they were written") {
   const Folder folder;
   const Study study = read_study(folder.study("seeds = [1]\n[vary]\n\"state_space.spacing\" = [\"auto\", 0.006, 2.0, 1e-7]\n"
@@ -264,6 +335,12 @@ TEST_CASE("values of a study stand as they were written") {
   for (const StudyValue& value : study.axes[0].values) shown.push_back(value.text);
   CHECK(shown == std::vector<std::string>{"auto", "0.006", "2.0", "1e-07"});
   CHECK(study.axes[1].values[0].text == "[ [ -0.03, 0, 0 ], [ 0.1, 1, 1 ] ]");
+  // A whole number by its value.
+  const Study hexadecimal = read_study(folder.study("seeds = [1]\n[vary]\nworkers = [0x2, 0b11, 1_000]\n"), {});
+  CHECK(hexadecimal.axes[0].values[0].text == "2");
+  CHECK(hexadecimal.axes[0].values[0].overrides == std::vector<std::string>{"session.workers=2"});
+  CHECK(hexadecimal.axes[0].values[1].text == "3");
+  CHECK(hexadecimal.axes[0].values[2].text == "1000");
 }
 
 TEST_CASE("a study of more cells than anybody waits for is refused") {
