@@ -357,7 +357,7 @@ void add_session(CLI::App& app, Commands& commands) {
   sub.add_option("--seconds", given->seconds, "Length [s]");
   sub.add_option("--workers", given->workers, "Workers that solve");
   sub.add_flag("--mpi", given->mpi, "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
-  sub.add_option("--policy", given->policy, "What is solved next; clairvoyant rehearses the session under seven schedules first, and takes as many times longer");
+  sub.add_option("--policy", given->policy, "What is solved next; clairvoyant rehearses the session under up to seven schedules first, and takes as many times longer");
   sub.add_option("--predictor", given->predictor, "kalman or constant-velocity");
   sub.add_option("--switch", given->switching, "paper, smooth or none");
   sub.add_option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");

@@ -274,8 +274,10 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   std::vector<std::string> schedules = policy_names();
   std::erase_if(schedules, [](const std::string& name) { return name == "clairvoyant" || name.find("shuffled") != std::string::npos; });
   std::string best = "clairvoyant-greedy";
+  std::ranges::stable_partition(schedules, [&](const std::string& name) { return name == best; });
   double most = -2;
-  for (std::size_t i = 0; i < schedules.size(); ++i) {
+  std::size_t rehearsed = 0;
+  for (std::size_t i = 0; i < schedules.size() && most < 1; ++i, ++rehearsed) {   // nothing is better than all
     const std::string& name = schedules[i];
     options.policy = name;
     ShowProgress rehearsal;
@@ -294,7 +296,7 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
       return result;
     }
     const double share = first_visits_within(tried, options.switching);
-    if (share > most || (share == most && name == "clairvoyant-greedy")) {
+    if (share > most) {
       most = share;
       best = name;
     }
@@ -302,7 +304,8 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   options.policy = best;
   input.state_file = state_file;
   SessionResult result = run_session(input, options, show, when_run, each_position);
-  result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed", best, schedules.size()));
+  result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed{}", best, rehearsed,
+                                     rehearsed < schedules.size() ? ": all first visits are within the JND, none can be better" : ""));
   return result;
 }
 
