@@ -115,22 +115,15 @@ void warn_in_vain(const Globals& globals, const Scene& scene, const SessionArgum
   if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));
 }
 
-// Nothing is solved where states arrive at given times: what is said of solving there is refused. What the scene holds for its
-// other runs is passed over with a warning where the arrivals come from the command line.
-void check_in_vain(const Globals& globals, const Scene& scene, const SessionArguments& given) {
+// Nothing is solved where states arrive at given times: what is said of solving is in vain.
+void warn_of_solving(const Globals& globals, const Scene& scene, const SessionArguments& given) {
   if (given.replay || (!given.arrivals && scene.arrivals_place.empty())) return;
   const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place;
   std::vector<std::string> options = scheduling_options(given);
   if (given.mpi) options.push_back("--mpi");
-  if (!options.empty()) throw InputError(options.front(), no_effect_beside(arrivals));
-  const bool by_scene = !arrivals.starts_with("--");
-  std::vector<std::string> passed_over;
-  for (const auto& [key, place] : scene.scheduling) {
-    if (by_scene || place.starts_with("--set ")) throw InputError(place, no_effect_beside(arrivals));
-    passed_over.push_back(place);
-  }
-  if (!passed_over.empty())
-    warn(globals, fmt::format("{}: without effect where states arrive at given times ({})", fmt::join(passed_over, ", "), arrivals));
+  for (const auto& [key, place] : scene.scheduling) options.push_back(place);
+  if (!options.empty())
+    warn(globals, fmt::format("{}: without effect where states arrive at given times ({})", fmt::join(options, ", "), arrivals));
 }
 
 // A run is not written over the one that it replays.
@@ -257,7 +250,7 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
 int run_session_command(const Globals& globals, const SessionArguments& given, const std::shared_ptr<MpiGroup>& mpi) {
   const Scene scene = load_scene(given.scene, globals.set);
   SessionOptions options = options_of(scene, given, globals);
-  check_in_vain(globals, scene, given);
+  warn_of_solving(globals, scene, given);
   if (mpi) join(mpi, given, options);
   SessionInput input{.body = scene.body,
                      .identity = scene.identity,

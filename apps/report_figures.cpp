@@ -327,7 +327,7 @@ Figure start_figure(Frames frames) {
   const Curves curves(frames);
   const double end = std::min(curves.end, 0.6);
   return {"start",
-          "The first moments: nothing is known yet, the first models fade in, and each new model is taken in "
+          "The first moments, when next to nothing is known: the first models fade in, and each new model is taken in "
           "steps below what a hand can tell.",
           960, 290,
           curves.blocks(0, end, 1500) + common_style +

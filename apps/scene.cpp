@@ -330,7 +330,7 @@ Scene built_in_scene(std::span<const std::string> overrides) {
 
 const std::vector<std::string>& scheduling_keys() {
   static const std::vector<std::string> keys{"policy", "workers", "cost", "latency", "preempt", "placement",
-                                             "predictor", "rest_first", "batch", "batch_share"};
+                                             "predictor", "rest_first", "first_guess", "batch", "batch_share"};
   return keys;
 }
 

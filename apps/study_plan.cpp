@@ -145,7 +145,6 @@ void check_arrivals(const Study& study, const Scene& scene, const SessionOptions
   std::string passed_over;
   for (const auto& [key, where] : scene.scheduling) {
     if (where.starts_with("--set ")) refuse(place_of(study, scene, key));   // by the study
-    if (!scene.arrivals_place.starts_with("--set ")) refuse(where);
     passed_over += (passed_over.empty() ? "" : ", ") + where;
   }
   if (passed_over.empty()) return;
