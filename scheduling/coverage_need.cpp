@@ -275,9 +275,13 @@ void CoverageNeed::weigh(const PlannerView& view) {
     for (std::size_t s = 0; s < scales; ++s) place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
     places_.push_back(place);
     if (!(weight > 0) || sure > 0.99) continue;
+    constexpr double nothing = -40;   // e^-40, 4e-18
+    const double exponent = -0.5 / (width * width);
     double sum = 0;
-    for (std::size_t i = 0; i < box_.size(); ++i)
-      sum += near[i] = std::exp(-0.5 * (box_[i].at - place.at).squaredNorm() / (width * width));
+    for (std::size_t i = 0; i < box_.size(); ++i) {
+      const double e = exponent * (box_[i].at - place.at).squaredNorm();
+      sum += near[i] = e > nothing ? std::exp(e) : 0;
+    }
     for (std::size_t i = 0; sum > 0 && i < box_.size(); ++i) box_[i].weight += weight * (1 - sure) * near[i] / sum;
   }
   places_.insert(places_.end(), box_.begin(), box_.end());

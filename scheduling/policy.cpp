@@ -61,10 +61,11 @@ double time_to_reach(const Vec3& at, const PlannerView& view) {
   const auto path = view.predicted;
   if (path.empty()) return (at - view.hip.at).norm() / speed;
   double best = path[0].horizon + (at - path[0].at).norm() / speed;
-  for (std::size_t i = 1; i < path.size(); ++i) {
+  for (std::size_t i = 1; i < path.size() && path[i - 1].horizon < best; ++i) {   // horizons grow
     const double w = share_along(path[i - 1].at, path[i].at, at);
-    const Vec3 near = (1 - w) * path[i - 1].at + w * path[i].at;
-    best = std::min(best, (1 - w) * path[i - 1].horizon + w * path[i].horizon + (at - near).norm() / speed);
+    const double along = (1 - w) * path[i - 1].horizon + w * path[i].horizon, left = (best - along) * speed;
+    const double distance2 = (at - (1 - w) * path[i - 1].at - w * path[i].at).squaredNorm();
+    if (left > 0 && distance2 < left * left) best = along + std::sqrt(distance2) / speed;
   }
   return best;
 }
