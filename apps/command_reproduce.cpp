@@ -109,8 +109,11 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
   const ReproduceOptions options = checked(arguments);
   if (wanted.back().name == "speed") check_speed_overrides(globals);
   Laboratory laboratory(globals, arguments.scene);
-  if (wanted.back().name == "speed") check_session(laboratory.session_input(), laboratory.scene().session);
   const fs::path folder = arguments.output;
+  if (wanted.back().name == "speed") {
+    if (folder.empty()) throw InputError("--output", "is empty, expected a folder for the files of the run");
+    check_speed(laboratory, options, folder);
+  }
   prepare_run_folder(folder);
   nlohmann::ordered_json document;
   document["scene"] = laboratory.name();

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 
 #include "apps/plot.hpp"
@@ -15,6 +17,7 @@
 #include "apps/speed_bound.hpp"
 #include "apps/study_run.hpp"
 #include "geometry/error.hpp"
+#include "scheduling/run_files.hpp"
 
 namespace forefeel {
 namespace {
@@ -74,6 +77,7 @@ constexpr const char* bound_row = "bound: exact force once rest can be known, th
 constexpr const char* bound_row_without = "bound: exact force once rest can be known, nothing before";
 
 constexpr const char* built_in_file = "scene.toml";   // where the study finds the built-in scene
+constexpr const char* study_file = "speed.toml";
 
 // What --set gives is not given by the study as well.
 bool is_set(const Globals& globals, const std::string& key) {
@@ -265,10 +269,63 @@ void check_speed_overrides(const Globals& globals) {
   }
 }
 
-Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions& runs, const fs::path& folder, const ShowShare&) {
+namespace {
+
+// The study, in files of the folder, so that it can be run again by itself.
+StudyPlan plan_speed(const Laboratory& laboratory, const ReproduceOptions& runs, const fs::path& folder) {
   if (laboratory.built_in()) write_text(folder / built_in_file, std::string(built_in_scene_text()));
-  write_text(folder / "speed.toml", study_text(laboratory, runs));
-  const StudyPlan plan = plan_study(read_study(folder / "speed.toml", laboratory.globals().set));
+  write_text(folder / study_file, study_text(laboratory, runs));
+  return plan_study(read_study(folder / study_file, laboratory.globals().set));
+}
+
+// A folder, made where it is not there; what is written there since is taken back unless it is kept.
+class Trial {
+ public:
+  explicit Trial(const fs::path& folder) : folder_(folder) {
+    fs::path made = fs::absolute(folder).lexically_normal();
+    if (!made.has_filename()) made = made.parent_path();   // out/
+    for (; !made.empty() && !fs::exists(made); made = made.parent_path()) made_.push_back(made);
+    for (const char* name : {built_in_file, study_file})
+      if (std::ifstream in(folder / name, std::ios::binary); in) before_.emplace_back(name, std::string(std::istreambuf_iterator<char>(in), {}));
+    prepare_run_folder(folder);
+  }
+  void take_back() {
+    std::error_code error;
+    for (const char* name : {built_in_file, study_file}) fs::remove(folder_ / name, error);
+    for (const auto& [name, text] : before_) write_text(folder_ / name, text);
+    for (const fs::path& made : made_) fs::remove(made, error);   // if it is empty
+  }
+
+ private:
+  fs::path folder_;
+  std::vector<fs::path> made_;   // the innermost first
+  std::vector<std::pair<std::string, std::string>> before_;
+};
+
+}  // namespace
+
+void check_speed(const Laboratory& laboratory, const ReproduceOptions& runs, const fs::path& folder) {
+  Trial trial(folder);
+  try {
+    plan_speed(laboratory, runs, folder);
+  } catch (const InputError& error) {
+    trial.take_back();
+    // The study is gone then: "out/speed.toml:7: session.device" is no place to look at.
+    for (const char* name : {built_in_file, study_file}) {
+      const std::string file = (folder / name).string() + ":", whole = error.what();
+      if (!error.where().starts_with(file)) continue;
+      const std::size_t end = whole.find(": ", file.size() - 1);
+      throw InputError("reproduce speed", whole.substr(end == std::string::npos ? file.size() : end + 2));
+    }
+    throw;
+  } catch (...) {
+    trial.take_back();
+    throw;
+  }
+}
+
+Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions& runs, const fs::path& folder, const ShowShare&) {
+  const StudyPlan plan = plan_speed(laboratory, runs, folder);
   const StudyResult result = run_study(plan, folder / "speed", laboratory.globals());
   if (result.interrupted) return {.summary = {{"interrupted", true}}, .html = {}, .lines = {}, .unmet = {"interrupted; the same command goes on from here"}};
   const Speeds speeds = speeds_of(plan.study, plan, result);

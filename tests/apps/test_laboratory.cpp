@@ -185,6 +185,13 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   check_refused(shop, "reproduce speed --workers 2 4 4 -o out", {"--workers", "4 twice"});
   check_refused(shop, "reproduce speed --set session.workers=3 -o out", {"session.workers"});
   check_refused(shop, "reproduce speed --set session.cost=bogus -o out", {"cost bogus"});
+  check_refused(shop, "reproduce speed --set session.device=hand:touch -o out/deep/", {"no speed to set", "hand:touch"});
+  check_refused(shop, "reproduce speed beam.toml --set session.device=path:line,speed=0.1 -o out", {"names its speed already"});
+  check_refused(shop, "reproduce all beam.toml --set session.arrivals=beam.toml -o out", {"reproduce speed: sustained: has no effect", "arrivals"});
+  check_refused(shop, "reproduce speed --set session.latency=1e9 -o out", {"--set session.latency"});
+  const auto kept = shop.write("kept/speed.toml", "of an earlier run");
+  check_refused(shop, "reproduce speed --set session.device=hand:touch -o kept", {"no speed to set"});
+  CHECK(read(kept) == "of an earlier run");
   check_refused(shop, "reproduce all --set session.policy=fifo -o out", {"session.policy"});
   check_refused(shop, "reproduce timing absent.toml -o out", {"absent.toml"});
   check_refused(shop, "reproduce energy beam.toml --gap 4 -o out", {"--gap", "energy", "extrapolation"});
