@@ -16,6 +16,7 @@
 #include "apps/provenance.hpp"
 #include "apps/scene.hpp"
 #include "geometry/error.hpp"
+#include "geometry/lattice_room.hpp"
 #include "geometry/output_file.hpp"
 #include "geometry/state_file.hpp"
 #include "solver/solver.hpp"
@@ -60,7 +61,11 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
-  if (arguments.error) check_generate_to_error(scene);
+  if (arguments.error)
+    check_generate_to_error(scene);
+  else if (!holds_lattice_position(scene.space.box, scene.space.spacing))
+    throw InputError(scene.box_place, fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
+                                                  "state_space.spacing", scene.space.spacing));
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
   if (arguments.error)

@@ -78,11 +78,18 @@ class Share {
 };
 
 // Why the answer is incomplete; empty where it is not.
-std::string complaint(const PlacementReport& report, double error, double spacing) {
+std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
   if (report.stopped) return "interrupted; the same command goes on from here";
-  if (!report.estimate_holds && report.states >= report.most_states)
-    return fmt::format("{} states, all that a spacing of {:g} m is given in the box, hold an estimated error of {:.3g}, not {:.3g}: "
-                       "the spacing is the limit, a smaller one allows more", report.states, spacing, report.estimate.held(), error);
+  if (!report.estimate_holds && report.states >= report.most_states) {
+    // Nine are tried on any lattice: rest and eight corners.
+    const std::size_t positions = lattice(space.box, space.spacing).size();
+    const std::string why = positions >= report.most_states
+                                ? fmt::format("as many as the lattice of {:g} m has positions in the box", space.spacing)
+                                : fmt::format("the fewest that are tried, for the lattice of {:g} m has {} in the box", space.spacing,
+                                              positions == 0 ? "no position" : positions == 1 ? "1 position" : fmt::format("{} positions", positions));
+    return fmt::format("{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit, a smaller one allows more",
+                       report.states, why, report.estimate.held(), error);
+  }
   if (!report.estimate_holds)
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
                        report.states, report.estimate.held(), error, report.failed);
@@ -138,7 +145,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
                     report.truth_samples, report.truth_on_surface, in_words(report.truth),
                     report.truth_is_fresh ? "" : " (some of them became states)",
                     report.truth_unsolved > 0 ? fmt::format("; {} were not solved any more", report.truth_unsolved) : ""));
-  const std::string why = complaint(report, error, scene.space.spacing);
+  const std::string why = complaint(report, error, scene.space);
   if (why.empty()) return 0;
   warn(globals, why);
   return 1;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/error.hpp"
+#include "geometry/lattice_room.hpp"
 #include "scheduling/csv_table.hpp"
 #include "scheduling/candidates.hpp"
 #include "scheduling/session_model.hpp"
@@ -144,10 +145,21 @@ void note_no_cells(const SessionPlan& plan, SessionResult& result) {
   const Box& box = plan.input.space.box;
   const double side = plan.options.visit_cell > 0 ? plan.options.visit_cell : plan.input.space.spacing;
   const Eigen::Array3d low = (box.low / side).array() - 1e-9, high = (box.high / side).array() + 1e-9;
-  if (((high.floor() - low.ceil()) >= 1).all()) return;
-  const bool no_load = !plan.given_arrivals && result.solve_seconds.empty();
-  result.notes.push_back(fmt::format("no cell of a lattice of {:g} m fits the box: there are no first visits{}", side,
-                                     no_load ? ", and nothing but rest was solved: there is no load" : ""));
+  std::string solved;
+  if (!plan.given_arrivals && result.solve_seconds.empty() && !result.not_begun) {
+    const bool none = !holds_lattice_position(box, plan.input.space.spacing);
+    if (result.start_solved_failed[1] > 0)
+      solved = "nothing but rest was solved: there is no load";
+    else
+      solved = none ? fmt::format("the box holds no position of the lattice of {:g} m: nothing could be solved, and there is no load",
+                                  plan.input.space.spacing)
+                    : "nothing was solved: there is no load";
+  }
+  if (((high.floor() - low.ceil()) < 1).any())
+    result.notes.push_back(fmt::format("no cell of a lattice of {:g} m fits the box: there are no first visits{}{}", side,
+                                       solved.empty() ? "" : "; ", solved));
+  else if (!holds_lattice_position(box, plan.input.space.spacing) && !solved.empty())
+    result.notes.push_back(solved);
 }
 
 }  // namespace

@@ -87,6 +87,15 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
   CHECK(shop.shell("cmp cut.sorted whole.sorted").code == 0);
 }
 
+TEST_CASE("generate: a box without a position of the lattice is refused", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  forefeel::test::check_refused(shop, "generate beam.toml -o s.states --set 'state_space.box=[[0.001,0.001,0.001],[0.003,0.003,0.003]]'",
+                                {"--set state_space.box: holds no position of the lattice of 0.004 m", "a smaller state_space.spacing"});
+  forefeel::test::check_refused(shop, "generate beam.toml -o s.states --set 'state_space.box=[[0.001,-0.01,-0.01],[0.003,0.01,0.01]]'", {"holds no position"});
+  CHECK(shop.forefeel("generate beam.toml -o s.states --quiet --set 'state_space.box=[[0.001,0.001,0.001],[0.004,0.004,0.004]]'").code == 0);
+}
+
 TEST_CASE("generate --error says where the spacing is the limit", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());   // 27 lattice states
@@ -95,7 +104,11 @@ TEST_CASE("generate --error says where the spacing is the limit", "[contract]") 
   CHECK(outcome.json()["states"] == 27);
   CHECK(outcome.json()["most_states"] == 27);
   CHECK(outcome.error_lines() == 3);   // what was done, what is estimated, the warning
-  CHECK_THAT(outcome.err, Catch::Contains("spacing of 0.004 m") && Catch::Contains("the spacing is the limit"));
+  CHECK_THAT(outcome.err, Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") && Catch::Contains("the spacing is the limit"));
+  // Fewer than nine are never tried, whatever the lattice holds.
+  const Workshop::Outcome coarse = shop.forefeel("generate beam.toml --error 1e-9 -o c.states --quiet --set state_space.spacing=0.05");
+  CHECK(coarse.code == 1);
+  CHECK_THAT(coarse.err, Catch::Contains("9 states, the fewest that are tried, for the lattice of 0.05 m has 1 position in the box"));
 }
 
 TEST_CASE("mesh", "[contract]") {

@@ -72,9 +72,11 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
 TEST_CASE("a box without room for a lattice cell: a note says why nothing is a first visit") {
   SessionOptions options = virtual_options(0.3);
   options.device = "path:circle,speed=0.06";
+  Box box = small_input().space.box;
   const auto notes = [&](double spacing, double cell) {
     SessionInput input = small_input();
     input.space.spacing = spacing;
+    input.space.box = box;
     options.visit_cell = cell;
     const SessionResult result = run_session(input, options);
     const bool first = std::ranges::any_of(result.frames, &FrameRecord::first_visit);
@@ -84,6 +86,12 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
   };
   CHECK_THAT(notes(0.05, 0), Catch::StartsWith("no cell of a lattice of 0.05 m fits the box") && Catch::Contains("there is no load"));
   CHECK_THAT(notes(0.006, 0.05), Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
+  CHECK_THAT(notes(0.05, 0), Catch::Contains("nothing but rest was solved"));
+  box = {Vec3::Constant(0.001), Vec3::Constant(0.005)};
+  CHECK_THAT(notes(0.006, 0), Catch::Contains("no cell of a lattice of 0.006 m") && Catch::Contains("holds no position of the lattice of 0.006 m: nothing could") &&
+                                  !Catch::Contains("rest was"));
+  CHECK_THAT(notes(0.006, 0.001), Catch::Contains("holds no position of the lattice of 0.006 m: nothing could be solved"));
+  box = small_input().space.box;
   CHECK(notes(0.006, 0) == "visits ");
   CHECK(notes(0.012, 0) == "visits ");
 }
