@@ -18,6 +18,7 @@
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
 #include "geometry/state_file.hpp"
+#include "scheduling/session_model.hpp"
 
 namespace forefeel {
 namespace {
@@ -218,6 +219,15 @@ void describe(nlohmann::ordered_json& document, const Method method, const Model
   if_so("ridge", moving || offline, options.ridge);
 }
 
+// A model that no memory holds is refused as a session refuses it.
+void check_memory(const ModelOptions& options, std::size_t states) {
+  try {
+    for_states(options, states);
+  } catch (const InputError& error) {
+    throw InputError("--neighbours", std::string(error.what()).substr(error.where().size() + 2));
+  }
+}
+
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   warn_in_vain(globals, arguments);
   if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
@@ -250,6 +260,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
                               contradicting == 1 ? "1 state contradicts" : fmt::format("{} states contradict", contradicting),
                               method == Method::rbf ? "; the first one counts" : ""));
+  if (method == Method::rbf) check_memory(options, space.size());
   options.neighbours = std::min(options.neighbours, space.size());
   if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
   MethodOptions older{.model = options, .spacing = space_options.spacing};
@@ -333,7 +344,8 @@ void add_evaluate(CLI::App& app, Commands& commands) {
                  "with --select nearest. Centres of rbf-network")
       ->check(above_zero)
       ->check([](const std::string& text) {
-        return std::strtod(text.c_str(), nullptr) < 1e9 ? "" : "is " + text + ", expected a number below 1e9";
+        const double n = std::strtod(text.c_str(), nullptr);
+        return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
       });
   sub.add_option("--select", arguments->select, "Neighbour rule")
       ->check(CLI::IsMember({"label", "nearest"}))
