@@ -286,7 +286,7 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   std::vector<std::string> schedules = policy_names();
   std::erase_if(schedules, [](const std::string& name) { return name == "clairvoyant" || name.find("shuffled") != std::string::npos; });
   std::string best = "clairvoyant-greedy";
-  std::ranges::stable_partition(schedules, [&](const std::string& name) { return name == best; });
+  std::stable_partition(schedules.begin(), schedules.end(), [&](const std::string& name) { return name == best; });
   double most = -2;
   std::size_t rehearsed = 0;
   for (std::size_t i = 0; i < schedules.size() && most < 1; ++i, ++rehearsed) {   // nothing is better than all
