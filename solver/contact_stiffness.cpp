@@ -19,7 +19,7 @@ Patch contact_patch(const Body& body) {
     const auto touched = std::ranges::count_if(
         triangle, [&](NodeIndex node) { return std::ranges::binary_search(body.contact, node); });
     if (touched == 0) continue;
-    const auto corner = [&](int i) -> const Vec3& { return body.mesh.nodes[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])]; };
+    const auto corner = [&](std::size_t i) { return body.mesh.nodes[static_cast<std::size_t>(triangle[i])]; };
     const Vec3 area = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0));
     const double tributary = static_cast<double>(touched) / 3;
     patch.area += 0.5 * (tributary + (touched == 3 ? 1 : 0)) * area.norm();
@@ -37,8 +37,9 @@ Mat3 disc_stiffness(const Body& body) {
   const Patch patch = contact_patch(body);
   const auto [law, young, poisson] = body.material;
   const double shear = young / (2 * (1 + poisson)), a = std::sqrt(patch.area / std::numbers::pi);
-  // ln(1 + 2 s) / s with s = 1 - 2 nu tends to 2: both discs are 8 G a / (2 - nu)-like there
-  const double s = 1 - 2 * poisson, normal = 4 * shear * a * (s > 1e-8 ? std::log1p(2 * s) / s : 2), tangential = 8 * shear * a / (2 - poisson);
+  const double s = 1 - 2 * poisson;   // ln(1 + 2 s) / s tends to 2
+  const double normal = 4 * shear * a * (s > 1e-8 ? std::log1p(2 * s) / s : 2);
+  const double tangential = 8 * shear * a / (2 - poisson);
   return tangential * Mat3::Identity() + (normal - tangential) * patch.normal * patch.normal.transpose();
 }
 
