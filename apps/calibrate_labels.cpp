@@ -33,6 +33,7 @@ std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Prog
         scene.space.box, scene.space.spacing,
         [&](double share, const std::string& text) { progress.show(0.3 * share, text); });
   LoadedStates loaded = load_states(file);
+  if (loaded.damaged > 0) warn(laboratory.globals(), damage_in_words(file, loaded.damaged));
   check_same_body(file, loaded.header.identity, scene.identity);
   std::erase_if(loaded.states, [](const State& s) { return !s.usable(); });
   if (loaded.states.size() < 4)

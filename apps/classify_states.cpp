@@ -255,6 +255,7 @@ StatesInFrame load_set(const std::string& file) {
   StatesInFrame set;
   if (!file.starts_with("setup:")) {
     LoadedStates loaded = load_states(file);
+    if (loaded.damaged > 0) warn({}, damage_in_words(file, loaded.damaged));
     set.states = std::move(loaded.states);
     set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity};
     return set;

@@ -238,6 +238,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
                        "is not finite, expected three numbers");
   if (points.empty()) throw InputError(arguments.points, "holds no point, expected rows x,y,z");
   const LoadedStates loaded = load_states(arguments.states);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
   ModelOptions options = model_options(arguments, loaded.states);

@@ -66,11 +66,14 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   else if (!holds_lattice_position(scene.space.box, scene.space.spacing))
     throw InputError(scene.box_place, fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
                                                   "state_space.spacing", scene.space.spacing));
+  end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
+  const std::vector<State> known = file.read_all();
+  if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
+  file.drop_damaged();
   if (arguments.error)
     return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error), held ? 0 : 1);
-  const std::vector<State> known = file.read_all();
 
   std::stop_source stop;
   GenerateOptions options;

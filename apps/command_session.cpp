@@ -91,7 +91,10 @@ void take_states(const Scene& scene, const SessionArguments& given, const Global
     return;
   }
   StateFileHeader header{.identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
-  input.known = StateFile::open_or_create(file, header).read_all();
+  StateFile states = StateFile::open_or_create(file, header);
+  input.known = states.read_all();
+  if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
+  states.drop_damaged();
 }
 
 // Options that say what is solved, by whom and when.
@@ -273,6 +276,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   }
   if (!given.seconds) options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
+  end_if_interrupted("the session began");
   take_states(scene, given, globals, input);
   keep_replayed(options, run);
   prepare_run_folder(run);
@@ -284,6 +288,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
   const InterruptWatch watch;   // also while the files are written
   options.interrupted = &watch.flag();
+  options.hurried = &watch.hurry();
   Meanwhile meanwhile;
   PredictionScores predictions(options.frame);
   const SessionResult result = run_session(
@@ -291,6 +296,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
       [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
       [&](const Vec3& at) { predictions.add(at); });
   progress.reset();
+  for (const std::string& warning : result.warnings) warn(globals, warning);
 
   const ReportPictures pictures = begin_pictures(result, meanwhile.slices);
   write_run_files(run, result, options);

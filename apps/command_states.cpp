@@ -81,6 +81,7 @@ int run_export(const Globals& globals, const ExportArguments& arguments) {
   if (extension != ".csv" && extension != ".vtu") throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
   check_writable(arguments.output, {arguments.input});
   const LoadedStates loaded = load_states(arguments.input);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.input, loaded.damaged));
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable));
   const std::size_t written = extension == ".csv" ? usable : loaded.states.size();
   if (extension == ".csv") write_states_csv(arguments.output, loaded.states);
@@ -100,6 +101,7 @@ std::string size_text(const Vec3& size) { return fmt::format("{:.4g} x {:.4g} x 
 
 int info_states(const Globals& globals, const std::string& file) {
   const LoadedStates loaded = load_states(file);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(file, loaded.damaged));
   std::map<std::string, std::size_t> by_status;
   std::size_t stiff = 0, energetic = 0, displaced = 0, multivalued = 0, usable = 0;
   double strongest = 0, seconds = 0;

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "apps/command.hpp"
+#include "apps/interrupt.hpp"
 #include "apps/plot.hpp"
 #include "apps/provenance.hpp"
 #include "apps/report.hpp"
@@ -159,6 +160,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
   const StudyPlan plan = plan_study(read_study(arguments.study, globals.set));
   for (const std::string& warning : plan.warnings) warn(globals, warning);
+  end_if_interrupted("any cell was run");
   if (arguments.gantt > 0) return run_gantt(globals, plan, arguments);
 
   const fs::path folder = arguments.output;

@@ -52,7 +52,11 @@ Laboratory::Laboratory(const Globals& globals, const std::string& scene)
 std::vector<State> Laboratory::lattice_states(const Box& box, double h, const ShowShare& show) {
   std::optional<StateFile> file = open_cache(scene_, h, box);
   std::vector<State> states;
-  if (file) states = file->read_all();
+  if (file) {
+    states = file->read_all();
+    if (file->damaged() > 0) warn(globals_, damage_in_words(lattice_file(scene_, h).string(), file->damaged(), true));
+    file->drop_damaged();
+  }
   GenerateOptions options;
   options.spacing = h;
   options.box = box;
@@ -86,7 +90,9 @@ std::vector<State> Laboratory::lattice_states(const Box& box, double h, const Sh
 }
 
 const std::shared_ptr<ReferenceService>& Laboratory::service() {
-  if (!service_) service_ = std::make_shared<ReferenceService>(session_input(), globals_.threads);
+  if (service_) return service_;
+  service_ = std::make_shared<ReferenceService>(session_input(), globals_.threads);
+  if (service_->damage()) warn(globals_, *service_->damage());
   return service_;
 }
 

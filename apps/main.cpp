@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iostream>
+#include <string_view>
 
 #include "approx/instruction_set.hpp"
 #include "apps/command.hpp"
+#include "apps/interrupt.hpp"
 #include "apps/provenance.hpp"
 #include "apps/suggest.hpp"
 #include "geometry/error.hpp"
@@ -99,6 +102,19 @@ int run(int argc, const char* const* argv) {
   return code;
 }
 
+// These end of themselves when interrupted, and say what they keep.
+bool watches(int argc, char** argv) {
+  return argc > 1 && std::ranges::any_of(std::array{"session", "study", "generate"}, [&](const char* name) { return argv[1] == std::string_view(name); });
+}
+
+int tell_interrupted(const char* text, int argc, char** argv) {
+  if (std::any_of(argv, argv + argc, [](const char* word) { return word == std::string_view("--json"); }))
+    std::cout << "{\n  \"interrupted\": true\n}\n";
+  flush_warnings();
+  std::cerr << "forefeel: " << text << '\n';
+  return 1;
+}
+
 int complain(const std::string& text, int code) {
   std::cerr << "forefeel: " << text << '\n';
   return code;
@@ -109,8 +125,11 @@ int complain(const std::string& text, int code) {
 
 int main(int argc, char** argv) {
   using namespace forefeel;
+  if (watches(argc, argv)) watch_from_the_start();
   try {
     return run(argc, argv);
+  } catch (const Interrupted& wish) {
+    return tell_interrupted(wish.what(), argc, argv);
   } catch (const InputError& error) {
     return complain(error.what(), 2);
   } catch (const std::filesystem::filesystem_error& error) {

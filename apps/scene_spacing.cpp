@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/interrupt.hpp"
 #include "apps/sha256.hpp"
 #include "geometry/error.hpp"
 #include "geometry/output_file.hpp"
@@ -82,7 +83,10 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   choice.confidence = options.confidence;
   const fs::path file = file_of(identity, options, folder);
   if (read_kept(file, choice)) return choice;
-  const AutoSpacingReport report = choose_spacing(body, options);
+  AutoSpacingOptions watched = options;
+  watched.interrupted = &interrupt_flag();
+  const AutoSpacingReport report = choose_spacing(body, watched);
+  if (report.interrupted) throw Interrupted("interrupted while the spacing was measured: nothing of it is kept, and nothing was written");
   const AutoSpacingTrial& last = report.trials.back();
   choice = {.spacing = report.spacing,
             .tolerance = options.tolerance,

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/interrupt.hpp"
 #include "apps/provenance.hpp"
 #include "apps/sha256.hpp"
 #include "scheduling/cost.hpp"
@@ -223,6 +224,7 @@ StudyPlan plan_study(Study given) {
   plan.scenes.reserve(study.combinations());
   for (std::size_t c = 0; c < study.combinations(); ++c) {
     const std::vector<std::size_t> choice = study.choice(c);
+    end_if_interrupted("any cell was run");
     plan.scenes.push_back(
         load_combination(study, choice, plan.scenes.empty() ? nullptr : &plan.scenes.back()));
     const Scene& scene = plan.scenes.back();

@@ -145,17 +145,20 @@ class FolderLock {
 // One service of reference solves for each body, spacing and kind of state, as the cache keeps them apart.
 class References {
  public:
-  explicit References(int threads) : threads_(threads) {}
+  References(const Globals& globals, int threads) : globals_(globals), threads_(threads) {}
   std::shared_ptr<ReferenceService> of(const SessionInput& input) {
     std::string key = fmt::format("{} {}", input.space.spacing, input.displacements);
     for (const auto& [name, hash] : input.identity) key += fmt::format(" {}={}", name, hash);
     const std::lock_guard lock(mutex_);
     std::shared_ptr<ReferenceService>& service = services_[key];
-    if (!service) service = std::make_shared<ReferenceService>(input, threads_);
+    if (service) return service;
+    service = std::make_shared<ReferenceService>(input, threads_);
+    if (service->damage()) warn(globals_, *service->damage());
     return service;
   }
 
  private:
+  const Globals& globals_;
   int threads_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<ReferenceService>> services_;
@@ -304,7 +307,7 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
 
   const unsigned machine = std::max(1u, std::thread::hardware_concurrency());
   const std::size_t threads = globals.threads > 0 ? static_cast<std::size_t>(globals.threads) : machine;
-  References references(static_cast<int>(threads));
+  References references(globals, static_cast<int>(threads));
   Ticker ticker(globals, todo.size(), result.resumed);
   std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> done{0};
@@ -316,6 +319,7 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
       try {
         StudyCell cell = plan.cells[todo[item]];
         cell.options.interrupted = &watch.flag();
+        cell.options.hurried = &watch.hurry();
         SessionInput input = session_input(plan.scenes[cell.scene]);
         input.references = references.of(input);
         cell = with_load_found(plan, cell, input);

@@ -29,6 +29,7 @@ class Statement {
   }
   void reset() { sqlite3_reset(statement_); }
   void bind(int i, double value) { sqlite3_bind_double(statement_, i, value); }   // NaN becomes NULL
+  void bind(int i, std::int64_t value) { sqlite3_bind_int64(statement_, i, value); }
   void bind(int i, int value) { sqlite3_bind_int(statement_, i, value); }
   // The text or bytes must live until the next step().
   void bind(int i, std::string_view text) { sqlite3_bind_text(statement_, i, text.data(), static_cast<int>(text.size()), SQLITE_STATIC); }

@@ -214,6 +214,7 @@ LoadedStates load_states(const std::filesystem::path& file) {
     const StateFile states = StateFile::open_read_only(file);
     loaded.header = states.header();
     loaded.states = states.read_all();
+    loaded.damaged = states.damaged();
     return loaded;
   }
   if (content_start.find('\0') != std::string::npos) throw InputError(file.string(), "is neither a state file nor a CSV of states");

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -62,13 +63,13 @@ CREATE TABLE states (
   k11 REAL, k12 REAL, k13 REAL, k21 REAL, k22 REAL, k23 REAL, k31 REAL, k32 REAL, k33 REAL,
   energy REAL, h REAL, status TEXT NOT NULL, multivalued INTEGER NOT NULL,
   iterations INTEGER NOT NULL, residual REAL, seconds REAL, min_jacobian REAL,
-  parent_x REAL, parent_y REAL, parent_z REAL, displacements BLOB);
+  parent_x REAL, parent_y REAL, parent_z REAL, displacements BLOB, checksum INTEGER);
 )sql";
 
 constexpr const char* columns =
     "x, y, z, fx, fy, fz, k11, k12, k13, k21, k22, k23, k31, k32, k33, energy, h, status, multivalued, iterations, "
     "residual, seconds, min_jacobian, parent_x, parent_y, parent_z, displacements";
-constexpr const char* insert_values = "?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?";
+constexpr const char* insert_values = "?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?";
 constexpr std::array<const char*, 6> box_keys{"box_low_x", "box_low_y", "box_low_z", "box_high_x", "box_high_y", "box_high_z"};
 
 // Held as long as the file is open for appending: one writer at a time. A file of its own beside the database, since
@@ -261,6 +262,33 @@ State read_row(Statement& row, const std::string& where) {
   return state;
 }
 
+// Of all that a row holds, as it is read again: one unknown, one zero. Each step is a bijection of what is known so far, so
+// that no single change of a value goes unseen.
+std::int64_t checksum_of(const State& state) {
+  std::uint64_t sum = 0x46465331;
+  const auto take = [&](std::uint64_t word) {
+    sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
+    sum ^= sum >> 32;
+  };
+  const auto number = [&](double value) {
+    take(std::isnan(value) ? 0x7ff8000000000000u : value == 0 ? 0 : std::bit_cast<std::uint64_t>(value));
+  };
+  for (int k = 0; k < 3; ++k) number(state.at[k]);
+  for (int k = 0; k < 3; ++k) number(state.force[k]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) number(state.stiffness(r, c));
+  for (const double value : {state.energy, state.spacing, state.residual, state.seconds, state.min_jacobian}) number(value);
+  for (int k = 0; k < 3; ++k) number(state.parent[k]);
+  for (const char letter : name(state.status)) take(static_cast<unsigned char>(letter));
+  take(state.multivalued ? 2 : 1);
+  take(static_cast<std::uint64_t>(state.iterations));
+  if (state.displacements && !state.displacements->empty()) {
+    take(state.displacements->size());
+    for (const double value : *state.displacements) take(std::bit_cast<std::uint64_t>(value));
+  }
+  return static_cast<std::int64_t>(sum);
+}
+
 void bind_row(Statement& insert, const State& state) {
   int i = 1;
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.at[k]);
@@ -278,6 +306,12 @@ void bind_row(Statement& insert, const State& state) {
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.parent[k]);
   if (state.displacements) insert.bind_bytes(i, state.displacements->data(), state.displacements->size() * sizeof(double));
   else insert.bind_null(i);
+  insert.bind(++i, checksum_of(state));
+}
+
+bool has_checksums(sqlite3* database, const std::string& where) {
+  Statement columns_of(database, where, "SELECT 1 FROM pragma_table_info('states') WHERE name = 'checksum'");
+  return columns_of.step();
 }
 
 }  // namespace
@@ -287,6 +321,8 @@ struct StateFile::Impl {
   std::unique_ptr<WriterLock> lock;   // released after the database is closed
   Database database;
   StateFileHeader header;
+  bool checksums = true;                // whether the table has the column
+  std::vector<std::int64_t> damaged;    // ids
 };
 
 StateFile::StateFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -307,6 +343,8 @@ StateFile StateFile::open_or_create(const fs::path& file, const StateFileHeader&
   impl->header = read_header(impl->database.get(), impl->where);
   check_same_body(impl->where, impl->header.identity, header.identity);
   execute(impl->database.get(), impl->where, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+  if (!has_checksums(impl->database.get(), impl->where))
+    execute(impl->database.get(), impl->where, "ALTER TABLE states ADD COLUMN checksum INTEGER");
   // Labels are measured in the spacing that the states are to fill: the finest that anybody asked for.
   if (header.spacing < impl->header.spacing) {
     execute(impl->database.get(), impl->where,
@@ -344,6 +382,7 @@ StateFile StateFile::open_read_only(const fs::path& file) {
   impl->where = file.string();
   impl->database = open_reader(file);
   impl->header = read_header(impl->database.get(), impl->where);
+  impl->checksums = has_checksums(impl->database.get(), impl->where);
   return StateFile(std::move(impl));
 }
 
@@ -352,10 +391,34 @@ const StateFileHeader& StateFile::header() const { return impl_->header; }
 std::vector<State> StateFile::read_all() const {
   std::vector<State> states;
   states.reserve(size());
-  Statement rows(impl_->database.get(), impl_->where, fmt::format("SELECT {} FROM states ORDER BY id", columns).c_str());
-  while (rows.step()) states.push_back(read_row(rows, impl_->where));
+  Statement rows(impl_->database.get(), impl_->where,
+                 fmt::format("SELECT {}, {}, id FROM states ORDER BY id", columns, impl_->checksums ? "checksum" : "NULL").c_str());
+  constexpr int checksum = 27, id = 28;   // columns
+  impl_->damaged.clear();
+  while (rows.step()) {
+    if (rows.is_null(checksum)) {   // of a file of before
+      states.push_back(read_row(rows, impl_->where));
+      continue;
+    }
+    std::optional<State> state;
+    try {
+      state = read_row(rows, impl_->where);
+    } catch (const InputError&) {   // not even a state any more
+    }
+    if (state && checksum_of(*state) == rows.integer(checksum))
+      states.push_back(*std::move(state));
+    else
+      impl_->damaged.push_back(rows.integer(id));
+  }
   return states;
 }
+
+std::string damage_in_words(const std::string& file, std::size_t damaged, bool solved_anew) {
+  return fmt::format("{}: {} a wrong checksum: left out{}", file, damaged == 1 ? "1 state has" : fmt::format("{} states have", damaged),
+                     solved_anew ? ", to be solved anew" : "");
+}
+
+std::size_t StateFile::damaged() const { return impl_->damaged.size(); }
 
 std::size_t StateFile::size() const {
   Statement count(impl_->database.get(), impl_->where, "SELECT count(*) FROM states");
@@ -379,7 +442,7 @@ void transact(sqlite3* database, const std::string& where, Work&& work) {
 }
 
 void insert_states(sqlite3* database, const std::string& where, std::span<const State> states) {
-  Statement insert(database, where, fmt::format("INSERT INTO states ({}) VALUES ({})", columns, insert_values).c_str());
+  Statement insert(database, where, fmt::format("INSERT INTO states ({}, checksum) VALUES ({})", columns, insert_values).c_str());
   for (const State& state : states) {
     bind_row(insert, state);
     insert.step(), insert.reset();
@@ -392,6 +455,17 @@ void StateFile::append(std::span<const State> states) {
   if (states.empty()) return;
   if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
   transact(impl_->database.get(), impl_->where, [&] { insert_states(impl_->database.get(), impl_->where, states); });
+}
+
+void StateFile::drop_damaged() {
+  if (impl_->damaged.empty()) return;
+  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+  sqlite3* database = impl_->database.get();
+  transact(database, impl_->where, [&] {
+    Statement remove(database, impl_->where, "DELETE FROM states WHERE id = ?");
+    for (const std::int64_t id : impl_->damaged) remove.bind(1, id), remove.step(), remove.reset();
+  });
+  impl_->damaged.clear();
 }
 
 void StateFile::replace(const StateFileHeader& header, std::span<const State> states) {

@@ -12,8 +12,10 @@
 //          h,                                   target spacing of an adaptive lattice here [m]
 //          status,                              converged, diverged, stalled, inverted, cancelled, measured
 //          multivalued, iterations, residual, seconds, min_jacobian, parent_x, parent_y, parent_z,
-//          displacements)                       BLOB of #V x 3 doubles [m], NULL unless the scene asks
-//   Unknown values are NULL. application_id is 0x46465331, user_version 1.
+//          displacements,                       BLOB of #V x 3 doubles [m], NULL unless the scene asks
+//          checksum)                            of the values above but id, as state_file.cpp computes it; NULL: not checked
+//   Unknown values are NULL. application_id is 0x46465331, user_version 1. Files of before have no column checksum; it is
+//   added when they are opened for appending. Who changes a row by other means sets its checksum to NULL.
 //
 // Durability: synchronous = FULL, so append() returns once the log is flushed to the device. What was appended
 // survives a kill of the process, and loss of power as far as the device keeps what it has confirmed. A transaction
@@ -51,7 +53,10 @@ class StateFile {
   StateFile& operator=(StateFile&&) noexcept;
 
   const StateFileHeader& header() const;
-  std::vector<State> read_all() const;                 // in order of insertion; failed solves included
+  // In order of insertion; failed solves included, rows whose checksum is wrong (a damaged disk, another hand) left out.
+  std::vector<State> read_all() const;
+  std::size_t damaged() const;                         // rows that the last read_all() left out
+  void drop_damaged();                                 // takes these out of the file
   std::size_t size() const;
   void append(std::span<const State> states);          // one transaction, durable on return
   void replace(const StateFileHeader& header, std::span<const State> states);   // all that it holds, in one transaction
@@ -93,8 +98,12 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
 struct LoadedStates {
   StateFileHeader header;
   std::vector<State> states;
+  std::size_t damaged = 0;   // rows of a .states file left out, see StateFile::read_all()
 };
 LoadedStates load_states(const std::filesystem::path& file);
+
+// "FILE: 2 states have a wrong checksum: left out", and where they are: ", to be solved anew".
+std::string damage_in_words(const std::string& file, std::size_t damaged, bool solved_anew = false);
 
 // InputError naming `where` and what differs, if both identities are known and are not those of one body.
 void check_same_body(const std::string& where, const BodyIdentity& in_file, const BodyIdentity& ours);

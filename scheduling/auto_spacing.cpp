@@ -37,11 +37,15 @@ int most_above(std::size_t n, const AutoSpacingOptions& options) {
   return most;
 }
 
+bool wanted_to_end(const AutoSpacingOptions& options) {
+  return options.interrupted && options.interrupted->load(std::memory_order_relaxed);
+}
+
 // Tight solves at the positions, each at its first use.
 class References {
  public:
-  References(std::shared_ptr<const Body> body, std::vector<Vec3> at, double step, int threads)
-      : body_(std::move(body)), at_(std::move(at)), states_(at_.size()), step_(step), threads_(threads) {}
+  References(std::shared_ptr<const Body> body, std::vector<Vec3> at, double step, int threads, const AutoSpacingOptions& options)
+      : body_(std::move(body)), at_(std::move(at)), states_(at_.size()), step_(step), threads_(threads), options_(options) {}
 
   const std::vector<Vec3>& at() const { return at_; }
   const State& operator[](std::size_t i) const { return *states_[i]; }
@@ -58,7 +62,7 @@ class References {
       Solver solver(body_);
 #pragma omp for schedule(dynamic)
       for (std::size_t k = 0; k < missing.size(); ++k)
-        states_[missing[k]] = solver.reference(at_[missing[k]], step_).state;
+        states_[missing[k]] = wanted_to_end(options_) ? State{} : solver.reference(at_[missing[k]], step_).state;
     }
   }
 
@@ -68,6 +72,7 @@ class References {
   std::vector<std::optional<State>> states_;
   double step_;
   int threads_;
+  const AutoSpacingOptions& options_;
   std::size_t solved_ = 0;
 };
 
@@ -83,8 +88,14 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   lattice.box = options.box;
   lattice.threads = options.threads;
   std::vector<State> states;
-  const GenerateReport report =
-      generate_lattice(body, lattice, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+  std::stop_source stop;
+  lattice.stop = stop.get_token();
+  const GenerateReport report = generate_lattice(
+      body, lattice, {}, [&](State s) { states.push_back(std::move(s)); },
+      [&](std::size_t, std::size_t) {
+        if (wanted_to_end(options)) stop.request_stop();
+      });
+  if (wanted_to_end(options)) return {};
   solves += report.solved + report.failed;
   std::ranges::sort(states, [](const State& a, const State& b) {
     return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
@@ -106,6 +117,7 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   while (trial.safe < safe.size() && static_cast<int>(trial.above) <= most) {
     const std::span next = std::span(safe).subspan(trial.safe).first(std::min(at_a_time, safe.size() - trial.safe));
     references.solve(next);
+    if (wanted_to_end(options)) return {};
     trial.safe += next.size();
     for (const std::size_t i : next) {
       const State& truth = references[i];
@@ -138,11 +150,12 @@ AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpa
   const auto start = std::chrono::steady_clock::now();
   const double longest = options.box.size().maxCoeff();
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  References references(body, draws(options.box, most_draws * options.positions), longest / reference_steps, threads);
+  References references(body, draws(options.box, most_draws * options.positions), longest / reference_steps, threads, options);
   AutoSpacingReport report;
   for (const int division : divisions) {
     report.spacing = longest / division;
     report.trials.push_back(try_spacing(body, options, report.spacing, references, report.solves));
+    if ((report.interrupted = wanted_to_end(options))) return report;
     report.holds = report.trials.back().share_bound <= options.allowed_share;
     if (report.holds) break;
   }

@@ -14,6 +14,7 @@
 // A safe position without an equilibrium counts as above. Depends on its arguments alone, neither on threads nor
 // on what was solved before.
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -33,6 +34,7 @@ struct AutoSpacingOptions {
   double allowed_share = 0.05;     // of safe positions above the tolerance [1]
   double confidence = 0.95;        // with which they are no more [1]
   int threads = 0;                 // 0: all
+  const std::atomic<bool>* interrupted = nullptr;   // once true, what is left is not solved, and the report is of no use
 };
 
 struct AutoSpacingTrial {
@@ -46,6 +48,7 @@ struct AutoSpacingTrial {
 struct AutoSpacingReport {
   double spacing = 0;  // [m]; the finest tried where none holds
   bool holds = false;
+  bool interrupted = false;
   std::size_t solves = 0;  // states and references
   double seconds = 0;
   std::vector<AutoSpacingTrial> trials;  // the last one is that of `spacing`

@@ -56,6 +56,7 @@ ReferenceService::ReferenceService(const SessionInput& input, int threads)
       const Key place = key(state.at);
       entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
     }
+    if (file.damaged() > 0) damage_ = damage_in_words((input.cache_folder / (name + ".states")).string(), file.damaged(), true);
   };
   const std::filesystem::path file = input.cache_folder / (name + ".states");
   try {
@@ -64,6 +65,7 @@ ReferenceService::ReferenceService(const SessionInput& input, int threads)
     header.notes["content"] = "tight solves on the reference branch";
     StateFile cache = StateFile::open_or_create(file, header);
     take(cache);
+    cache.drop_damaged();
     writer_ = std::make_unique<StateWriter>(std::move(cache));
   } catch (const std::exception& problem) {
     entries_.clear();

@@ -40,6 +40,9 @@ class ReferenceService {
   void learn(std::span<const State> states);
   const std::optional<std::string>& note() const { return note_; }   // why there is no cache, if one was asked for
 
+  // One line where records of the cache had a wrong checksum: which file, and how many. They are solved anew and replaced.
+  const std::optional<std::string>& damage() const { return damage_; }
+
   // Times of a fixed sample of solves from a neighbour and of the state at rest, measured once per body and kept beside
   // the cache.
   RecordedCosts recorded_costs();
@@ -72,7 +75,7 @@ class ReferenceService {
   std::vector<double> kept(const std::filesystem::path& file, std::vector<double> (ReferenceService::*measured)());
   std::mutex costs_mutex_;
   RecordedCosts costs_;
-  std::optional<std::string> note_;
+  std::optional<std::string> note_, damage_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, ready_;

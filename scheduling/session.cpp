@@ -281,7 +281,8 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
                             const std::function<void(const Vec3&)>& each_position) {
   const auto start = std::chrono::steady_clock::now();
   const auto seconds_since_start = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  if (!input.references) input.references = std::make_shared<ReferenceService>(input, options.threads);
+  const bool own = !input.references;
+  if (own) input.references = std::make_shared<ReferenceService>(input, options.threads);
   const auto state_file = std::exchange(input.state_file, std::nullopt);
   std::vector<std::string> schedules = policy_names();
   std::erase_if(schedules, [](const std::string& name) { return name == "clairvoyant" || name.find("shuffled") != std::string::npos; });
@@ -316,6 +317,7 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
   options.policy = best;
   input.state_file = state_file;
   SessionResult result = run_session(input, options, show, when_run, each_position);
+  if (own && input.references->damage()) result.warnings.push_back(*input.references->damage());
   result.notes.push_back(fmt::format("clairvoyant: {} was the best of {} schedules that were rehearsed{}", best, rehearsed,
                                      rehearsed < schedules.size() ? ": all first visits are within the JND, none can be better" : ""));
   return result;
@@ -344,6 +346,7 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
   if (options.clock == Clock::real && (options.cost != SessionOptions{}.cost || options.latency > 0))
     result.notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
   if (references.note()) result.notes.push_back(*references.note());
+  if (references.damage() && !given.references) result.warnings.push_back(*references.damage());
   const auto start = std::chrono::steady_clock::now();
   RunAnalysis analysis(input, plan.options, references, each_position);
   if (options.clock == Clock::virtual_time)

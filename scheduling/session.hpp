@@ -73,6 +73,7 @@ struct SessionOptions {
   double slew_limit = 1000;                // [N/s]
   double ramp_seconds = 0.1;               // start-up
   const std::atomic<bool>* interrupted = nullptr;   // once true, the session ends after that frame
+  const std::atomic<bool>* hurried = nullptr;       // once true, an interrupted run waits for no reference any more
   double patience = 3;                     // with what is still to be solved for the references of an interrupted run [s]
   double stale_seconds = 0.5;              // watchdog: no sign of the planner for so long fades the force out
 };
@@ -145,6 +146,7 @@ struct SessionResult {
   bool realtime_priority = false, memory_locked = false, interrupted = false;
   bool not_begun = false;                    // interrupted while the clairvoyant policy rehearsed: no frames, no solves
   std::vector<std::string> notes;            // what the system did not permit, what failed
+  std::vector<std::string> warnings;         // of files that were read, one line each
   // Everything that summary.json holds but provenance is derived from the above in run_files.hpp.
   std::array<std::size_t, 3> start_solved_failed{};
   std::size_t preempted = 0;

@@ -89,7 +89,7 @@ struct RunAnalysis::Impl {
   static constexpr std::size_t lot_size = 100;
 
   Impl(const SessionInput& input, const SessionOptions& options, ReferenceService& given, const std::function<void(const Vec3&)>& each)
-      : references(given), each_position(each), interrupted(options.interrupted),
+      : references(given), each_position(each), interrupted(options.interrupted), hurried(options.hurried),
         patience(std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(options.patience))), samples(input, options), space(input.space),
         fresh(space, options), floor(options.error_floor) {}
 
@@ -166,7 +166,7 @@ struct RunAnalysis::Impl {
 
   ReferenceService& references;
   std::function<void(const Vec3&)> each_position;
-  const std::atomic<bool>* interrupted;
+  const std::atomic<bool>*interrupted, *hurried;
   std::chrono::steady_clock::duration patience;
   // of the thread that runs
   Lot lot;
@@ -228,6 +228,7 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
     for (;;) {
       const auto now = std::chrono::steady_clock::now();
       if (end == never && (result.interrupted || (my.interrupted && my.interrupted->load(std::memory_order_relaxed)))) end = now + my.patience;
+      if (end != never && my.hurried && my.hurried->load(std::memory_order_relaxed)) end = std::min(end, now);
       const auto turn = std::min(end, now + std::chrono::milliseconds(100));
       std::optional<State> reference = my.references.get_until(at, turn);
       if (reference || turn == end) return reference;

@@ -47,6 +47,17 @@ Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& argum
 
 }  // namespace
 
+TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[contract]") {
+  const Workshop shop;
+  // Solves that take long, so that the spacing is being measured when the signal comes.
+  shop.write("beam.toml", beam_scene());
+  const std::string automatic = " --set state_space.spacing=auto --set session.error_floor=1e-6 --set state_space.tolerance=1e-9";
+  const Workshop::Outcome measured = run_interrupted(shop, "generate beam.toml -o s.states" + automatic, "0 = 0", 0.2);
+  CHECK(measured.error_lines() == 1);
+  CHECK_THAT(measured.err, Catch::Contains("interrupted") && Catch::Contains("nothing was written"));
+  CHECK_FALSE(std::filesystem::exists(shop.path() / "s.states"));
+}
+
 TEST_CASE("solve", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());

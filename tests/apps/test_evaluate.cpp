@@ -156,7 +156,7 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
   std::string many = "x,y,z,fx,fy,fz\n";   // more than a model in memory holds
   for (int i = 0; i < 12'000; ++i) many += fmt::format("{},{},{},1,2,3\n", 0.001 * (i % 23), 0.001 * (i / 23 % 23), 0.001 * (i / 529));
   shop.write("many.csv", many);
-  check_refused(shop, "evaluate many.csv --points q.csv --neighbours 12000", {"--neighbours: is 12000", "GB"});
+  check_refused(shop, "evaluate many.csv --points points.csv --neighbours 12000", {"--neighbours: is 12000", "GB"});
   for (const std::string file : {"states.csv", "points.csv", "./states.csv"})  // read for it
     check_refused(shop, all + "-o " + file, {file, "would replace"});
   check_refused(shop, "classify states.csv --spacing 0.006 -o states.csv", {"states.csv", "would replace"});

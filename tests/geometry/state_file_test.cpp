@@ -121,6 +121,59 @@ TEST_CASE("the columns are plain, unknown values are NULL") {
   CHECK(seen == "1 converged real real real null 2 measured null null null null wal 1 ");
 }
 
+namespace {
+void change(const std::filesystem::path& file, const char* sql) {
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
+  CHECK(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(database);
+}
+}  // namespace
+
+TEST_CASE("a row that is not what was written is left out, said, and taken out on demand") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "s.states";
+  const std::vector<State> all = states(30);
+  StateFile::open_or_create(file, header()).append(all);
+  CHECK(StateFile::open_read_only(file).damaged() == 0);
+  // One bit of each kind of value, and a word that is no status any more.
+  const char* const changes[] = {"UPDATE states SET x = x + 1e-17 + 1e-15 * abs(x) WHERE id = 2", "UPDATE states SET k23 = k23 * (1 + 2.3e-16) WHERE id = 5",
+                                 "UPDATE states SET iterations = iterations + 1 WHERE id = 7", "UPDATE states SET multivalued = 1 - multivalued WHERE id = 11",
+                                 "UPDATE states SET energy = NULL WHERE id = 13", "UPDATE states SET status = 'convergee' WHERE id = 17",
+                                 "UPDATE states SET checksum = checksum - 1 WHERE id = 30"};
+  for (const char* sql : changes) change(file, sql);
+  StateFile opened = StateFile::open_or_create(file, header());
+  const std::vector<State> left = opened.read_all();
+  CHECK(opened.damaged() == 7);
+  REQUIRE(left.size() == 23);
+  CHECK(same(left[0], all[0]));
+  CHECK(same(left[1], all[2]));
+  CHECK(load_states(file).damaged == 7);
+  CHECK(opened.size() == 30);
+  opened.drop_damaged();
+  CHECK(opened.size() == 23);
+  opened.append(std::span(all).subspan(1, 1));
+  CHECK(opened.read_all().size() == 24);
+  CHECK(opened.damaged() == 0);
+  CHECK_THAT(damage_in_words("a.states", 2, true), Catch::Equals("a.states: 2 states have a wrong checksum: left out, to be solved anew"));
+}
+
+TEST_CASE("a file of before, without checksums, is read and gone on with") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "s.states";
+  const std::vector<State> all = states(5);
+  StateFile::open_or_create(file, header()).append(std::span(all).first(4));
+  change(file, "ALTER TABLE states DROP COLUMN checksum");
+  const StateFile before = StateFile::open_read_only(file);
+  CHECK(before.read_all().size() == 4);
+  CHECK(before.damaged() == 0);
+  StateFile again = StateFile::open_or_create(file, header());
+  again.append(std::span(all).subspan(4));
+  change(file, "UPDATE states SET fx = 77 WHERE id = 1 OR id = 5");   // only the new one can be known for wrong
+  CHECK(again.read_all().size() == 4);
+  CHECK(again.damaged() == 1);
+}
+
 TEST_CASE("a file of another body is refused with what differs") {
   const TemporaryFolder folder;
   StateFile::open_or_create(folder / "s.states", header()).append(std::vector{state(1)});

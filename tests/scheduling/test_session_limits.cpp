@@ -1,5 +1,7 @@
 // Sessions at the border of what can be: not begun, more neighbours than states, no room for a lattice cell.
 
+#include <sqlite3.h>
+
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -94,6 +96,44 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
   box = small_input().space.box;
   CHECK(notes(0.006, 0) == "visits ");
   CHECK(notes(0.012, 0) == "visits ");
+}
+
+TEST_CASE("a second wish to end cuts the patience with references short") {
+  std::atomic<bool> stop{false}, hurry{false};
+  SessionOptions options = virtual_options(1);
+  options.device = "path:circle,speed=0.06";
+  options.reference_step = 1e-5;
+  options.threads = 1;
+  options.interrupted = &stop;
+  options.hurried = &hurry;
+  options.patience = 1e6;   // as long as it takes
+  const SessionResult result =
+      run_session(small_input(), options, [&](const SessionProgress& p) { stop = hurry = stop || p.phase == "references"; });
+  CHECK(result.interrupted);
+  CHECK(result.frames.size() == 1000);
+  CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
+}
+
+TEST_CASE("records of the cache of references that are not what was written are solved anew and replaced") {
+  const ScratchFolder folder("damage");
+  SessionInput input = small_input();
+  input.identity = {{"mesh", "small"}};
+  input.cache_folder = folder / "cache";
+  SessionOptions options = virtual_options(0.5);
+  const std::string first = logs(input, options, folder / "first");
+  std::filesystem::path cache;
+  for (const auto& entry : std::filesystem::directory_iterator(input.cache_folder))
+    if (entry.path().extension() == ".states") cache = entry.path();
+  REQUIRE_FALSE(cache.empty());
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(cache.c_str(), &database) == SQLITE_OK);
+  CHECK(sqlite3_exec(database, "UPDATE states SET fz = fz + 1 WHERE id <= 3", nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(database);
+  const SessionResult told = run_session(input, options);
+  REQUIRE(told.warnings.size() == 1);
+  CHECK_THAT(told.warnings[0], Catch::StartsWith(cache.string()) && Catch::Contains("3 states have a wrong checksum"));
+  CHECK(logs(input, options, folder / "second") == first);
+  CHECK(run_session(input, options).warnings.empty());
 }
 
 TEST_CASE("a run that is interrupted while its references are solved ends without them, and says so") {
