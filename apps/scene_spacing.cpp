@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/command.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/sha256.hpp"
 #include "geometry/error.hpp"
@@ -47,12 +48,22 @@ Json to_file(const SpacingChoice& c) {
           {"holds", c.holds}};
 }
 
-// Nothing where the file is missing, torn or of another form.
+std::string sum_of(const Json& kept) { return Sha256().add(kept.dump()).hex(); }
+
+// Nothing where the file is missing, torn, of another form, or not what was written: then one line says so.
 bool read_kept(const fs::path& file, SpacingChoice& choice) {
   std::ifstream in(file);
   if (file.empty() || !in) return false;
-  const Json kept = Json::parse(in, nullptr, false);
+  Json kept = Json::parse(in, nullptr, false);
   if (!kept.is_object()) return false;
+  if (kept.contains("sha256")) {   // files of before have none
+    const Json sum = kept["sha256"];
+    kept.erase("sha256");
+    if (sum != sum_of(kept)) {
+      warn({}, file.string() + ": has a wrong checksum: the spacing is measured anew");
+      return false;
+    }
+  }
   try {
     const auto number = [&](const char* key) {
       return kept.at(key).is_null() ? unknown : kept.at(key).get<double>();
@@ -103,8 +114,10 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
             .kept = false};
   if (file.empty()) return choice;
   try {
+    Json kept = to_file(choice);
+    kept["sha256"] = sum_of(kept);
     OutputFile out(file);
-    out.write(to_file(choice).dump(2) + "\n");
+    out.write(kept.dump(2) + "\n");
     out.commit();
   } catch (const InputError&) {  // it is worked out again next time
   }

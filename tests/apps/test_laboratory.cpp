@@ -386,6 +386,13 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" FOREFEEL_BINARY_DIR
                    "/apps/forefeel' generate beam.toml --threads 1 --json -o c.states")
             .json()["spacing_auto"] == a["spacing_auto"]);
+  // What is kept is checked.
+  CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
+  REQUIRE(shop.shell("sed -i 's/\"spacing\": 0.0/\"spacing\": 0.1/' ../cache/forefeel/*.spacing.json").code == 0);
+  const Workshop::Outcome anew = shop.forefeel("generate beam.toml --json -o b.states");
+  CHECK(anew.json()["spacing"] == a["spacing"]);
+  CHECK_THAT(anew.err, Catch::Contains(".spacing.json: has a wrong checksum") && !Catch::Contains("kept from before"));
+  CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
   // A finer tolerance never takes a coarser lattice.
   const nlohmann::json fine =
       shop.forefeel("generate beam.toml --json --set state_space.tolerance=0.0005 -o d.states").json();
