@@ -77,6 +77,17 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   return {where, text + fmt::format(" (see forefeel {}--help)", chosen.empty() ? "" : where + " ")};
 }
 
+// An empty value, of a shell variable that is not set, must not pass for an option that is not there.
+void check_values(const CLI::App& app) {
+  const auto check = [](const CLI::App& of) {
+    for (const CLI::Option* option : of.get_options())
+      if (std::ranges::any_of(option->results(), &std::string::empty))
+        throw InputError(option->get_name(), "is empty, expected a value");
+  };
+  check(app);
+  for (const CLI::App* sub : app.get_subcommands()) check(*sub);
+}
+
 int run(int argc, const char* const* argv) {
   remember_command(argc, argv);
   check_instruction_set();
@@ -95,6 +106,7 @@ int run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw usage_error(app, error);
   }
+  check_values(app);
   if (!commands.chosen)
     throw InputError("command", "none given, expected one of " + listed(command_names(app)));
   const int code = commands.chosen();

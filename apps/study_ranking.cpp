@@ -32,15 +32,17 @@ Json interval_json(const ConfidenceInterval& interval) {
   return Json::array({number(interval.low), number(interval.high)});
 }
 
-Json comparison_json(const Comparison& comparison) {
+// won, lost and the verdict (1 better, -1 worse, 0 not shown) are those of the metric, which may be better where it is smaller.
+Json comparison_json(const Comparison& comparison, const StudyMetric& metric) {
+  const bool larger = metric.larger_is_better;
   return {{"mean", number(comparison.student.mean)},
           {"student", interval_json(comparison.student)},
           {"bootstrap", interval_json(comparison.bootstrap)},
           {"pairs", comparison.pairs},
           {"traces", comparison.groups},
-          {"won", comparison.won},
-          {"lost", comparison.lost},
-          {"verdict", comparison.verdict()}};
+          {"won", larger ? comparison.won : comparison.lost},
+          {"lost", larger ? comparison.lost : comparison.won},
+          {"verdict", larger ? comparison.verdict() : -comparison.verdict()}};
 }
 
 }  // namespace
@@ -181,8 +183,8 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
     Json rows = Json::array();
     for (const Ranked& row : entry.ranking.ranked)
       rows.push_back({{"value", study.axes[entry.axis].values[row.level].text},
-                      {"result", comparison_json(row.value)},
-                      {"to_best", comparison_json(row.to_best)},
+                      {"result", comparison_json(row.value, metric)},
+                      {"to_best", comparison_json(row.to_best, metric)},
                       {"tied", row.tied}});
     document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
                                     {"units", entry.ranking.blocks},
@@ -200,7 +202,7 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
     if (contrast.slice)
       row["where"][study.axes[contrast.slice->axis].column] =
           study.axes[contrast.slice->axis].values[contrast.slice->value].text;
-    row.update(comparison_json(contrast.comparison));
+    row.update(comparison_json(contrast.comparison, contrast.metric));
     document["contrasts"].push_back(row);
   }
   return document;

@@ -223,7 +223,8 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
             "<td>" + html_escaped(axis.values[c.b].text) + "</td><td>" + html_escaped(where) + "</td>" +
                 cell(shown_difference(metric, c.comparison.bootstrap, true)) +
                 cell(shown_difference(metric, c.comparison.student, false)) +
-                cell(fmt::format("{} / {} / {}", c.comparison.won, c.comparison.lost, c.comparison.pairs)) +
+                cell(metric.larger_is_better ? fmt::format("{} / {} / {}", c.comparison.won, c.comparison.lost, c.comparison.pairs)
+                                             : fmt::format("{} / {} / {}", c.comparison.lost, c.comparison.won, c.comparison.pairs)) +
                 cell(std::to_string(c.comparison.groups)) + cell(verdict(metric, c.comparison)));
   }
   return html + "</table>\n";

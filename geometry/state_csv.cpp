@@ -212,6 +212,7 @@ LoadedStates load_states(const std::filesystem::path& file) {
   const std::string content_start = read_start(file, 16);
   if (content_start.starts_with("SQLite format 3")) {
     const StateFile states = StateFile::open_read_only(file);
+    states.check_pages();   // before anything is written on the strength of it
     loaded.header = states.header();
     loaded.states = states.read_all();
     loaded.damaged = states.damaged();

@@ -259,6 +259,10 @@ State read_row(Statement& row, const std::string& where) {
   }
   if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
     throw InputError(where, "a state has a position or force that is not finite");
+  static constexpr double largest_number = 1e100;   // squares must not overflow
+  const auto too_large = [](const auto& values) { return (values.array().abs() > largest_number).any(); };
+  if (too_large(state.at) || too_large(state.force) || too_large(state.stiffness))
+    throw InputError(where, fmt::format("a position, force or stiffness is above {:g} in size, expected SI units", largest_number));
   return state;
 }
 
@@ -416,6 +420,12 @@ std::vector<State> StateFile::read_all() const {
 std::string damage_in_words(const std::string& file, std::size_t damaged, bool solved_anew) {
   return fmt::format("{}: {} a wrong checksum: left out{}", file, damaged == 1 ? "1 state has" : fmt::format("{} states have", damaged),
                      solved_anew ? ", to be solved anew" : "");
+}
+
+void StateFile::check_pages() const {
+  Statement check(impl_->database.get(), impl_->where, "PRAGMA quick_check(1)");
+  if (!check.step() || check.text(0) != "ok")
+    throw InputError(impl_->where, fmt::format("is damaged or no state file ({:.80})", check.text(0)));
 }
 
 std::size_t StateFile::damaged() const { return impl_->damaged.size(); }

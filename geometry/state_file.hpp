@@ -55,6 +55,7 @@ class StateFile {
   const StateFileHeader& header() const;
   // In order of insertion; failed solves included, rows whose checksum is wrong (a damaged disk, another hand) left out.
   std::vector<State> read_all() const;
+  void check_pages() const;                            // InputError where the database is not well-formed
   std::size_t damaged() const;                         // rows that the last read_all() left out
   void drop_damaged();                                 // takes these out of the file
   std::size_t size() const;

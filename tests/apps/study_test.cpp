@@ -72,6 +72,7 @@ std::vector<CellColumns> made_up(
       CellColumns cell = CellColumns::object();
       cell["error.first_visit.within_jnd"] = f(study.choice(c), seed);
       cell["error.within_jnd"] = 0.5;
+      cell["error.first_visit.p95"] = std::exp(-f(study.choice(c), seed));
       cells.push_back(cell);
     }
   return cells;
@@ -536,6 +537,15 @@ TEST_CASE("rankings average settings within a trace and seed, and pair") {
   CHECK(compared[2].comparison.student.mean == Approx(0.1).margin(0.003));
   CHECK(compared[4].comparison.student.mean == Approx(0.02).margin(0.003));
   CHECK(compared[4].comparison.groups == 4);
+  // Where less is better who has less has won.
+  const std::vector<Contrast> errors = contrasts(study, cells, second_metric(study));
+  CHECK(errors[0].comparison.student.mean == Approx(-0.06).margin(0.003));
+  for (const auto& told : {ranking_json(study, ranked, compared)["contrasts"][0], ranking_json(study, ranked, errors)["contrasts"][0]}) {
+    CHECK(told["value"] == "coverage");
+    CHECK(told["won"] == told["pairs"]);
+    CHECK(told["lost"] == 0);
+    CHECK(told["verdict"] == 1);
+  }
 }
 
 TEST_CASE("steps are each compared with the one before") {

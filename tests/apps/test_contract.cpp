@@ -283,6 +283,15 @@ TEST_CASE("a replay names the run as its device, and ends where that ended", "[c
   CHECK(shop.shell("cut -d, -f1-4 run/frames.csv > a; cut -d, -f1-4 again/frames.csv > b; cmp a b").code == 0);
 }
 
+TEST_CASE("an empty value does not pass for an option that is not there", "[contract]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  using forefeel::test::check_refused;
+  check_refused(shop, "generate beam.toml --error '' -o s.states", {"--error", "is empty"});
+  for (const char* option : {"--seconds", "--workers", "--latency", "--policy", "--device", "--states", "--seed", "--threads"})
+    check_refused(shop, std::string("session beam.toml --clock virtual -o run ") + option + " ''", {option});
+}
+
 TEST_CASE("what a session cannot run with is named with its place", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene("[session]\nlatency = 1e9\n"));

@@ -158,6 +158,25 @@ TEST_CASE("a row that is not what was written is left out, said, and taken out o
   CHECK_THAT(damage_in_words("a.states", 2, true), Catch::Equals("a.states: 2 states have a wrong checksum: left out, to be solved anew"));
 }
 
+TEST_CASE("states whose squares overflow and broken pages are refused when states are loaded") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "s.states";
+  StateFile::open_or_create(file, header()).append(states(400));
+  CHECK_NOTHROW(load_states(file));
+  for (const char* column : {"x", "fz", "k31"}) {
+    const std::filesystem::path far = folder / (std::string(column) + ".states");
+    std::filesystem::copy_file(file, far);
+    change(far, ("UPDATE states SET checksum = NULL, " + std::string(column) + " = -1e160 WHERE id = 3").c_str());
+    CHECK_THROWS_WITH(load_states(far), Catch::Contains(far.string()) && Catch::Contains("above 1e+100"));
+  }
+  // The pages of the table, not its first one.
+  std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file)) - 3 * 4096);
+  bytes << std::string(4096, '\xff');
+  bytes.close();
+  CHECK_THROWS_WITH(load_states(file), Catch::Contains(file.string()) && Catch::Contains("is damaged or no state file"));
+}
+
 TEST_CASE("a file of before, without checksums, is read and gone on with") {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "s.states";
