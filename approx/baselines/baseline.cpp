@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "approx/instruction_set.hpp"
+#include "approx/loops/instruction_set.hpp"
 
 namespace forefeel {
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <span>
 
-#include "approx/rbf_fit.hpp"
+#include "approx/fit/rbf_fit.hpp"
 
 namespace forefeel {
 

@@ -1,7 +1,7 @@
 // A policy of one's own, to copy: linked with the command line into `forefeel_example`, where sessions and studies know
 // it as "ahead". It solves what lies ahead of the hand within a cone of 60 degrees, the nearest first, then the rest.
 
-#include "scheduling/policy.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace {
 

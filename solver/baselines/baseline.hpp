@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/state.hpp"
-#include "solver/discretisation.hpp"
+#include "geometry/states/state.hpp"
+#include "solver/system/discretisation.hpp"
 
 namespace forefeel {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "approx/updater.hpp"
+#include "approx/select/updater.hpp"
 
 namespace forefeel::testing {
 

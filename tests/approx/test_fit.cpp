@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/model_data.hpp"
-#include "approx/updater.hpp"
-#include "geometry/error.hpp"
+#include "approx/model/model_data.hpp"
+#include "approx/select/updater.hpp"
+#include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

@@ -9,10 +9,10 @@
 #include <iterator>
 #include <sstream>
 
-#include "approx/updater.hpp"
-#include "geometry/mesh_file.hpp"
-#include "geometry/phantom.hpp"
-#include "solver/solver.hpp"
+#include "approx/select/updater.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "solver/equilibrium/solver.hpp"
 
 using namespace forefeel;
 

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/loop_energy.hpp"
-#include "approx/power_function.hpp"
+#include "approx/judge/loop_energy.hpp"
+#include "approx/judge/power_function.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "approx/methods.hpp"
-#include "geometry/error.hpp"
+#include "approx/predecessors/methods.hpp"
+#include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "approx/updater.hpp"
+#include "approx/select/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
 

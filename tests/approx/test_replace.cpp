@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/rbf_fit.hpp"
+#include "approx/fit/rbf_fit.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

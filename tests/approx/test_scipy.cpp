@@ -8,9 +8,9 @@
 #include <fstream>
 #include <iomanip>
 
-#include "approx/updater.hpp"
-#include "geometry/phantom.hpp"
-#include "solver/solver.hpp"
+#include "approx/select/updater.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "solver/equilibrium/solver.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

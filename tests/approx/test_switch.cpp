@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "approx/force_switch.hpp"
+#include "approx/switch/force_switch.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

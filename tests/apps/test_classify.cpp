@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "executable.hpp"
-#include "geometry/setups.hpp"
+#include "geometry/coverage/setups.hpp"
 
 using namespace forefeel;
 using namespace forefeel::test;

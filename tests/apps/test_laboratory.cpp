@@ -9,9 +9,9 @@
 #include <map>
 #include <sstream>
 
-#include "apps/calibration.hpp"
-#include "apps/laboratory.hpp"
-#include "scheduling/auto_spacing.hpp"
+#include "apps/classify/calibration.hpp"
+#include "apps/laboratory/laboratory.hpp"
+#include "scheduling/placement/auto_spacing.hpp"
 #include "tests/apps/executable.hpp"
 
 using namespace forefeel;

@@ -72,7 +72,7 @@ bool may_be_heavy(const Include& include) {
   const bool geometry = include.file.starts_with("geometry/"), source = include.file.ends_with(".cpp");
   if (include.target == "tetgen.h" || include.target.ends_with("_cgal.hpp")) return geometry && source;
   return (geometry && (source || include.file.ends_with("_cgal.hpp"))) ||
-         (source && include.file.starts_with("apps/bench_"));
+         (source && include.file.starts_with("apps/bench/"));
 }
 
 std::vector<std::string> heavy_headers_out_of_place(const fs::path& root) {
@@ -107,9 +107,9 @@ TEST_CASE("the check finds what it looks for", "[layering]") {
                         ("forefeel-layers-" + std::to_string(std::hash<std::string>{}(FOREFEEL_BINARY_DIR)));
   for (const auto& [folder, may_see] : allowed) fs::create_directories(root / folder);
   std::ofstream(root / "approx/bad.hpp")
-      << "#pragma once\n#include \"solver/solver.hpp\"\n  #  include <CGAL/Point_3.h>\n";
+      << "#pragma once\n#include \"solver/equilibrium/solver.hpp\"\n  #  include <CGAL/Point_3.h>\n";
   std::ofstream(root / "solver/bad.cpp")
-      << "#include \"kernels.hpp\"\n#include <tetgen.h>\n#include \"geometry/state.hpp\"\n";
+      << "#include \"kernels.hpp\"\n#include <tetgen.h>\n#include \"geometry/states/state.hpp\"\n";
   std::ofstream(root / "geometry/fine_cgal.hpp") << "#include <CGAL/Point_3.h>\n";
   std::ofstream(root / "geometry/fine.cpp") << "#include \"geometry/fine_cgal.hpp\"\n#include <tetgen.h>\n";
   CHECK(against_the_arrows(root).size() == 2);

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 
-#include "apps/phantom_cache.hpp"
-#include "apps/scene.hpp"
-#include "geometry/error.hpp"
-#include "geometry/phantom.hpp"
+#include "apps/scene_input/phantom_cache.hpp"
+#include "apps/scene_input/scene.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/meshing/phantom.hpp"
 #include "tests/apps/executable.hpp"
 
 using namespace forefeel;

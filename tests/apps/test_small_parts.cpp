@@ -1,12 +1,12 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "apps/command.hpp"
-#include "apps/plot.hpp"
-#include "apps/run_table.hpp"
-#include "apps/sha256.hpp"
-#include "apps/suggest.hpp"
-#include "geometry/error.hpp"
+#include "apps/console/command.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/classify/run_table.hpp"
+#include "apps/scene_input/sha256.hpp"
+#include "apps/console/suggest.hpp"
+#include "geometry/common/error.hpp"
 #include "tests/apps/executable.hpp"
 
 using namespace forefeel;

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <string>
 
-#include "scheduling/run_files.hpp"
-#include "scheduling/session.hpp"
+#include "scheduling/record/run_files.hpp"
+#include "scheduling/session/session.hpp"
 
 namespace forefeel::testing {
 

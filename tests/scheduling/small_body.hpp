@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-#include "scheduling/session.hpp"
+#include "scheduling/session/session.hpp"
 
 namespace forefeel::testing {
 

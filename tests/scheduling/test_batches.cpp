@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "scheduling/planner.hpp"
-#include "scheduling/worker_threads.hpp"
+#include "scheduling/plan/planner.hpp"
+#include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -4,11 +4,11 @@
 #include <thread>
 #include <vector>
 
-#include "geometry/error.hpp"
-#include "scheduling/cost.hpp"
-#include "scheduling/needed_states.hpp"
-#include "scheduling/random.hpp"
-#include "scheduling/reference_service.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/record/needed_states.hpp"
+#include "scheduling/motion/random.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "geometry/error.hpp"
-#include "scheduling/device.hpp"
-#include "scheduling/hand_device.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/hand_device.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

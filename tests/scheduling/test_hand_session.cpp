@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "geometry/error.hpp"
+#include "geometry/common/error.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "scheduling/spsc_queue.hpp"
-#include "scheduling/triple_buffer.hpp"
+#include "scheduling/render/spsc_queue.hpp"
+#include "scheduling/render/triple_buffer.hpp"
 
 using namespace forefeel;
 

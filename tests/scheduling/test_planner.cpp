@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "scheduling/planner.hpp"
+#include "scheduling/plan/planner.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

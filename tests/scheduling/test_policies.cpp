@@ -5,12 +5,12 @@
 #include <limits>
 #include <set>
 
-#include "geometry/error.hpp"
-#include "scheduling/candidates.hpp"
-#include "scheduling/need_left.hpp"
-#include "scheduling/policy.hpp"
-#include "scheduling/predictor.hpp"
-#include "scheduling/random.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/policy/candidates.hpp"
+#include "scheduling/policy/need_left.hpp"
+#include "scheduling/policy/policy.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/motion/random.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "allocation_count.hpp"
-#include "approx/updater.hpp"
-#include "geometry/state_space.hpp"
-#include "scheduling/render_loop.hpp"
+#include "approx/select/updater.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/render/render_loop.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

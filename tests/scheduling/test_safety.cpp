@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scheduling/safety.hpp"
+#include "scheduling/render/safety.hpp"
 
 using namespace forefeel;
 

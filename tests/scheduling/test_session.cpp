@@ -12,13 +12,13 @@
 #include <set>
 #include <thread>
 
-#include "geometry/error.hpp"
-#include "scheduling/reference_service.hpp"
-#include "scheduling/run_files.hpp"
-#include "scheduling/session_parts.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/workers/reference_service.hpp"
+#include "scheduling/record/run_files.hpp"
+#include "scheduling/session/session_parts.hpp"
 #include "run_logs.hpp"
 #include "small_body.hpp"
-#include "solver/contact_stiffness.hpp"
+#include "solver/body/contact_stiffness.hpp"
 
 using namespace forefeel;
 using testing::logs;

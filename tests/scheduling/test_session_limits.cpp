@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "geometry/error.hpp"
+#include "geometry/common/error.hpp"
 #include "run_logs.hpp"
-#include "scheduling/session_parts.hpp"
+#include "scheduling/session/session_parts.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

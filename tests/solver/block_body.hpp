@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "solver/solver.hpp"
+#include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 

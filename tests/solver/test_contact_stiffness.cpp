@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "block_body.hpp"
-#include "solver/contact_stiffness.hpp"
+#include "solver/body/contact_stiffness.hpp"
 
 namespace forefeel {
 namespace {

@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "block_body.hpp"
-#include "solver/discretisation.hpp"
-#include "solver/law.hpp"
+#include "solver/system/discretisation.hpp"
+#include "solver/body/law.hpp"
 
 using namespace forefeel;
 

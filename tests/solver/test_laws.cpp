@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "solver/law.hpp"
+#include "solver/body/law.hpp"
 
 using namespace forefeel;
 

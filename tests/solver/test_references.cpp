@@ -5,9 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "geometry/mesh_file.hpp"
-#include "solver/law.hpp"
-#include "solver/solver.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "solver/body/law.hpp"
+#include "solver/equilibrium/solver.hpp"
 
 using namespace forefeel;
 

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "block_body.hpp"
-#include "geometry/error.hpp"
-#include "solver/law.hpp"
+#include "geometry/common/error.hpp"
+#include "solver/body/law.hpp"
 
 using namespace forefeel;
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include "geometry/surface.hpp"
-#include "geometry/tet_mesh.hpp"
+#include "geometry/meshing/surface.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
 
 namespace forefeel::test {
 

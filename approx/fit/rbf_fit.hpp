@@ -1,0 +1,170 @@
+#pragma once
+// Solves [A P; P^T 0][lambda; c] = [f; 0] (paper Eq. 2) for a set of states and keeps the factor alive, so
+// that k of n states are replaced in O(k n^2). With K the kernel of polynomial.hpp (positive definite), K = L
+// L^T and Y = L^-1 [P f], all of it maintained by DenseFactor:
+//   c minimises |Y_P c - Y_f|,   lambda = L^-T (Y_f - Y_P c).
+// The anchors of K lie around the set and expire when it has moved or changed its size.
+//
+// A model is watched at some of its own states. Where it misses them by more than a fresh factor would, its
+// coefficients are refined with the misfit in twice the working precision and the factor that is there
+// (Wilkinson 1963, ch. 3), so that an updated model is as good as one made anew however old its factor is; or
+// all is made anew where that takes less time.
+//
+// Kernel and degree step down together where the states do not determine the polynomial: r^5 + quadratic ->
+// r^3 + linear -> r + constant -> tangent. Rank decides: pivots of P^T P.
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "approx/fit/dense_factor.hpp"
+#include "approx/model/model_data.hpp"
+#include "approx/fit/polynomial.hpp"
+
+namespace forefeel {
+
+// A state as the fit needs it.
+struct Sample {
+  StateId id;
+  Vec3 at, force;
+  Mat3 stiffness;  // NaN where not known
+  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows lets it go out of the
+  // model gradually, so that a weight that is a continuous function of the HIP makes the model one.
+  double weight = 1;
+  double reach = 1;  // as in Neighbour
+  double near = 1;   // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
+  bool weighted = false;  // of a set with weights, though all may be 1: no weight that reaches 1 changes how
+                          // a model is made
+  bool state = true;      // false: a place that carries data, but is no state (affine_places)
+};
+
+// Of a set with weights, in units of ModelOptions::length: of one state that counts alone, too.
+constexpr double least_size = 0.01;
+
+class RbfFit {
+ public:
+  // Allocates everything for up to `capacity` states.
+  RbfFit(const ModelOptions& options, std::size_t capacity);
+
+  std::size_t size() const { return alive_; }
+  // All anew; near-duplicates of earlier samples are dropped.
+  void refit(std::span<const Sample> samples);
+  // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a
+  // refit. All removed ids (ascending) must be in the set, no added one may be.
+  bool replace(std::span<const StateId> removed, std::span<const Sample> added);
+  // What must leave and come to make the set `wanted` (ascending ids).
+  void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
+                  std::vector<StateId>& missing) const;
+
+  // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius().
+  // Allocates only where `out` was not reserved.
+  void write(Model::Impl& out, const Vec3& hip, double bridge = 0, double half_ball = 0);
+  // For tests and benches: always update, or always refit.
+  enum class Mode { automatic, update, refit };
+  void set_mode(Mode mode) { mode_ = mode; }
+
+ private:
+  struct Level {
+    int power = 0, degree = 0;
+    bool hermite = false;
+  };
+  struct Slot {
+    Sample sample;
+    bool alive = false;
+    bool has_stiffness = false;  // and it is used
+    std::uint32_t dropped = 0;   // functionals without a row of their own
+  };
+
+  Level level_for(std::span<const Sample> samples);
+  bool level_still_fits();
+  void set_frame(std::span<const Sample> samples);
+  void factorise(std::span<const Sample> samples);
+  bool drops_matter() const;
+  void clear();
+  void append(std::span<const Sample> added);
+  void place(std::size_t slot, const Sample& sample);
+  void functionals(std::size_t slot);
+  void append_panel(std::size_t first_slot, std::size_t count);
+  enum class Outcome { refused, done, stale };  // stale: the set is right, the factor no longer suits it
+  Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
+  bool frame_expired();
+  void remove_and_close();
+  void enter(std::size_t slot);
+  void gather();
+  void solve();
+  void write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball);
+  void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& centre);
+  void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest,
+                            double farthest);
+  Mat3 slope_of_sum(const Model::Impl& out, const Vec3& at) const;
+  void set_bound(Model::Impl& out);
+  void leave(std::size_t slot);
+  bool write_sum(Model::Impl& out);
+  bool has_lost_digits(const Model::Impl& out);
+  bool refit_is_cheaper() const;
+  bool refine(Model::Impl& out);
+  double misfit(const Model::Impl& out);
+  void constraint(const Model::Impl& out, double* rest) const;
+  double ridge(std::size_t slot, std::size_t functional) const;
+  void correct(Model::Impl& out, double by);
+  Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
+
+  ModelOptions options_;
+  std::size_t capacity_, slot_capacity_;
+  Mode mode_ = Mode::automatic;
+  Level level_;
+  Vec3 centre_ = Vec3::Zero();
+  double scale_ = 1, inverse_scale_ = 1;
+  std::size_t slots_ = 0, alive_ = 0;  // slots in use, holes included
+  std::size_t rows_per_slot_ = 1, terms_ = 1;
+  double sign_ = 1;
+  std::array<std::array<double, 3>, max_terms> anchors_{};
+  double anchor_products_[max_terms * max_terms] = {};  // G
+
+  DenseFactor factor_;
+  std::vector<Slot> slot_;
+  AlignedArray px_, py_, pz_;  // scaled positions by slot
+  AlignedArray hull_;          // 3 x slot_stride: of the living, drawn to their mean by 1 - weight
+  bool weighted_ = false;      // of a set with weights
+  // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
+  // known), the weight (0 for holes), and room for distances.
+  enum SlotArray : std::size_t {
+    in_use = 0,
+    force_norm = 1,
+    stiffness_norm = 2,
+    force = 3,
+    stiffness = 6,
+    share = 15,
+    away = 16,
+    slot_arrays = 17
+  };
+  double* slot_array(std::size_t which) { return slot_data_.data() + which * slot_stride_; }
+  std::size_t slot_stride_ = 0;
+  AlignedArray slot_data_;
+  std::size_t dropped_slots_ = 0;  // living slots with a functional that was dropped
+  std::size_t row_stride_ = 0;
+  AlignedArray lagrange_, dual_;  // l_j and v_j of each row: #terms x row_stride
+  AlignedArray weight_;           // by row: the sign s, 0 for holes
+  AlignedArray orthogonal_;       // (terms + 6) x row_stride: Y, then Q and the residual
+  struct Entry {
+    StateId id;
+    std::uint32_t slot;
+  };
+  std::vector<Entry> by_id_;  // living slots, ascending ids
+  std::vector<Sample> gathered_, added_, sorted_;
+  std::vector<std::size_t> index_;      // rows to take out
+  std::vector<std::size_t> kept_rows_;  // of remove_and_close(), and the new slot of each
+  std::vector<std::uint32_t> moved_;
+  double coefficient_[3][max_terms] = {};
+  double upper_[max_terms * max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
+  std::vector<std::uint32_t> living_;         // slots in the order of the model's centres
+  std::size_t watched_ = 0;
+  bool updated_ = false, worn_ = false;  // since the last refit; has lost digits by that
+  std::size_t given_stride_ = 0;
+  AlignedArray given_, misfit_;  // 12 x given_stride: f and dF/dy of the living slots, what the model leaves
+  AlignedArray correction_, last_correction_;  // 3 x row_stride: of lambda
+  double polynomial_correction_[3][max_terms] = {};
+};
+
+}  // namespace forefeel

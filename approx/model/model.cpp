@@ -1,0 +1,285 @@
+#include "approx/model/model.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "approx/loops/kernel_sums.hpp"
+#include "approx/predecessors/methods.hpp"
+#include "approx/model/model_data.hpp"
+#include "approx/select/neighbours.hpp"
+
+namespace forefeel {
+
+std::string_view name(Kernel kernel) {
+  return kernel == Kernel::linear ? "linear" : kernel == Kernel::cubic ? "cubic" : "quintic";
+}
+std::string_view name(Data data) {
+  return data == Data::force ? "force" : "force+stiffness";
+}
+std::string_view name(Select select) {
+  return select == Select::label ? "label" : "nearest";
+}
+
+namespace {
+
+// The 13 axes of the planes that bound a set: faces, edges and corners of a cube.
+struct Axes {
+  double d[13][3];
+  Axes() {
+    int count = 0;
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z) {
+          if (9 * x + 3 * y + z <= 0) continue;  // one of each pair
+          const double length = std::sqrt(double(x * x + y * y + z * z));
+          d[count][0] = x / length;
+          d[count][1] = y / length;
+          d[count++][2] = z / length;
+        }
+  }
+};
+const Axes axes;
+
+
+// h(a): a itself up to keep, then smoothly on to limit; with its derivative.
+double soften(double a, double keep, double limit, double& derivative) {
+  derivative = 1;
+  if (a <= keep) return a;
+  const double room = limit - keep, t = (a - keep) / room;
+  if (!(t < 1e8)) {
+    derivative = 0;
+    return limit;
+  }
+  const double root = std::sqrt(1 + t * t);
+  derivative = 1 / (root * root * root);
+  return keep + room * (t / root);
+}
+
+// v scaled to length h(|v|); jacobian (of v) is carried along where given.
+Vec3 saturate(const Vec3& v, double keep, double limit, Mat3* jacobian) {
+  const double squared = v.squaredNorm();
+  if (squared <= keep * keep) return v;
+  const double length = v.stableNorm();
+  if (!(length > 0)) return v;  // also keep = 0 and v = 0
+  double slope;
+  const double wanted = soften(length, keep, limit, slope) * (1 - 1e-15);
+  if (!std::isfinite(length)) {
+    if (jacobian != nullptr) jacobian->setZero();
+    return Vec3::Zero();
+  }
+  const Vec3 unit = v / length;
+  if (jacobian != nullptr) {
+    const double ratio = wanted / length;
+    *jacobian = (ratio * (*jacobian) + (slope - ratio) * unit * (unit.transpose() * (*jacobian))).eval();
+  }
+  return wanted * unit;
+}
+
+// Quintic step from 0 to 1 on [0, 1].
+double step(double t, double& derivative) {
+  derivative = 0;
+  if (t <= 0) return 0;
+  if (t >= 1) return 1;
+  derivative = 30 * t * t * (1 - t) * (1 - t);
+  return t * t * t * (10 + t * (6 * t - 15));
+}
+
+}  // namespace
+
+void Model::Impl::reserve(std::size_t wanted, bool with_stiffness) {
+  const std::size_t rounded = (wanted + 7) / 8 * 8;
+  states.reserve(rounded);
+  const std::size_t arrays = with_stiffness ? 15 : 6;
+  if (stride < rounded || data.size() < arrays * stride) {
+    quick_sum = nullptr;
+    stride = std::max(stride, rounded);
+    data.assign(std::max(data.size(), arrays * stride), 0.0);
+  }
+}
+
+void Model::Impl::clear() {
+  states.clear();
+  lattice.reset();
+  power = 0;
+  degree = 0;
+  padded = 0;
+  hermite = false;
+  known = false;
+  bound = 0;
+  hull.inner_squared = quick = -1;
+  quick_sum = nullptr;
+  bridge = 0;
+}
+
+void Model::Impl::prepare() {
+  if (power == 0 || !(quick > 0)) return;
+  const double each = full_share * bound / std::sqrt(3.0) * (1 - 1e-15);  // so that |f| keeps below
+  for (int d = 0; d < 3; ++d) {
+    alone.centre[d] = centre[d];
+    alone.limit[d] = each;
+  }
+  alone.inverse_scale = inverse_scale;
+  alone.limit[3] = quick;
+  alone.n = padded;
+  alone.stride = stride;
+  alone.data = data.data();
+  alone.polynomial = polynomial[0].data();
+  quick_sum = loops->quick[hermite ? 1 : 0][power / 2];
+}
+
+void Model::Impl::raw(const double y[3], double f[3]) const noexcept {
+  (hermite ? loops->hermite : loops->plain)(power, padded, data.data(), stride, polynomial[0].data(), y, f);
+}
+
+void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcept {
+  (hermite ? loops->hermite_jacobian : loops->plain_jacobian)(power, padded, data.data(), stride,
+                                                              polynomial[0].data(), y, f, j);
+}
+
+// E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of
+// the distance to the polytope.
+double Model::Impl::Hull::outside(const double y[3], double gradient[3]) const noexcept {
+  double g[13], largest = 0;
+  for (int k = 0; k < 13; ++k) {
+    const double along = axes.d[k][0] * y[0] + axes.d[k][1] * y[1] + axes.d[k][2] * y[2];
+    g[k] = along > high[k] ? along - high[k] : along < low[k] ? along - low[k] : 0;
+    largest = std::max(largest, std::abs(g[k]));
+  }
+  gradient[0] = gradient[1] = gradient[2] = 0;
+  if (largest == 0) return 0;
+  double sum = 0, weight[13];
+  for (int k = 0; k < 13; ++k) {
+    const double t = g[k] / largest, t2 = t * t, t4 = t2 * t2;
+    weight[k] = t4 * t2 * t;
+    sum += t4 * t4;
+  }
+  const double root = std::sqrt(std::sqrt(std::sqrt(sum)));
+  const double scale_down = root / sum;  // d/dg_k = (g_k / largest)^7 sum^(-7/8)
+  for (int k = 0; k < 13; ++k)
+    for (int d = 0; d < 3; ++d) gradient[d] += scale_down * weight[k] * axes.d[k][d];
+  return largest * root;
+}
+
+void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n, double trusted) {
+  sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
+  double nearest = 1e300;
+  for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
+  const double radius = nearest + trusted / 1.4;  // 13^(1/8) < 1.4
+  inner_squared = radius > 0 ? radius * radius : -1;
+}
+
+namespace {
+
+// An older method; its Jacobian by central differences.
+Vec3 on_lattice(const LatticeField& field, const Vec3& x, Mat3* jacobian) noexcept {
+  if (jacobian != nullptr)
+    for (int d = 0; d < 3; ++d) {
+      const Vec3 step = 1e-6 * Vec3::Unit(d);
+      jacobian->col(d) = (field.force(x + step) - field.force(x - step)) / 2e-6;
+    }
+  return field.force(x);
+}
+
+// Force (and Jacobian over x) at x; one path for both.
+Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
+  if (m.lattice) return on_lattice(*m.lattice, x, jacobian);
+  if (jacobian != nullptr) jacobian->setZero();
+  if (!m.known) return Vec3::Zero();
+  const double keep = Model::Impl::full_share * m.bound;
+  const Vec3 y = (x - m.centre) * m.inverse_scale;
+  const double y2 = y.squaredNorm();
+  const auto rbf = [&](Mat3* gradient) {
+    double f[3], j[9];
+    if (gradient == nullptr) {
+      m.raw(y.data(), f);
+    } else {
+      m.raw(y.data(), f, j);
+      for (int c = 0; c < 3; ++c)
+        for (int d = 0; d < 3; ++d) (*gradient)(c, d) = j[3 * c + d] * m.inverse_scale;
+    }
+    return saturate(Vec3(f[0], f[1], f[2]), keep, m.bound, gradient);
+  };
+  if (y2 <= m.quick) return rbf(jacobian);
+
+  if (!x.allFinite()) return saturate(m.tangent_force, keep, m.bound, nullptr);
+  double slope = 0, weight = 1, gradient[3] = {};
+  if (m.power != 0 && y2 < 1e16) {
+    weight = step(m.hull.outside(y.data(), gradient) / m.trust - 1, slope);
+    if (m.bridge > 0) {
+      double wider[3], wider_slope = 0;
+      const double both = step(m.whole.outside(y.data(), wider) / m.trust - 1, wider_slope);
+      weight += m.bridge * (both - weight);
+      for (int d = 0; d < 3; ++d)
+        gradient[d] = (1 - m.bridge) * slope * gradient[d] + m.bridge * wider_slope * wider[d];
+      slope = 1;
+    }
+  }
+  Vec3 force = Vec3::Zero(), inner = Vec3::Zero();
+  if (weight < 1) inner = rbf(jacobian);
+  force = inner;
+  if (weight > 0) {
+    Mat3 moved = Mat3::Identity();
+    const Vec3 away =
+        saturate(x - m.tangent_at, 0.5 * m.hold, m.hold, jacobian != nullptr ? &moved : nullptr);
+    Mat3 tangent = m.tangent_jacobian * moved;
+    const Vec3 outer = saturate(m.tangent_force + m.tangent_jacobian * away, keep, m.bound,
+                                jacobian != nullptr ? &tangent : nullptr);
+    force = (1 - weight) * inner + weight * outer;
+    if (jacobian != nullptr) {
+      const double per_metre = slope / m.trust * m.inverse_scale;
+      *jacobian = (1 - weight) * (*jacobian) + weight * tangent;
+      *jacobian += (outer - inner) * (per_metre * Vec3(gradient[0], gradient[1], gradient[2])).transpose();
+    }
+  }
+  return force;
+}
+
+}  // namespace
+
+Model::Model() : impl_(std::make_unique<Impl>()) {}
+Model::~Model() = default;
+Model::Model(Model&&) noexcept = default;
+Model& Model::operator=(Model&&) noexcept = default;
+
+Vec3 Model::force(const Vec3& x) const noexcept {
+  const Impl& m = *impl_;
+  Vec3 f;
+  // nearly always: the sum alone, far below the bound
+  if (m.quick_sum == nullptr || !m.quick_sum(m.alone, x.data(), f.data())) f = bounded(m, x, nullptr);
+  return f;
+}
+
+void Model::evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept {
+  force = bounded(*impl_, x, &jacobian);
+}
+
+std::span<const StateId> Model::states() const noexcept {
+  return impl_->states;
+}
+Kernel Model::kernel() const noexcept {
+  return impl_->kernel;
+}
+int Model::degree() const noexcept {
+  return impl_->degree;
+}
+bool Model::is_tangent() const noexcept {
+  return impl_->known && impl_->power == 0;
+}
+double Model::force_bound() const noexcept {
+  return impl_->bound;
+}
+std::uint64_t Model::serial() const noexcept {
+  return impl_->serial;
+}
+double Model::trust_distance() const noexcept {
+  return impl_->known ? impl_->trust * impl_->scale : 0;
+}
+double Model::hold_distance() const noexcept {
+  return impl_->known ? impl_->hold : 0;
+}
+void Model::reserve(const ModelOptions& options) {
+  impl_->reserve(most_neighbours(options) + affine_places(options), options.data == Data::force_and_stiffness);
+}
+
+}  // namespace forefeel

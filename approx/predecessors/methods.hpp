@@ -1,0 +1,116 @@
+#pragma once
+// The older methods, to compare with; every one gives f~(x) from a fixed set of states.
+//   trilinear     on the lattice {k h}^3, cells with all eight corners (Matyska, Peterlik 2007); elsewhere the
+//                 value at the nearest place of such a cell, or the force of the nearest state if that is nearer
+//   tricubic      the same by cubic convolution; quadratic ghost values beyond the border
+//   deflection    force-deflection curves along directions from rest, linear in depth, on from the last two
+//                 states beyond a curve's end, and between the three nearest directions (Mahvash, Hayward 2004)
+//   two_force     linear in position along the line through two states (Picinbono et al. 2002): those that a
+//                 simulation which computes forces along its way would have computed last, the two nearest
+//   offline_rbf   one RBF model of all states (Peterlik et al.)
+//   rbf_network   r^3 and linear p by least squares with fewer centres than states (De et al.)
+// None passes |f~(x)| <= max |F_i| + 2 S d(x), with d the distance to the nearest state and S the largest
+// stiffness known or secant |F_i - F_j| / |x_i - x_j| of a state and the nearest to it: beyond that the force
+// is shortened, so that what these methods do far from their states can be compared, but slams no device.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "approx/select/updater.hpp"
+#include "geometry/index/point_octree.hpp"
+
+namespace forefeel {
+
+enum class Method { rbf, trilinear, tricubic, deflection, two_force, offline_rbf, rbf_network };
+std::string_view name(Method method);
+std::span<const Method> all_methods();
+
+struct MethodOptions {
+  ModelOptions model{};     // offline_rbf
+  double spacing = 0.006;   // lattice methods [m]
+  std::size_t centres = 0;  // of rbf_network, see centres_of()
+};
+
+// The states by their lattice position; states off the lattice are left out.
+class LatticeField {
+ public:
+  LatticeField(std::span<const State> states, double spacing, bool cubic);
+  Vec3 force(const Vec3& x) const;
+  std::size_t size() const { return forces_.size(); }
+
+ private:
+  using Index = std::array<std::int32_t, 3>;
+  const Vec3* at(const Index& index) const;
+  Vec3 ghost(Index index, const Index& cell, int axis) const;
+  bool whole(const Index& cell) const;
+  static Vec3 into(const Index& cell, const Vec3& k);  // what of the cell is nearest to k, in spacings
+  Vec3 inside(const Index& cell, const Vec3& k) const;
+
+  double spacing_;
+  bool cubic_;
+  std::unordered_map<std::uint64_t, Vec3> forces_;
+  std::vector<Index> whole_;  // cells with all corners, by the lowest of them
+  std::vector<Vec3> points_, values_;
+};
+
+class DeflectionCurves {
+ public:
+  explicit DeflectionCurves(std::span<const State> states);
+  Vec3 force(const Vec3& x) const;
+
+ private:
+  struct Curve {
+    Vec3 direction;
+    std::vector<double> depth;  // ascending, from 0 [m]
+    std::vector<Vec3> force;
+    Vec3 at(double d) const;  // linear; on from the last two beyond the end
+  };
+  std::vector<Curve> curves_;
+};
+
+class TwoForce {
+ public:
+  explicit TwoForce(std::span<const State> states);
+  Vec3 force(const Vec3& x) const;
+
+ private:
+  std::vector<Vec3> points_, forces_;
+};
+
+class RbfNetwork {
+ public:
+  RbfNetwork(std::span<const State> states, std::size_t centres);
+  Vec3 force(const Vec3& x) const;
+  std::size_t centres() const { return centres_.size(); }
+  static std::size_t centres_of(std::size_t states,
+                                std::size_t wished);  // of so many states; wished 0: a fifth, at least 10
+
+ private:
+  Vec3 middle_ = Vec3::Zero();
+  double scale_ = 1;
+  std::vector<Vec3> centres_;                         // scaled
+  Eigen::Matrix<double, Eigen::Dynamic, 3> weights_;  // (centres + 4) x 3
+};
+
+class Approximation {
+ public:
+  // Any method but rbf, whose neighbour set follows the HIP (ModelUpdater). InputError where the states do
+  // not suit.
+  Approximation(Method method, std::span<const State> states, const MethodOptions& options);
+  Vec3 force(const Vec3& x) const;
+  double bound(const Vec3& x) const;  // [N]; of offline_rbf the model's own
+
+ private:
+  std::variant<LatticeField, DeflectionCurves, TwoForce, RbfNetwork, Model> field_;
+  PointOctree points_;
+  double largest_ = 0, steepest_ = 0;
+
+  void find_bound(std::span<const State> states);
+};
+
+}  // namespace forefeel

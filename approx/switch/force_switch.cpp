@@ -1,0 +1,120 @@
+#include "approx/switch/force_switch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+
+std::string_view name(SwitchRule rule) {
+  return rule == SwitchRule::paper ? "paper" : rule == SwitchRule::smooth ? "smooth" : "none";
+}
+
+namespace {
+
+// A step that keeps |dF| <= max(floor, share |F|) whether |F| is taken before or after it, rounding included:
+// |F| after is at least |F| before / (1 + share).
+double allowed(double floor, double share, double before) {
+  return std::max(floor, share / (1 + share) * before) * (1 - 1e-9);
+}
+
+// The longest s for which s <= max(floor, share |F|) holds with F = before and with F = before - s u, u a unit vector:
+// share |before| where |F| grows by it, else the root of s = share |before - s u|.
+double longest_step(double floor, double share, const Vec3& before, const Vec3& u) {
+  const double size = before.norm(), along = share * before.dot(u), rest = 1 - share * share;
+  const double shrinking = share * (std::sqrt(along * along + rest * size * size) - along) / rest;
+  return std::max(floor, std::min(share * size, shrinking)) * (1 - 1e-9);
+}
+
+double bound(double floor, double share, const Vec3& before, const Vec3& after) {
+  return std::max(floor, share * std::min(before.norm(), after.norm()));
+}
+
+Vec3 at(const Model* model, const Vec3& x) {
+  return model == nullptr ? Vec3::Zero() : model->force(x);
+}
+
+}  // namespace
+
+ForceSwitch::ForceSwitch(SwitchOptions options) : options_(options) {}
+
+ForceSwitch::Frame ForceSwitch::step(const Model* newest, const Vec3& x) noexcept {
+  return options_.rule == SwitchRule::paper ? step_paper(newest, x) : step_smooth(newest, x);
+}
+
+ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x) noexcept {
+  const Vec3 old = at(current_, x);
+  const bool comes = newest != nullptr && newest != current_;
+  Frame out = step(old, comes ? newest->force(x) : old, comes);
+  if (comes) {
+    out.released = current_;
+    current_ = newest;
+  }
+  return out;
+}
+
+ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool comes) noexcept {
+  const double share = options_.jnd_share * options_.frame / options_.paper_interval;
+  const double floor = options_.jnd_floor * options_.frame / options_.paper_interval;
+  Frame out;
+  out.undamped = now;
+  out.took_model = comes;
+  const Vec3 before = old + offset_;  // what would be rendered here if the switch did nothing
+  if (comes) {
+    out.undamped_jump = (now - old).norm();
+    offset_ = before - now;
+  }
+  if (options_.rule == SwitchRule::none) {
+    offset_.setZero();
+  } else if (const double size = offset_.norm(); size > 0) {
+    const double most = longest_step(floor, share, before, offset_ / size);
+    if (size <= most)
+      offset_.setZero();
+    else
+      offset_ *= 1 - most / size;
+  }
+  out.force = now + offset_;
+  out.change = out.force - before;
+  out.bound = bound(floor, share, before, out.force);
+  return out;
+}
+
+ForceSwitch::Frame ForceSwitch::step_paper(const Model* newest, const Vec3& x) noexcept {
+  Frame out;
+  const Model* latest = waiting_ != nullptr ? waiting_ : current_;
+  if (newest != nullptr && newest != latest) {
+    out.undamped_jump = (newest->force(x) - at(latest, x)).norm();
+    out.took_model = true;
+    out.released = waiting_;  // never used: the latest wins
+    waiting_ = newest;
+    latest = newest;
+  }
+  if (weight_ >= 1 && waiting_ != nullptr) {  // the switch before is over
+    out.released_too = previous_;
+    previous_ = current_;
+    current_ = waiting_;
+    waiting_ = nullptr;
+    weight_ = 0;
+  }
+  const Vec3 to = at(current_, x);
+  const Vec3 difference = weight_ < 1 ? Vec3(to - at(previous_, x)) : Vec3::Zero();
+  const Vec3 before = to - (1 - weight_) * difference;
+  const int interval = std::max(1, static_cast<int>(std::lround(options_.paper_interval / options_.frame)));
+  if (frames_since_step_ < interval) ++frames_since_step_;
+  if (weight_ < 1 && frames_since_step_ >= interval) {
+    const double size = difference.norm(),
+                 most = allowed(options_.jnd_floor, options_.jnd_share, before.norm());
+    weight_ = (1 - weight_) * size <= most ? 1 : std::min(1.0, weight_ + most / size);
+    frames_since_step_ = 0;
+    if (weight_ >= 1) {
+      (out.released == nullptr ? out.released : out.released_too) = previous_;
+      previous_ = nullptr;
+    }
+  }
+  out.force = to - (1 - weight_) * difference;
+  out.undamped = latest == current_ ? to : at(latest, x);
+  out.change = out.force - before;
+  out.bound = bound(options_.jnd_floor, options_.jnd_share, before, out.force);
+  return out;
+}
+
+}  // namespace forefeel

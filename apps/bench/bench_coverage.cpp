@@ -1,0 +1,262 @@
+// forefeel bench coverage: the indexes against plain CGAL and nanoflann, all in one run and with the flags of this
+// file on both sides. Columns of `ratio` are baseline / ours, medians of repeated batches.
+
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nanoflann.hpp>
+#include <random>
+
+#include "apps/bench/bench_regions.hpp"
+#include "apps/console/command.hpp"
+#include "apps/console/provenance.hpp"
+#include "geometry/index/delaunay_index.hpp"
+#include "geometry/coverage/octree_index.hpp"
+#include "geometry/coverage/state_space.hpp"
+
+namespace forefeel {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Triangulation = CGAL::Delaunay_triangulation_3<
+    Kernel, CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>>>;
+using Point = Kernel::Point_3;
+using Clock = std::chrono::steady_clock;
+
+constexpr double h = 0.006;
+
+struct Cloud {
+  std::vector<Vec3> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
+  template <class Bounds>
+  bool kdtree_get_bbox(Bounds&) const { return false; }
+};
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3>;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double microseconds(Clock::time_point start) { return std::chrono::duration<double, std::micro>(Clock::now() - start).count(); }
+
+Point point(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+// n states of a jittered lattice (density one a cell of h), in boustrophedon order so that a plain hint works well,
+// and a smooth path through the middle, new states on it off the lattice.
+struct Field {
+  std::vector<Vec3> states;
+  double half = 0;   // side of the populated cube / 2 [m]
+};
+
+Field make_field(std::size_t n, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> jitter(-0.2 * h, 0.2 * h);
+  const long side = std::lround(std::cbrt(static_cast<double>(n)));
+  Field field;
+  field.half = 0.5 * static_cast<double>(side - 1) * h;
+  for (long k = 0; k < side; ++k)
+    for (long j = 0; j < side; ++j)
+      for (long i = 0; i < side; ++i) {
+        const long row = k % 2 ? side - 1 - j : j, column = (k + j) % 2 ? side - 1 - i : i;
+        const Vec3 cell(static_cast<double>(column), static_cast<double>(row), static_cast<double>(k));
+        field.states.push_back(h * cell - Vec3::Constant(field.half) + Vec3(jitter(random), jitter(random), jitter(random)));
+      }
+  return field;
+}
+
+std::vector<Vec3> make_path(const Field& field, std::size_t steps, double phase) {
+  std::vector<Vec3> path;
+  const double r = 0.8 * field.half, advance = 0.06e-3 / r;   // 60 mm/s at 1 kHz
+  for (std::size_t i = 0; i < steps; ++i) {
+    const double s = phase + advance * static_cast<double>(i);
+    path.emplace_back(r * std::sin(s), r * std::sin(1.3 * s + 0.4), r * std::sin(0.7 * s + 1.1));
+  }
+  return path;
+}
+
+struct Row {
+  std::string name, baseline;
+  double ours_us, baseline_us;
+  std::size_t n;
+};
+
+struct Sums {   // keeps the optimiser honest
+  double value = 0;
+};
+
+class CoverageBench {
+ public:
+  CoverageBench(std::size_t n, std::uint64_t seed)
+      : field_(make_field(n, seed)), space_({.spacing = h, .box = box()}), octree_(h), random_(seed + 1) {
+    Triangulation::Cell_handle hint;
+    for (const Vec3& p : field_.states) {
+      State state;
+      state.at = p;
+      octree_.insert(space_.insert(state).id, p);
+      hint = plain_.insert(point(p), hint)->cell();
+      cloud_.points.push_back(p);
+    }
+    tree_ = std::make_unique<KdTree>(3, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  }
+
+  std::vector<Row> run() {
+    std::vector<Row> rows;
+    query_path(rows);
+    query_random(rows);
+    insert_path(rows);
+    return rows;
+  }
+  double sum() const { return sums_.value; }
+  double insert_us() const { return insert_us_; }
+
+ private:
+  static constexpr int batches = 9;
+  Box box() const { return {Vec3::Constant(-field_.half), Vec3::Constant(field_.half)}; }
+
+  template <class Work>
+  double batch(std::size_t count, Work&& work) {
+    const auto start = Clock::now();
+    for (std::size_t i = 0; i < count; ++i) sums_.value += work(i);
+    return microseconds(start) / static_cast<double>(count);
+  }
+
+  // Labels along a path against CGAL's locate from the last cell; the octree against the k-d tree's nearest. Both of
+  // ours carry a walk as CGAL carries its hint.
+  void query_path(std::vector<Row>& rows) {
+    constexpr std::size_t steps = 4000;
+    std::vector<double> ours, cgal, octree, nano;
+    Triangulation::Cell_handle hint;
+    PathWalk walk, counted;
+    for (int b = 0; b < batches; ++b) {
+      const std::vector<Vec3> path = make_path(field_, steps, 0.3 * b);
+      ours.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i], walk)); }));
+      cgal.push_back(batch(steps, [&](std::size_t i) {
+        hint = plain_.locate(point(path[i]), hint);
+        return static_cast<double>(hint->vertex(1)->info());
+      }));
+      octree.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); }));
+      nano.push_back(batch(steps, [&](std::size_t i) { return nearest(path[i]); }));
+    }
+    rows.push_back({"delaunay query path", "CGAL locate", median(ours), median(cgal), field_.states.size()});
+    rows.push_back({"octree query path", "nanoflann", median(octree), median(nano), field_.states.size()});
+  }
+
+  void query_random(std::vector<Row>& rows) {
+    constexpr std::size_t count = 1000;
+    std::uniform_real_distribution<double> uniform(-field_.half, field_.half);
+    std::vector<double> ours, cgal, nano, octree;
+    for (int b = 0; b < batches; ++b) {
+      std::vector<Vec3> q;
+      for (std::size_t i = 0; i < count; ++i) q.emplace_back(uniform(random_), uniform(random_), uniform(random_));
+      ours.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(space_.label(q[i])); }));
+      Triangulation::Cell_handle hint;
+      cgal.push_back(batch(count, [&](std::size_t i) {
+        hint = plain_.locate(point(q[i]), hint);
+        return static_cast<double>(hint->vertex(1)->info());
+      }));
+      octree.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(octree_.label(q[i])); }));
+      nano.push_back(batch(count, [&](std::size_t i) { return nearest(q[i]); }));
+    }
+    rows.push_back({"delaunay query random", "CGAL locate", median(ours), median(cgal), field_.states.size()});
+    rows.push_back({"delaunay query random", "nanoflann", median(ours), median(nano), field_.states.size()});
+    rows.push_back({"octree query random", "nanoflann", median(octree), median(nano), field_.states.size()});
+  }
+
+  // New states every quarter spacing along a path, into all three.
+  void insert_path(std::vector<Row>& rows) {
+    const std::size_t count = std::clamp<std::size_t>(field_.states.size() / 20, 50, 400);
+    std::vector<double> ours, cgal, octree;
+    Triangulation::Cell_handle hint;
+    for (int b = 0; b < batches; ++b) {
+      const std::vector<Vec3> dense = make_path(field_, count * 25, 0.11 + 0.3 * b);
+      std::uniform_real_distribution<double> jitter(-0.05 * h, 0.05 * h);
+      std::vector<Vec3> fresh;
+      for (std::size_t i = 0; i < count; ++i)
+        fresh.push_back(dense[25 * i] + Vec3(jitter(random_), jitter(random_), jitter(random_)));
+      cgal.push_back(batch(count, [&](std::size_t i) {
+        hint = plain_.insert(point(fresh[i]), hint)->cell();
+        return hint->vertex(0)->info();
+      }));
+      std::vector<StateId> ids;
+      ours.push_back(batch(count, [&](std::size_t i) {
+        State state;
+        state.at = fresh[i];
+        ids.push_back(space_.insert(std::move(state)).id);
+        return 1.0;
+      }));
+      octree.push_back(batch(count, [&](std::size_t i) {
+        octree_.insert(ids[i], fresh[i]);
+        return 1.0;
+      }));
+    }
+    rows.push_back({"delaunay insert path", "CGAL insert", median(ours), median(cgal), field_.states.size()});
+    rows.push_back({"octree insert", "delaunay insert", median(octree), median(ours), field_.states.size()});
+    insert_us_ = median(ours);
+  }
+
+  double nearest(const Vec3& q) const {
+    unsigned index = 0;
+    double squared = 0;
+    tree_->knnSearch(q.data(), 1, &index, &squared);
+    return squared;
+  }
+
+  Field field_;
+  StateSpace space_;
+  OctreeIndex octree_;
+  Triangulation plain_;
+  Cloud cloud_;
+  std::unique_ptr<KdTree> tree_;
+  std::mt19937_64 random_;
+  Sums sums_;
+  double insert_us_ = 0;
+};
+
+}  // namespace
+
+int bench_coverage(const Globals& globals) {
+  std::vector<Row> rows;
+  Progress progress(globals, "bench coverage");
+  double sum = 0;
+  const std::vector<std::size_t> sizes{1000, 10'000, 100'000, 1'000'000};
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    progress.show(static_cast<double>(i) / static_cast<double>(sizes.size()), fmt::format("{} states", sizes[i]));
+    CoverageBench bench(sizes[i], globals.seed);
+    for (Row& row : bench.run()) rows.push_back(std::move(row));
+    if (sizes[i] <= 100'000)
+      for (const RegionCost& cost : bench_regions(sizes[i], globals.seed)) {
+        rows.push_back({"region update " + cost.name, "delaunay insert", cost.look_us, bench.insert_us(), cost.states});
+        rows.push_back({"region settle " + cost.name, "delaunay insert", cost.whole_us, bench.insert_us(), cost.states});
+        sum += cost.sum;
+      }
+    sum += bench.sum();
+  }
+  nlohmann::ordered_json out;
+  out["rows"] = nlohmann::ordered_json::array();
+  say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12}{:>14}{:>9}", "", "baseline", "n", "ours [us]", "baseline [us]", "ratio"));
+  for (const Row& row : rows) {
+    const double ratio = row.baseline_us / row.ours_us;
+    out["rows"].push_back({{"name", row.name}, {"baseline", row.baseline}, {"ratio", ratio}, {"ours_us", row.ours_us},
+                           {"baseline_us", row.baseline_us}, {"error", {{"p50", 0}, {"p95", 0}, {"max", 0}}}, {"n", row.n},
+                           {"k", 1}, {"scene", "jittered lattice, 6 mm"}, {"law", nullptr}, {"elements", nullptr},
+                           {"threads", 1}, {"tolerance", nullptr}});
+    say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9.3g}", row.name, row.baseline, row.n, row.ours_us,
+                             row.baseline_us, ratio));
+  }
+  report_agreement(globals, out);
+  if (globals.json) {
+    out["provenance"] = provenance("");
+    print_json(out);
+  }
+  return std::isfinite(sum) ? 0 : 1;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,12 @@
+#pragma once
+// The table of hard cases: laws x Poisson's ratio x contact x motion on the liver phantom, and bodies of odd size,
+// stiffness and shape.
+
+#include "apps/console/command.hpp"
+
+namespace forefeel {
+
+// `forefeel bench solver hard-cases`; output: a folder for hard_cases.csv and hard_cases.html, or empty.
+int bench_hard_cases(const Globals& globals, const std::string& output);
+
+}  // namespace forefeel

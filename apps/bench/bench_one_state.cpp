@@ -1,0 +1,169 @@
+// forefeel bench solver SCENE --states 1: one state two spacings inward, from the equilibrium one spacing inward. Each
+// solver runs in a process of its own, on one thread, so that its memory is its own: the peak above that of a process that
+// solves nothing. Analysis (ordering, symbolic factorisation) is timed apart, for it is done once a body.
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "apps/bench/bench_one_state.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/scene_input/scene_body.hpp"
+#include "geometry/common/error.hpp"
+#include "solver/baselines/baseline.hpp"
+#include "solver/equilibrium/continuation.hpp"
+
+namespace forefeel {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+struct OneState {
+  double analysis = 0, solve = 0;      // [s]
+  double bytes = 0;
+  double force[3] = {};
+  double residual = 0;
+  int iterations = 0;
+  bool converged = false;
+};
+
+struct Problem {
+  std::shared_ptr<const Discretisation> d;
+  LocalField start;                    // at `from`
+  Vec3 from, to;
+  double tolerance = 1e-6;
+};
+
+OneState solve_ours(const Problem& problem) {
+  OneState result;
+  const auto begun = SteadyClock::now();
+  Continuation path(problem.d);
+  result.analysis = seconds_since(begun);
+  path.begin_at(problem.from, {problem.start.u, {}});
+  const auto start = SteadyClock::now();
+  const NewtonReport report = path.advance(problem.to, 0, problem.tolerance, 30, {});
+  result.solve = seconds_since(start);
+  for (int i = 0; i < 3; ++i) result.force[i] = report.force[i];
+  result.residual = report.residual;
+  result.iterations = path.iterations();
+  result.converged = report.status == SolveStatus::converged;
+  return result;
+}
+
+OneState solve_baseline(const Problem& problem, Baseline which) {
+  OneState result;
+  const auto begun = SteadyClock::now();
+  BaselineNewton newton(problem.d, which);
+  result.analysis = seconds_since(begun);
+  std::vector<double> u = problem.start.u;
+  const auto start = SteadyClock::now();
+  const State state = newton.solve(u, problem.to, problem.tolerance);
+  result.solve = seconds_since(start);
+  for (int i = 0; i < 3; ++i) result.force[i] = state.force[i];
+  result.residual = state.residual;
+  result.iterations = state.iterations;
+  result.converged = state.usable();
+  return result;
+}
+
+// work() in a child process, with its peak memory; nothing where that ends badly.
+template <class Work>
+std::optional<OneState> alone(const Work& work) {
+  int ends[2];
+  if (pipe(ends) != 0) return std::nullopt;
+  const pid_t child = fork();
+  if (child < 0) return std::nullopt;
+  if (child == 0) {
+    const OneState result = work();
+    const bool whole = write(ends[1], &result, sizeof result) == static_cast<ssize_t>(sizeof result);
+    _exit(whole ? 0 : 1);
+  }
+  close(ends[1]);
+  OneState result;
+  const bool whole = read(ends[0], &result, sizeof result) == static_cast<ssize_t>(sizeof result);
+  close(ends[0]);
+  rusage usage{};
+  int status = 0;
+  wait4(child, &status, 0, &usage);
+  if (!whole || status != 0) return std::nullopt;
+  result.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return result;
+}
+
+}  // namespace
+
+int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing, const std::string& scene) {
+  Problem problem;
+  problem.d = std::make_shared<const Discretisation>(discretise(*body));
+  const Vec3 inward = inward_direction(*body);
+  problem.from = spacing * inward;
+  problem.to = 2 * problem.from;
+  Progress progress(globals, "bench solver");
+  progress.show(0, "the neighbour");
+  {
+    Continuation path(problem.d);
+    path.begin_at_rest();
+    const NewtonReport report = path.advance(problem.from, 0, 1e-10, 60, {});
+    if (report.status != SolveStatus::converged)
+      throw InputError(scene, fmt::format("the state one spacing inward ended as {}, expected one that converges", name(report.status)));
+    problem.start = path.field();
+  }
+  struct Row {
+    const char* name;
+    std::optional<OneState> result;
+  };
+  Row rows[] = {{"forefeel", {}}, {"CHOLMOD full Newton", {}}, {"Eigen SimplicialLDLT full Newton", {}}};
+  const std::optional<OneState> nothing = alone([] { return OneState{}; });
+  rows[0].result = alone([&] { return solve_ours(problem); });
+  progress.show(0.1, "CHOLMOD");
+  rows[1].result = alone([&] { return solve_baseline(problem, Baseline::cholmod); });
+  progress.show(0.3, "Eigen");
+  rows[2].result = alone([&] { return solve_baseline(problem, Baseline::eigen_ldlt); });
+  for (Row& row : rows)
+    if (nothing && row.result) row.result->bytes -= nothing->bytes;
+  for (const Row& row : rows)
+    if (!row.result || !row.result->converged) warn(globals, fmt::format("{} did not solve the state", row.name));
+  if (!rows[0].result) return 1;
+
+  const OneState& ours = *rows[0].result;
+  const Vec3 force(ours.force[0], ours.force[1], ours.force[2]);
+  nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
+  say(globals, fmt::format("{}: {}, {} tetrahedra, {} free nodes, one state, one thread, {}; {}", scene, name(body->material.law),
+                           body->mesh.tets.size(), problem.d->free_nodes, instruction_set(), cholmod_blas()));
+  say(globals, fmt::format("{:<36}{:>14}{:>12}{:>12}{:>10}{:>14}{:>12}", "", "analysis s", "solve s", "iterations", "MB", "force differs", "time ratio"));
+  bool all = true;
+  for (const Row& row : rows) {
+    all = all && row.result && row.result->converged;
+    if (!row.result) continue;
+    const OneState& r = *row.result;
+    const double apart = (Vec3(r.force[0], r.force[1], r.force[2]) - force).norm() / force.norm();
+    say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12.2f}", row.name, r.analysis, r.solve, r.iterations,
+                             1e-6 * r.bytes, apart, r.solve / ours.solve));
+    if (&row == rows) continue;
+    document["rows"].push_back({{"name", "one state"}, {"baseline", row.name}, {"ratio", number(r.solve / ours.solve)},
+                                {"ours_us", number(1e6 * ours.solve)}, {"baseline_us", number(1e6 * r.solve)},
+                                {"error", {{"p50", number(apart)}, {"p95", number(apart)}, {"max", number(apart)}}},
+                                {"n", 1}, {"k", nullptr}, {"scene", scene}, {"law", name(body->material.law)},
+                                {"elements", body->mesh.tets.size()}, {"threads", 1}, {"tolerance", problem.tolerance},
+                                {"ours_bytes", number(ours.bytes)}, {"baseline_bytes", number(r.bytes)},
+                                {"ours_analysis_us", number(1e6 * ours.analysis)}, {"baseline_analysis_us", number(1e6 * r.analysis)},
+                                {"ours_iterations", ours.iterations}, {"baseline_iterations", r.iterations}});
+  }
+  document["blas"] = cholmod_blas();
+  document["instruction_set"] = instruction_set();
+  document["provenance"] = provenance("");
+  if (globals.json) print_json(document);
+  return all ? 0 : 1;
+}
+
+}  // namespace forefeel

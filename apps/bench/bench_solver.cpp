@@ -1,0 +1,281 @@
+// forefeel bench solver [SCENE]: states per second over the scene's whole lattice, or over that of a box about rest shrunk
+// until it holds no more than the given number (then both sides solve only those), beside full Newton on Eigen's
+// SimplicialLDLT and on CHOLMOD in the same run. A baseline solves a sample of the lattice, each state warm-started
+// from its lattice neighbour towards rest, on the same number of threads; errors are against tight solves on the
+// reference branch at a random sample.
+
+#include <fmt/format.h>
+#include <omp.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <random>
+
+#include "apps/bench/bench_one_state.hpp"
+#include "apps/console/command.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/scene_input/scene.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "solver/baselines/baseline.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+// OpenBLAS takes old kernels on processors it does not know, as virtual ones. It chooses while it is loaded, so where
+// its choice is below our instruction set the command starts itself again with the choice made.
+void match_blas_to_processor() {
+  const char* wanted = cholmod_blas_wanted();
+  if (!wanted || std::getenv("OPENBLAS_CORETYPE")) return;
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  if (words.empty() || setenv("OPENBLAS_CORETYPE", wanted, 1) != 0) return;
+  execv("/proc/self/exe", arguments.data());      // returns only where that fails: then with what there is
+}
+
+struct BenchCase {
+  std::shared_ptr<const Body> body;
+  StateSpaceOptions space;
+  std::string name;
+};
+
+BenchCase take_case(const Globals& globals, const std::string& file) {
+  const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);
+  for (const std::string& warning : scene.warnings) warn(globals, warning);
+  return {scene.body, scene.space, scene.file.string()};
+}
+
+// The box, shrunk towards rest until its lattice has `most` states at most.
+Box shrunk(const StateSpaceOptions& space, std::size_t most) {
+  Box box = space.box;
+  for (double share = 1; share > 0 && lattice(box, space.spacing).size() > most; share -= 1.0 / 64)
+    box = {Vec3(share * space.box.low), Vec3(share * space.box.high)};
+  return box;
+}
+
+struct Errors {
+  std::vector<double> values;
+  double at(double share) {
+    if (values.empty()) return unknown;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+  }
+};
+
+// Relative force errors of a random sample of states against tight solves on the reference branch.
+Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::size_t count, std::uint64_t seed, int threads) {
+  std::mt19937_64 random(seed + 1);
+  std::vector<const State*> sample;
+  for (const State& s : states)
+    if (s.usable() && s.at.norm() > 0) sample.push_back(&s);
+  std::shuffle(sample.begin(), sample.end(), random);
+  sample.resize(std::min(sample.size(), count));
+  std::vector<double> values(sample.size(), unknown);
+#pragma omp parallel num_threads(threads)
+  {
+    Solver solver(bench.body);
+#pragma omp for schedule(dynamic)
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+      const State tight = solver.reference(sample[i]->at, bench.space.spacing).state;
+      if (tight.usable()) values[i] = (sample[i]->force - tight.force).norm() / std::max(tight.force.norm(), 0.05);
+    }
+  }
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  return {values};
+}
+
+struct BaselineRun {
+  double per_state = 0;     // [s], all threads together
+  std::size_t states = 0, failed = 0;
+  double iterations = 0;
+  std::vector<State> solved;
+};
+
+// Each of the sample from the displacements of its neighbour one spacing nearer to rest, which are not charged; as many
+// as are begun within `budget` seconds.
+BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
+                         const std::vector<std::size_t>& sample, int threads, double tolerance, double budget) {
+  const auto d = std::make_shared<const Discretisation>(discretise(*bench.body));
+  const double h = bench.space.spacing;
+  const auto key = [&](const Vec3& x) {
+    return std::array<long, 3>{std::lround(x[0] / h), std::lround(x[1] / h), std::lround(x[2] / h)};
+  };
+  std::map<std::array<long, 3>, const State*> known;
+  for (const State& s : states)
+    if (s.displacements) known[key(s.at)] = &s;
+  std::vector<std::pair<Vec3, std::vector<double>>> starts;
+  for (const std::size_t i : sample) {
+    std::array<long, 3> k = key(states[i].at);
+    const auto longest = static_cast<std::size_t>(
+        std::max_element(k.begin(), k.end(), [](long a, long b) { return std::abs(a) < std::abs(b); }) - k.begin());
+    k[longest] -= k[longest] > 0 ? 1 : k[longest] < 0 ? -1 : 0;
+    const auto from = known.find(k);
+    if (from == known.end()) continue;
+    std::vector<double> u(static_cast<std::size_t>(d->local_size())), by_node = *from->second->displacements;
+    for (const auto& [a, b] : d->edges)      // mid-edge nodes start between their ends
+      for (std::size_t c = 0; c < 3; ++c)
+        by_node.push_back(0.5 * (by_node[3 * static_cast<std::size_t>(a) + c] + by_node[3 * static_cast<std::size_t>(b) + c]));
+    d->to_local(by_node, u.data());
+    starts.emplace_back(states[i].at, std::move(u));
+  }
+  BaselineRun run;
+  run.solved.resize(starts.size());
+  std::vector<std::unique_ptr<BaselineNewton>> solvers;
+  for (int i = 0; i < threads; ++i) solvers.push_back(std::make_unique<BaselineNewton>(d, which));
+  const auto start = SteadyClock::now();
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    if (seconds_since(start) < budget)
+      run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(starts[i].second, starts[i].first, tolerance);
+  const double seconds = seconds_since(start);
+  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });   // not begun
+  for (const State& s : run.solved) {
+    run.failed += !s.usable();
+    run.iterations += s.iterations;
+  }
+  run.states = run.solved.size();
+  run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));
+  run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states));
+  return run;
+}
+
+double median(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  return v.empty() ? unknown : v[v.size() / 2];
+}
+
+double peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024 * std::strtod(line.c_str() + 6, nullptr);
+  return unknown;
+}
+
+nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours, double theirs,
+                                Errors& errors, std::size_t n, int threads, double tolerance) {
+  nlohmann::ordered_json row;
+  row["name"] = "generate";
+  row["baseline"] = baseline;
+  row["ratio"] = number(theirs / ours);
+  row["ours_us"] = number(1e6 * ours);
+  row["baseline_us"] = number(1e6 * theirs);
+  row["error"] = {{"p50", number(errors.at(0.5))}, {"p95", number(errors.at(0.95))}, {"max", number(errors.at(1))}};
+  row["n"] = n;
+  row["k"] = nullptr;
+  row["scene"] = bench.name;
+  row["law"] = name(bench.body->material.law);
+  row["elements"] = bench.body->mesh.tets.size();
+  row["threads"] = threads;
+  row["tolerance"] = tolerance;
+  return row;
+}
+
+}  // namespace
+
+int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states) {
+  match_blas_to_processor();
+  constexpr double tolerance = 1e-6;
+  constexpr std::size_t error_sample = 60;
+  constexpr int rounds = 3;
+  constexpr double enough = 40;      // [s] after which no further round is begun
+  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
+  BenchCase bench = take_case(globals, scene);
+  if (most_states == 1) return bench_one_state(globals, bench.body, bench.space.spacing, bench.name);
+  const std::size_t whole = lattice(bench.space.box, bench.space.spacing).size();
+  if (most_states > 0) bench.space.box = shrunk(bench.space, most_states);
+  GenerateOptions options;
+  options.spacing = bench.space.spacing;
+  options.box = bench.space.box;
+  options.threads = threads;
+  options.tolerance = tolerance;
+  options.want_displacements = true;
+
+  Progress progress(globals, "bench solver");
+  std::vector<State> states;
+  GenerateReport report;
+  std::vector<double> ours, eigen, cholmod;
+  BaselineRun last_eigen, last_cholmod;
+  const auto begun = SteadyClock::now();
+  for (int round = 0; round < rounds && (round == 0 || seconds_since(begun) < enough); ++round) {
+    progress.show(static_cast<double>(round) / rounds, "whole lattice");
+    states.clear();
+    report = generate_lattice(bench.body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+    ours.push_back(report.seconds / static_cast<double>(std::max<std::size_t>(1, report.solved)));
+    std::sort(states.begin(), states.end(), [](const State& a, const State& b) {
+      return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+    });
+    // A share of the lattice, drawn anew in each round, and no more than takes about as long as our whole lattice.
+    std::vector<std::size_t> sample(states.size());
+    for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
+    std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
+    std::shuffle(sample.begin(), sample.end(), random);
+    sample.resize(std::min(sample.size(), std::max<std::size_t>(20, states.size() / 20)));
+    const double budget = std::max(2.0, report.seconds);
+    progress.show((round + 0.5) / rounds, "baselines");
+    last_eigen = run_baseline(Baseline::eigen_ldlt, bench, states, sample, threads, tolerance, budget);
+    last_cholmod = run_baseline(Baseline::cholmod, bench, states, sample, threads, tolerance, budget);
+    eigen.push_back(last_eigen.per_state);
+    cholmod.push_back(last_cholmod.per_state);
+  }
+  double scaling = unknown;            // states per second over those of one thread
+  if (threads > 1 && seconds_since(begun) < enough) {
+    progress.show(0.9, "one thread");
+    GenerateOptions alone = options;
+    alone.threads = 1;
+    std::size_t count = 0;
+    const GenerateReport one = generate_lattice(bench.body, alone, {}, [&](const State&) { ++count; }, {});
+    scaling = one.seconds / static_cast<double>(std::max<std::size_t>(1, one.solved)) / median(ours);
+  }
+  progress.show(1, "errors");
+  Errors errors = sample_errors(bench, states, error_sample, globals.seed, threads);
+
+  nlohmann::ordered_json document;
+  document["rows"] = nlohmann::ordered_json::array();
+  const std::size_t n = report.solved;
+  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", median(ours), median(eigen), errors, n, threads, tolerance));
+  document["rows"].push_back(make_row(bench, "CHOLMOD full Newton", median(ours), median(cholmod), errors, n, threads, tolerance));
+  document["blas"] = cholmod_blas();
+  document["instruction_set"] = instruction_set();
+  document["failed"] = report.failed;
+  document["states_of_the_scene"] = whole;
+  document["speedup_over_one_thread"] = number(scaling);
+  document["errors_drawn"] = errors.values.size();
+  document["baseline_states"] = {last_eigen.states, last_cholmod.states};
+  document["baseline_iterations"] = number(last_eigen.iterations);
+  document["baseline_failed"] = last_eigen.failed + last_cholmod.failed;
+  document["peak_bytes"] = number(peak_bytes());
+  document["provenance"] = provenance("");
+  if (globals.json) print_json(document);
+  say(globals, fmt::format("{}: {}, {} tetrahedra, {} states, {} failed, {} threads, {}", bench.name,
+                           name(bench.body->material.law), bench.body->mesh.tets.size(), n, report.failed, threads, instruction_set()));
+  if (n + report.failed < whole)
+    say(globals, fmt::format("the {} states nearest to rest, of {} in the scene's box", n + report.failed, whole));
+  say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
+  say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * median(ours)));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * median(eigen), median(eigen) / median(ours)));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * median(cholmod), median(cholmod) / median(ours), cholmod_blas()));
+  if (std::isfinite(scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, scaling));
+  say(globals, fmt::format("baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
+                           "charged), on the same threads", last_eigen.states, last_cholmod.states));
+  say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}", errors.values.size(),
+                           errors.at(0.5), errors.at(0.95), errors.at(1)));
+  return 0;
+}
+
+}  // namespace forefeel

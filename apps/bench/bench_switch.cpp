@@ -1,0 +1,326 @@
+// forefeel bench switch [SCENE]: what a frame of each switch rule costs, beside no switch at all, and what
+// the hand feels of a model that changes every 10 to 100 ms. The same stream of models for every rule, and a
+// hard one: the HIP moves through the scene's box at hand speed, and each model is made from 24 other states
+// of the lattice, so that each disagrees with the last everywhere (r^3 on force, the paper's). The first one
+// is alone for a second, in which it fades in; what is measured begins then. Errors are those of the rendered
+// force against the finest model of all states.
+//   frames_over_jnd   frames whose change by the switch exceeds the rule's bound (none: that of smooth)
+//   max_jump          most that the switch changed the force in one frame [N]
+//   drift             most that switches changed the force within 50, 100, 300 ms, |sum of dF| [N]
+//   delay             from a model's coming until the force is that of it or a newer one, beside its bound:
+//       paper    10 ms (steps of the switch under way + steps of the next + 2), steps = d / s, d the largest
+//                difference of the two models at the HIP meanwhile
+//       smooth   1 ms (e / s + 1), e the offset and all that later models add to it
+//       s the least step that the rule allows meanwhile: max(10 mN, 0.07 / 1.07 |F|), a tenth for smooth
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+
+#include "approx/baselines/baseline.hpp"
+#include "approx/switch/force_switch.hpp"
+#include "approx/loops/instruction_set.hpp"
+#include "apps/laboratory/laboratory.hpp"
+#include "apps/console/provenance.hpp"
+#include "scheduling/motion/random.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double frame = 1e-3, speed = 0.06;            // [s], [m/s]
+constexpr std::size_t frames = 5000, settling = 60000;  // of the stream, and at most after it
+constexpr std::size_t lead = 1000;                      // frames of the first model alone
+constexpr std::size_t states_per_model = 24;
+constexpr int rounds = 7;
+constexpr std::size_t error_every = 10;  // frames
+
+// What comes: the HIP, and in some frames a new model.
+struct Stream {
+  std::vector<Vec3> at;            // by frame
+  std::vector<Model> models;       // by growing serial
+  std::vector<std::size_t> comes;  // frame of each model
+  std::vector<Vec3> truth;         // every error_every frames [N]
+};
+
+std::vector<Vec3> motion(const StateSpaceOptions& options) {
+  const Vec3 half = 0.4 * options.box.size(), middle = options.box.centre();
+  const auto at = [&](double u) {
+    return Vec3(middle + half.cwiseProduct(Vec3(std::sin(2 * u), std::sin(3 * u + 0.5), std::sin(u + 1))));
+  };
+  std::vector<Vec3> path;
+  double u = 0;
+  while (path.size() < frames) {
+    path.push_back(at(u));
+    u += speed * frame / std::max(1e-6, (at(u + 1e-5) - at(u)).norm() / 1e-5);
+  }
+  return path;
+}
+
+Stream make_stream(const StateSpaceOptions& options, const std::vector<State>& states, std::size_t every,
+                   std::uint64_t seed) {
+  Stream stream;
+  stream.at = motion(options);
+  const ModelOptions paper{.kernel = Kernel::cubic,
+                           .data = Data::force,
+                           .neighbours = states_per_model,
+                           .select = Select::nearest};
+  for (std::size_t k = 0; k < frames; k = k == 0 ? lead : k + every) {
+    const std::uint64_t draw = mix(seed + 7, stream.models.size());
+    std::vector<State> known;
+    for (std::size_t i = 0; i < states_per_model && !states.empty(); ++i)
+      known.push_back(states[mix(draw, i) % states.size()]);
+    std::ranges::sort(known, [](const State& a, const State& b) {
+      return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+    });
+    known.erase(
+        std::unique(known.begin(), known.end(), [](const State& a, const State& b) { return a.at == b.at; }),
+        known.end());
+    stream.models.push_back(fit(known, paper, stream.at[k]));
+    stream.comes.push_back(k);
+  }
+  StateSpace all(options);
+  for (const State& state : states) all.insert(state);
+  ModelUpdater best(all, {.kernel = Kernel::quintic,
+                          .data = Data::force_and_stiffness,
+                          .neighbours = std::min<std::size_t>(50, states.size())});
+  for (std::size_t k = 0; k < frames; k += error_every)
+    stream.truth.push_back(best.model_at(stream.at[k]).force(stream.at[k]));
+  return stream;
+}
+
+struct Outcome {
+  std::size_t over_bound = 0, skipped = 0;
+  double max_jump = 0, max_undamped = 0;      // [N]
+  std::array<double, 3> drift{};              // [N]
+  std::vector<double> errors, delays;         // [1], [s]
+  double worst_bound = 0, most_of_bound = 0;  // [s], delay / bound
+  bool latest_wins = true;                    // the force ends on the last model
+};
+
+// One model's way to the hand.
+struct Waiting {
+  std::size_t model = 0, frame = 0;  // that brought it
+  double offset = 0;                 // smooth: |e| then, and what later models add [N]
+};
+
+class Player {
+ public:
+  Player(const Stream& stream, SwitchRule rule) : stream_(stream), rule_(rule), switch_({.rule = rule}) {}
+
+  Outcome play(double floor) {
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < frames + settling && (k < frames || !waiting_.empty()); ++k) {
+      const bool comes = next < stream_.comes.size() && stream_.comes[next] == k;
+      step(k, comes ? &stream_.models[next] : nullptr, next, floor);
+      if (comes) ++next;
+    }
+    out_.latest_wins = waiting_.empty();
+    measure_drift();
+    return std::move(out_);
+  }
+
+ private:
+  const Vec3& at(std::size_t k) const { return stream_.at[std::min(k, frames - 1)]; }
+
+  void step(std::size_t k, const Model* comes, std::size_t index, double floor) {
+    const ForceSwitch::Frame now = switch_.step(comes, at(k));
+    before_.push_back((now.force - now.change).norm());
+    out_.over_bound += k >= lead && now.change.norm() > now.bound ? 1 : 0;
+    if (k >= lead) {
+      changes_.push_back(now.change);
+      out_.max_jump = std::max(out_.max_jump, now.change.norm());
+      out_.max_undamped = std::max(out_.max_undamped, now.undamped_jump);
+    }
+    if (k >= lead && k < frames && k % error_every == 0) {
+      const Vec3& truth = stream_.truth[k / error_every];
+      out_.errors.push_back((now.force - truth).norm() / std::max(truth.norm(), floor));
+    }
+    if (comes != nullptr) {
+      for (Waiting& w : waiting_) w.offset += now.undamped_jump;
+      waiting_.push_back({index, k, (now.force - now.undamped).norm() + now.change.norm()});
+    }
+    finish(k, now.force);
+  }
+
+  // The newest waiting model whose force is rendered has arrived, and so have all before it.
+  void finish(std::size_t k, const Vec3& force) {
+    for (std::size_t w = waiting_.size(); w-- > 0;) {
+      if ((force - stream_.models[waiting_[w].model].force(at(k))).norm() > 1e-13 * (1 + force.norm()))
+        continue;
+      for (std::size_t i = 0; i <= w; ++i) note_delay(waiting_[i], k, waiting_[w].model);
+      out_.skipped += w;
+      rendered_.push_back({k, waiting_[w].model});
+      waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(w) + 1);
+      return;
+    }
+  }
+
+  double largest_difference(const Model* a, const Model& b, std::size_t from, std::size_t to) const {
+    double most = 0;
+    for (std::size_t k = from; k <= to; ++k)
+      most = std::max(most, ((a != nullptr ? a->force(at(k)) : Vec3::Zero()) - b.force(at(k))).norm());
+    return most;
+  }
+
+  // The least step that a rule with this floor and share took in these frames [N].
+  double least_step(double floor, double share, std::size_t from, std::size_t to) const {
+    const double force = *std::min_element(before_.begin() + static_cast<std::ptrdiff_t>(from),
+                                           before_.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+    return std::max(floor, share / (1 + share) * force) * (1 - 1e-6);
+  }
+
+  double paper_steps(const Model* a, std::size_t b, std::size_t from, std::size_t to) const {
+    return std::ceil(largest_difference(a, stream_.models[b], from, to) / least_step(10e-3, 0.07, from, to)) +
+           1;
+  }
+
+  double bound_of(const Waiting& w, std::size_t done, std::size_t arrived) const {
+    if (rule_ == SwitchRule::none) return 0;
+    if (rule_ == SwitchRule::smooth)
+      return frame * (std::ceil(w.offset / least_step(1e-3, 0.007, w.frame, done)) + 1);
+    // A -> B was under way when it came, B -> C (it, or newer) followed; where nothing was, A -> C alone.
+    double steps = 0;
+    const Model* before = nullptr;
+    std::size_t since = 0;
+    for (const auto& [k, model] : rendered_) {
+      if (k >= w.frame) steps += paper_steps(before, model, since, k);
+      since = k;
+      before = &stream_.models[model];
+    }
+    return 10e-3 * (steps + paper_steps(before, arrived, since, done));
+  }
+
+  void note_delay(const Waiting& w, std::size_t k, std::size_t arrived) {
+    if (w.frame < lead) return;
+    const double delay = frame * static_cast<double>(k - w.frame), bound = bound_of(w, k, arrived);
+    out_.delays.push_back(delay);
+    out_.worst_bound = std::max(out_.worst_bound, bound);
+    if (bound > 0)
+      out_.most_of_bound = std::max(out_.most_of_bound, delay / bound);
+    else if (delay > 0)
+      out_.most_of_bound = std::numeric_limits<double>::infinity();
+  }
+
+  void measure_drift() {
+    const std::array<std::size_t, 3> windows{50, 100, 300};
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t k = 0; k < changes_.size(); ++k) {
+        sum += changes_[k];
+        if (k >= windows[i]) sum -= changes_[k - windows[i]];
+        out_.drift[i] = std::max(out_.drift[i], sum.norm());
+      }
+    }
+  }
+
+  const Stream& stream_;
+  SwitchRule rule_;
+  ForceSwitch switch_;
+  Outcome out_;
+  std::vector<Vec3> changes_;
+  std::vector<double> before_;  // |F| before each frame's change [N]
+  std::deque<Waiting> waiting_;
+  std::vector<std::pair<std::size_t, std::size_t>> rendered_;  // frame, model: switches that are over
+};
+
+// One pass over the stream with nothing but the switch in it [us per frame].
+double cost_of_a_frame(const Stream& stream, SwitchRule rule) {
+  ForceSwitch damped({.rule = rule});
+  Vec3 sum = Vec3::Zero();
+  std::size_t next = 0;
+  const auto start = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < frames; ++k) {
+    const bool comes = next < stream.comes.size() && stream.comes[next] == k;
+    sum += damped.step(comes ? &stream.models[next] : nullptr, stream.at[k]).force;
+    next += comes ? 1 : 0;
+  }
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+  return sum.allFinite() ? took.count() / static_cast<double>(frames) : unknown;
+}
+
+nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, std::size_t every, double ours,
+                                double none, const Outcome& found) {
+  nlohmann::ordered_json row;
+  row["name"] = fmt::format("switch {}, update every {} ms", name(rule), every);
+  row["baseline"] = "rule none";
+  row["ratio"] = number(none / ours);
+  row["ours_us"] = number(ours);
+  row["baseline_us"] = number(none);
+  row["error"] = quantiles_json(found.errors);
+  row["n"] = states_per_model;
+  row["k"] = nullptr;
+  row["scene"] = laboratory.name();
+  row["law"] = name(laboratory.scene().body->material.law);
+  row["elements"] = laboratory.scene().body->mesh.tets.size();
+  row["threads"] = 1;
+  row["tolerance"] = 1e-9;
+  row["rule"] = name(rule);
+  row["update_ms"] = every;
+  row["frames"] = frames - lead;
+  row["frames_over_jnd"] = found.over_bound;
+  row["max_jump"] = number(found.max_jump);
+  row["max_jump_undamped"] = number(found.max_undamped);
+  row["drift"] = {
+      {"ms50", number(found.drift[0])}, {"ms100", number(found.drift[1])}, {"ms300", number(found.drift[2])}};
+  row["delay"] = {{"p50_ms", number(1e3 * quantile_of(found.delays, 0.5))},
+                  {"p95_ms", number(1e3 * quantile_of(found.delays, 0.95))},
+                  {"max_ms", number(1e3 * quantile_of(found.delays, 1))},
+                  {"bound_ms", number(1e3 * found.worst_bound)},
+                  {"most_of_bound", number(found.most_of_bound)},
+                  {"within_bound", found.most_of_bound <= 1}};
+  row["models_skipped"] = found.skipped;
+  row["latest_wins"] = found.latest_wins;
+  return row;
+}
+
+}  // namespace
+
+int bench_switch(const Globals& globals, const std::string& scene) {
+  Laboratory laboratory(globals, scene);
+  Progress progress(globals, "bench switch");
+  const StateSpaceOptions& space = laboratory.scene().space;
+  const std::vector<State> states = laboratory.lattice_states(
+      space.box, space.spacing,
+      [&](double share, const std::string& text) { progress.show(0.5 * share, text); });
+  constexpr std::array rules{SwitchRule::smooth, SwitchRule::paper, SwitchRule::none};
+  nlohmann::ordered_json document;
+  document["rows"] = nlohmann::ordered_json::array();
+  bool good = true;
+  std::vector<std::string> lines;
+  for (const std::size_t every : {10, 20, 50, 100}) {
+    progress.show(0.5 + 0.005 * static_cast<double>(every - 10), fmt::format("a model every {} ms", every));
+    const Stream stream = make_stream(space, states, every, globals.seed);
+    std::array<std::vector<double>, 3> costs;
+    for (int round = 0; round < rounds; ++round)  // in turns, so that all see the same machine
+      for (std::size_t r = 0; r < rules.size(); ++r) costs[r].push_back(cost_of_a_frame(stream, rules[r]));
+    const double none = quantile_of(costs[2], 0.5);
+    for (std::size_t r = 0; r < rules.size(); ++r) {
+      const Outcome found = Player(stream, rules[r]).play(laboratory.scene().session.error_floor);
+      const double ours = quantile_of(costs[r], 0.5);
+      document["rows"].push_back(make_row(laboratory, rules[r], every, ours, none, found));
+      if (rules[r] != SwitchRule::none)
+        good = good && found.over_bound == 0 && found.most_of_bound <= 1 && found.latest_wins;
+      lines.push_back(fmt::format(
+          "{:7} every {:3} ms: {:.3f} us a frame (none {:.3f}, ratio {:.2f}); {:4} frames over the bound, "
+          "largest change {:.3g} N (models {:.3g} N), "
+          "drift in 100 ms {:.3g} N; delay p95 {:.0f}, most {:.0f} ms (bound {:.0f}); error p95 {:.2g}",
+          name(rules[r]), every, ours, none, none / ours, found.over_bound, found.max_jump,
+          found.max_undamped, found.drift[1], 1e3 * quantile_of(found.delays, 0.95),
+          1e3 * quantile_of(found.delays, 1), 1e3 * found.worst_bound, quantile_of(found.errors, 0.95)));
+    }
+  }
+  document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
+  document["instruction_set"] = name(approx_instruction_set());
+  document["provenance"] = provenance(laboratory.scene().hash);
+  if (globals.json) print_json(document);
+  for (const std::string& line : lines) say(globals, line);
+  if (good) return 0;
+  warn(globals,
+       "a rule broke its bound on the change of force, on its delay, or did not end on the latest model");
+  return 1;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,250 @@
+// forefeel classify [STATES] --calibrate SCENE [-o DIR/]: what a label says about the error on this body.
+// States are those given, or the scene's lattice; truth by tight solves at random positions of its box, kept
+// in the cache folder.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/classify/calibration.hpp"
+#include "apps/laboratory/laboratory.hpp"
+#include "apps/picture/page.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/console/provenance.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/motion/random.hpp"
+#include "scheduling/record/run_files.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t truth_positions = 160;
+
+// spacing: that of the file where it says so.
+std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Progress& progress,
+                           double& spacing) {
+  const Scene& scene = laboratory.scene();
+  spacing = scene.space.spacing;
+  if (file.empty())
+    return laboratory.lattice_states(
+        scene.space.box, scene.space.spacing,
+        [&](double share, const std::string& text) { progress.show(0.3 * share, text); });
+  LoadedStates loaded = load_states(file);
+  if (loaded.damaged > 0) warn(laboratory.globals(), damage_in_words(file, loaded.damaged));
+  check_same_body(file, loaded.header.identity, scene.identity);
+  std::erase_if(loaded.states, [](const State& s) { return !s.usable(); });
+  if (loaded.states.size() < 4)
+    throw InputError(file, fmt::format("holds {} usable states, expected at least 4", loaded.states.size()));
+  if (loaded.header.spacing > 0) spacing = loaded.header.spacing;
+  return std::move(loaded.states);
+}
+
+std::vector<State> truth_of(Laboratory& laboratory, std::uint64_t seed, Progress& progress) {
+  const Box& box = laboratory.scene().space.box;
+  std::vector<Vec3> at;
+  for (std::uint64_t i = 0; i < truth_positions; ++i) {
+    const Vec3 share(uniform(mix(seed + 101, 3 * i)), uniform(mix(seed + 101, 3 * i + 1)),
+                     uniform(mix(seed + 101, 3 * i + 2)));
+    at.push_back(box.low + share.cwiseProduct(box.size()));
+  }
+  std::vector<State> truth = laboratory.references(
+      at, [&](double share, const std::string& text) { progress.show(0.3 + 0.5 * share, text); });
+  std::erase_if(truth, [](const State& s) { return !s.usable(); });
+  return truth;
+}
+
+nlohmann::ordered_json to_json(const Calibration& found, const CalibrationOptions& options) {
+  nlohmann::ordered_json document;
+  document["tolerance"] = options.tolerance;
+  document["select"] = name(options.select);
+  document["spacing"] = options.space.spacing;
+  document["sets"] = nlohmann::ordered_json::array();
+  for (const KnownSet& set : found.sets) document["sets"].push_back(set.name);
+  for (std::size_t l = 0; l < 4; ++l)
+    document["positions"][std::string(name(static_cast<Label>(l)))] = found.positions[l];
+  document["table"] = nlohmann::ordered_json::array();
+  for (const CalibrationCell& cell : found.table) {
+    nlohmann::ordered_json row;
+    row["kernel"] = name(found.kinds[cell.kind].model.kernel);
+    row["data"] = name(found.kinds[cell.kind].model.data);
+    row["neighbours"] = found.kinds[cell.kind].model.neighbours;
+    row["label"] = name(cell.label);
+    row["count"] = cell.count;
+    row["over_tolerance"] = number(cell.share);
+    row["over_tolerance_low"] = number(cell.low);
+    row["over_tolerance_high"] = number(cell.high);
+    row["error"] = {{"p50", number(cell.p50)},
+                    {"p90", number(cell.p90)},
+                    {"p95", number(cell.p95)},
+                    {"p99", number(cell.p99)},
+                    {"max", number(cell.max)}};
+    document["table"].push_back(row);
+  }
+  document["ranks"] = nlohmann::ordered_json::array();
+  for (const CalibrationRanks& r : found.ranks)
+    document["ranks"].push_back({{"kernel", name(found.kinds[r.kind].model.kernel)},
+                                 {"data", name(found.kinds[r.kind].model.data)},
+                                 {"label", number(r.label)},
+                                 {"delta", number(r.delta)},
+                                 {"spread", number(r.spread)},
+                                 {"power", number(r.power)}});
+  return document;
+}
+
+std::string value(double v) {
+  return std::isfinite(v) ? fmt::format("{:.5g}", v) : std::string();
+}
+
+void write_tables(const Calibration& found, const fs::path& folder) {
+  std::string table = "kernel,data,neighbours,label,count,over_tolerance,low,high,p50,p90,p95,p99,max\n";
+  for (const CalibrationCell& c : found.table) {
+    const ModelOptions& m = found.kinds[c.kind].model;
+    table += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", name(m.kernel), name(m.data),
+                         m.neighbours, name(c.label), c.count, value(c.share), value(c.low), value(c.high),
+                         value(c.p50), value(c.p90), value(c.p95), value(c.p99), value(c.max));
+  }
+  write_text(folder / "calibration.csv", table);
+  std::string ranks = "kernel,data,neighbours,label,delta,spread,power\n";
+  for (const CalibrationRanks& r : found.ranks) {
+    const ModelOptions& m = found.kinds[r.kind].model;
+    ranks += fmt::format("{},{},{},{},{},{},{}\n", name(m.kernel), name(m.data), m.neighbours, value(r.label),
+                         value(r.delta), value(r.spread), value(r.power));
+  }
+  write_text(folder / "ranks.csv", ranks);
+  std::string samples = "kernel,data,neighbours,set,position,label,delta,spread,power,error\n";
+  for (const CalibrationSample& s : found.samples) {
+    const ModelOptions& m = found.kinds[s.kind].model;
+    samples += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", name(m.kernel), name(m.data), m.neighbours,
+                           found.sets[s.set].name, s.position, name(s.label), value(s.delta), value(s.spread),
+                           value(s.power), value(s.error));
+  }
+  write_text(folder / "samples.csv", samples);
+}
+
+// Per label a group of kinds: median to 95 % as a bar, the largest as a point.
+Picture picture(const Calibration& found, double tolerance) {
+  std::string script, plot, tics;
+  const double width = 0.8 / static_cast<double>(found.kinds.size());
+  for (std::size_t kind = 0; kind < found.kinds.size(); ++kind) {
+    std::string lines;
+    for (const CalibrationCell& c : found.table)
+      if (c.kind == kind && c.count > 0)
+        lines += fmt::format("{} {:.4g} {:.4g} {:.4g}\n",
+                             static_cast<double>(c.label) - 0.4 + width * (static_cast<double>(kind) + 0.5),
+                             std::max(1e-4, 100 * c.p50), std::max(1e-4, 100 * c.p95),
+                             std::max(1e-4, 100 * c.max));
+    script += data_block(fmt::format("k{}", kind), lines);
+    plot += fmt::format(
+        ", $k{0} using 1:2:2:3 with yerrorbars pt 7 ps 0.8 lw 3 lc rgb '{1}' title '{2}', $k{0} using 1:4 "
+        "with points pt 2 ps 0.8 lw 1.6 lc rgb '{1}' notitle",
+        kind, line_colour(kind), found.kinds[kind].name);
+  }
+  for (std::size_t l = 0; l < 4; ++l)
+    tics += fmt::format("{}'{}\\n{} positions' {}", l > 0 ? ", " : "", name(static_cast<Label>(l)),
+                        found.positions[l], l);
+  // '\n' is a line break in double quotes only.
+  std::ranges::replace(tics, '\'', '"');
+  script += plot_style;
+  script += fmt::format(
+      "set logscale y\nset yrange [1e-4:*]\nset format y '10^{{%T}}'\nset ylabel 'relative error [%]'\nset "
+      "xrange [-0.5:3.5]\nset xtics ({}) scale 0\n"
+      "set grid noxtics\nset bmargin 3.6\nset key outside top center horizontal samplen 1.5 font ',12'\nplot "
+      "{} with lines lw 1 dt 2 lc rgb '#6a6a6a' notitle{}\n",
+      tics, 100 * tolerance, plot);
+  return {
+      "calibration",
+      fmt::format(
+          "Error by label: dot the median, bar up to the 95 % quantile, cross the largest; dashed {:g} %.",
+          100 * tolerance),
+      960, 440, script};
+}
+
+std::string percent(double share) {
+  return !std::isfinite(share) ? "–"
+         : share == 0          ? "0"
+         : share < 1e-3        ? fmt::format("{:.1e}", 100 * share) + " %"
+                               : fmt::format("{:.3g} %", 100 * share);
+}
+
+void write_page(const Calibration& found, const CalibrationOptions& options, const Laboratory& laboratory,
+                const fs::path& folder) {
+  std::vector<std::vector<std::string>> table{{"model", "label", "positions",
+                                               fmt::format("P(error > {:g} %)", 100 * options.tolerance),
+                                               "95 % interval", "p50", "p95", "max"}};
+  for (const CalibrationCell& c : found.table)
+    table.push_back({found.kinds[c.kind].name, std::string(name(c.label)), std::to_string(c.count),
+                     percent(c.share),
+                     c.count > 0 ? fmt::format("{} to {}", percent(c.low), percent(c.high)) : "–",
+                     percent(c.p50), percent(c.p95), percent(c.max)});
+  std::vector<std::vector<std::string>> ranks{{"model", "label", "distance δ", "spread π", "power function"}};
+  for (const CalibrationRanks& r : found.ranks)
+    ranks.push_back({found.kinds[r.kind].name, fmt::format("{:.2f}", r.label), fmt::format("{:.2f}", r.delta),
+                     fmt::format("{:.2f}", r.spread), fmt::format("{:.2f}", r.power)});
+  std::string sets;
+  for (const KnownSet& set : found.sets) sets += (sets.empty() ? "" : ", ") + set.name;
+  std::string html = fmt::format(
+      "<h1>What labels say about the error</h1>\n<p class=\"sub\">{}, spacing {:.4g} mm, neighbours by {}; "
+      "known sets: {}; truth by tight solves at "
+      "random positions of the box.</p>\n",
+      html_escaped(laboratory.name()), 1e3 * options.space.spacing, name(options.select), sets);
+  html += draw_into(folder, picture(found, options.tolerance)) + "<h2>By label</h2>\n" + html_table(table) +
+          "<h2>What ranks the error</h2>\n<p class=\"muted\">Spearman's rank correlation with the true "
+          "error, over all positions of all sets.</p>\n" +
+          html_table(ranks);
+  write_text(folder / "report.html", html_page("Forefeel: calibration of labels", html));
+}
+
+void tell(const Globals& globals, const Calibration& found, const CalibrationOptions& options) {
+  for (std::size_t kind = 0; kind < found.kinds.size(); ++kind) {
+    std::string line = fmt::format("{:26}", found.kinds[kind].name);
+    for (const CalibrationCell& c : found.table)
+      if (c.kind == kind) line += fmt::format(" {} p95 {:.2g} P {:.2f};", name(c.label), c.p95, c.share);
+    const CalibrationRanks& r = found.ranks[kind];
+    say(globals,
+        line + fmt::format(" rank label {:.2f} delta {:.2f} power {:.2f}", r.label, r.delta, r.power));
+  }
+  say(globals, fmt::format("P is P(error > {:g} %); positions: {} safe, {} sparse, {} gap, {} blank",
+                           100 * options.tolerance, found.positions[0], found.positions[1],
+                           found.positions[2], found.positions[3]));
+}
+
+}  // namespace
+
+int calibrate_labels(const Globals& globals, const std::string& scene, const std::string& states,
+                     const std::string& output) {
+  Laboratory laboratory(globals, scene);
+  std::optional<Progress> progress(std::in_place, globals, "calibrate");
+  double spacing = unknown;
+  const std::vector<State> pool = pool_of(laboratory, states, *progress, spacing);
+  if (!output.empty()) prepare_run_folder(output);
+  const std::vector<State> truth = truth_of(laboratory, globals.seed, *progress);
+  const Scene& s = laboratory.scene();
+  CalibrationOptions options{.space = s.space,
+                             .inward = s.inward,
+                             .tolerance = s.tolerance,
+                             .floor = s.session.error_floor,
+                             .select = s.model.select,
+                             .seed = globals.seed,
+                             .threads = globals.threads};
+  options.space.spacing = spacing;
+  progress->show(0.9, "models");
+  const Calibration found = calibrate(pool, truth, options);
+  progress.reset();
+  nlohmann::ordered_json document = to_json(found, options);
+  document["provenance"] = provenance(s.hash);
+  if (!output.empty()) {
+    const fs::path folder = output;
+    write_tables(found, folder);
+    write_page(found, options, laboratory, folder);
+    write_text(folder / "summary.json", document.dump(2) + "\n");
+  }
+  if (globals.json) print_json(document);
+  tell(globals, found, options);
+  if (!output.empty()) say(globals, fmt::format("report: {}", (fs::path(output) / "report.html").string()));
+  return 0;
+}
+
+}  // namespace forefeel

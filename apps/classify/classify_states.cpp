@@ -1,0 +1,294 @@
+// States prepared for labelling: spacing, box, index, regions.
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "apps/classify/classify.hpp"
+#include "apps/scene_input/scene.hpp"
+#include "geometry/coverage/bridge.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/index/point_octree.hpp"
+#include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/setups.hpp"
+#include "geometry/states/state_file.hpp"
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+namespace {
+
+// The median distance of a state to its nearest other one.
+double estimate_spacing(const std::vector<State>& states) {
+  PointOctree points;
+  for (std::uint32_t i = 0; i < states.size(); ++i) points.insert(i, states[i].at);
+  std::vector<double> distance;
+  std::vector<PointOctree::Neighbour> two;
+  const std::size_t step = 1 + states.size() / 20000;
+  for (std::size_t i = 0; i < states.size(); i += step) {
+    points.nearest(states[i].at, 2, two);
+    if (two.size() == 2 && two[1].squared > 0) distance.push_back(std::sqrt(two[1].squared));
+  }
+  if (distance.empty()) return unknown;
+  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
+  std::nth_element(distance.begin(), middle, distance.end());
+  return *middle;
+}
+
+Box parse_box(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos)
+    throw InputError("--box", fmt::format("'{}' is not a box, expected X0,Y0,Z0:X1,Y1,Z1", text));
+  const Box box{parse_vector(text.substr(0, colon), "--box"), parse_vector(text.substr(colon + 1), "--box")};
+  if ((box.low.array() > box.high.array()).any())
+    throw InputError("--box", fmt::format("'{}' has its first corner above its second, expected low:high", text));
+  if (!(box.size().prod() > 0)) throw InputError("--box", fmt::format("'{}' has no volume, expected low below high on every axis", text));
+  return box;
+}
+
+void take_scene(const ClassifyArguments& arguments, const std::string& where, const OwnFrame& own, const Globals& globals,
+                Classified& result) {
+  const Scene scene = load_scene(arguments.scene, globals.set);
+  check_same_body(where, own.identity, scene.identity);
+  if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
+  result.box = scene.space.box;
+  // HIP coordinates count from the rest position of the contact.
+  Vec3 contact = Vec3::Zero();
+  for (const NodeIndex node : scene.body->contact)
+    contact += scene.body->mesh.nodes[static_cast<std::size_t>(node)] / double(scene.body->contact.size());
+  for (const Triangle& t : boundary_triangles(scene.body->mesh)) {
+    std::array<Vec3, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.body->mesh.nodes[static_cast<std::size_t>(t[i])] - contact;
+    result.body.push_back(corners);
+  }
+}
+
+// Neighbours in space become neighbours in time: insertion walks a cell or two instead of across the set.
+std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const Box& box, double spacing) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> code(states.size());
+  for (std::uint32_t i = 0; i < states.size(); ++i) {
+    std::uint64_t value = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell = std::clamp((states[i].at[axis] - box.low[axis]) / spacing + 0.5, 0.0, 2097151.0);
+      auto bits = static_cast<std::uint64_t>(cell);
+      for (int b = 0; b < 21; ++b) value |= (bits >> b & 1) << (3 * b + axis);
+    }
+    code[i] = {value, i};
+  }
+  std::sort(code.begin(), code.end());
+  std::vector<std::uint32_t> order(states.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = code[i].second;
+  return order;
+}
+
+// Regions are made of cubes of h/4: a box that holds absurdly many is refused before any memory is taken.
+void check_extent(const Classified& set, const std::string& where) {
+  double voxels = 1, points = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxels *= std::max(1.0, 4 * set.box.size()[axis] / set.spacing);
+    points = std::max({points, std::abs(set.box.low[axis]), std::abs(set.box.high[axis])});
+  }
+  if (!(voxels <= 1e9))
+    throw InputError(where, fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
+                                        "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
+                                        set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
+  // States closer than 1e-9 h are one; doubles must be able to tell.
+  if (!(points <= 1e6 * set.spacing))
+    throw InputError(where, fmt::format("it lies up to {:.3g} m from rest, too far to tell states at a spacing of {:.3g} m "
+                                        "apart exactly, expected at most a million spacings", points, set.spacing));
+}
+
+std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyArguments& arguments) {
+  auto octree = set.lattice ? std::make_unique<OctreeIndex>(AdaptiveLattice(*set.lattice), arguments.coverage)
+                            : std::make_unique<OctreeIndex>(set.spacing, arguments.coverage);
+  for (std::uint32_t i = 0; i < set.states.size(); ++i) octree->insert({i}, set.states[i].at);
+  return octree;
+}
+
+// As Regions do it for the triangulation: what each gap bridges, seen from its inner place.
+void find_sides(const OctreeIndex& octree, const Classified& set, const CoverageOptions& coverage,
+                std::vector<RegionComponent>& components) {
+  std::size_t done = 0;
+  std::vector<StateId> near;
+  std::vector<Vec3> offsets;
+  for (RegionComponent& c : components) {
+    if (c.label != Label::gap || done++ >= 1000) continue;
+    const double h = set.lattice ? set.lattice->spacing_at(c.inner) : set.spacing;
+    octree.within(c.inner, coverage.gap_cone_radius * h, near);
+    offsets.clear();
+    for (const StateId id : near) offsets.push_back(octree.position(id) - c.inner);
+    c.sides = bridge_sides(offsets, bridge_link_deg(coverage.sparse_distance));
+  }
+}
+
+// The states under the triangulation, without their displacements.
+std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArguments& arguments,
+                                       const std::function<void(double)>& progress) {
+  auto space = std::make_unique<StateSpace>(StateSpaceOptions{
+      .spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
+  std::size_t done = 0;
+  for (const std::uint32_t i : morton_order(set.states, set.box, set.spacing)) {
+    State light = set.states[i];
+    light.displacements.reset();
+    space->insert(std::move(light));
+    if (++done % 1024 == 0) progress(double(done) / double(set.states.size()));
+  }
+  return space;
+}
+
+// Facts about the states and the box, whatever the index that labels them.
+void measure_holes(Classified& result, const StateSpace& space) {
+  result.fill_distance = space.regions().fill_distance();
+  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
+  result.hole = space.regions().largest_hole();
+}
+
+void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
+  result.octree = make_octree(result, arguments);
+  const double rim = rim_reach(arguments.coverage.sparse_distance, result.lattice ? result.lattice->coarsest() : result.spacing);
+  result.regions = sample_regions(result.box, result.spacing, rim, [&](const Vec3& q) {
+    thread_local PathWalk walk;   // along the rows of voxels
+    return result.octree->label(q, walk);
+  });
+  find_sides(*result.octree, result, arguments.coverage, result.regions.components);
+  if (!with_holes) return;
+  const std::unique_ptr<StateSpace> space = make_space(result, arguments, [](double) {});
+  measure_holes(result, *space);
+}
+
+}  // namespace
+
+Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments) {
+  std::unique_ptr<OctreeIndex> octree;
+  std::unique_ptr<StateSpace> space;
+  if (!set.octree) octree = make_octree(set, arguments);
+  if (!set.space) {
+    space = make_space(set, arguments, [](double) {});
+  }
+  return compare_indexes(set.space ? *set.space : *space, set.octree ? *set.octree : *octree);
+}
+
+nlohmann::ordered_json agreement_json(const Agreement& agreement) {
+  nlohmann::ordered_json out, table;
+  for (std::size_t d = 0; d < 4; ++d) table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
+  out["share"] = agreement.share;
+  out["volume_delaunay_octree"] = table;
+  out["worst"] = nullptr;
+  if (const auto& worst = agreement.worst)
+    out["worst"] = {{"at", vector3(worst->at)}, {"delaunay", std::string(name(worst->delaunay))},
+                    {"octree", std::string(name(worst->octree))}};
+  return out;
+}
+
+void print_agreement(const Globals& globals, const Agreement& agreement) {
+  say(globals, fmt::format("the indexes agree on {:.2f} % of the volume, common blank left out", 100 * agreement.share));
+  say(globals, "volume [cm3]  safe       sparse     gap        blank      (octree)");
+  for (std::size_t d = 0; d < 4; ++d) {
+    const auto& v = agreement.volume[d];
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)), 1e6 * v[0],
+                             1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
+  }
+  if (const auto& worst = agreement.worst)
+    say(globals, fmt::format("in the middle of the longest stretch that differs along x: {:.4g}, {:.4g}, {:.4g} mm, {} against {}",
+                             1e3 * worst->at.x(), 1e3 * worst->at.y(), 1e3 * worst->at.z(), name(worst->delaunay),
+                             name(worst->octree)));
+}
+
+Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
+                          const OwnFrame& own, const Globals& globals) {
+  Classified result;
+  const std::size_t all = states.size();
+  std::erase_if(states, [](const State& s) { return !s.usable() || !s.at.allFinite(); });
+  result.unusable = all - states.size();
+  result.states = std::move(states);
+  result.spacing = arguments.spacing.value_or(unknown);
+  bool have_box = !arguments.box.empty();
+  if (!arguments.scene.empty()) {
+    take_scene(arguments, where, own, globals, result);
+    have_box = true;
+  }
+  if (!std::isfinite(result.spacing)) result.spacing = own.spacing;
+  const bool own_spacings = !std::isfinite(result.spacing) || !arguments.spacing;
+  if (!std::isfinite(result.spacing))
+    for (const State& s : result.states)
+      if (std::isfinite(s.spacing) && !(s.spacing <= result.spacing)) result.spacing = s.spacing;
+  if (!std::isfinite(result.spacing)) {
+    result.spacing = estimate_spacing(result.states);
+    result.spacing_estimated = true;
+  }
+  if (!(result.spacing > 0))
+    throw InputError(where, "gives no spacing and has too few states to estimate one, expected --spacing METRES");
+  if (!(result.spacing <= largest_spacing))
+    throw InputError(where, fmt::format("has a spacing of {:.3g} m, expected at most {:.0e} m", result.spacing, largest_spacing));
+  if (!arguments.box.empty()) result.box = parse_box(arguments.box);
+  if (!have_box && own.box) {
+    result.box = *own.box;
+  } else if (!have_box) {
+    if (result.states.empty()) throw InputError(where, "holds no usable state, expected states or --box");
+    result.box = {result.states[0].at, result.states[0].at};
+    for (const State& s : result.states)
+      result.box = {result.box.low.cwiseMin(s.at), result.box.high.cwiseMax(s.at)};
+  }
+  if (own_spacings)
+    if (std::optional<AdaptiveLattice> lattice = lattice_of(result.states, result.box)) {
+      result.lattice = std::make_shared<const AdaptiveLattice>(std::move(*lattice));
+      for (const State& s : result.states)
+        if (s.spacing < result.spacing) result.spacing = s.spacing;
+    }
+  check_extent(result, where);
+  return result;
+}
+
+void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes) {
+  if (arguments.index == "octree") return label_octree(result, arguments, with_holes);
+  Progress progress(globals, "classify");
+  result.space = make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
+  result.space->regions().settle(static_cast<std::size_t>(-1),
+                                 [&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
+  result.regions = result.space->regions().summary();
+  if (with_holes) measure_holes(result, *result.space);
+}
+
+StatesInFrame load_set(const std::string& file) {
+  StatesInFrame set;
+  if (!file.starts_with("setup:")) {
+    LoadedStates loaded = load_states(file);
+    if (loaded.damaged > 0) warn({}, damage_in_words(file, loaded.damaged));
+    set.states = std::move(loaded.states);
+    set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity};
+    return set;
+  }
+  const SetupOptions options;
+  const Setup setup = make_setup(file.substr(6), options);
+  for (const Vec3& at : setup.states) {
+    State state;
+    state.at = at;
+    set.states.push_back(std::move(state));
+  }
+  set.own = {options.spacing, setup.box, {}};
+  return set;
+}
+
+Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file) {
+  StatesInFrame loaded = load_set(file);
+  Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.own, globals);
+  label_regions(result, arguments, globals, true);
+  return result;
+}
+
+nlohmann::ordered_json by_label(const std::array<double, 4>& values) {
+  nlohmann::ordered_json result;
+  for (int i = 0; i < 4; ++i)
+    result[std::string(name(static_cast<Label>(i)))] = number(values[static_cast<std::size_t>(i)]);
+  return result;
+}
+
+std::int64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace forefeel

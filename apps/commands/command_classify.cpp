@@ -1,0 +1,353 @@
+// forefeel classify: where states make the force known. Labels and measures at points, regions with volumes,
+// pictures, files for ParaView; a run over time; what changed between two sets.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/classify/calibration.hpp"
+#include "apps/classify/classify.hpp"
+#include "apps/picture/coverage_picture.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/coverage/region_file.hpp"
+#include "geometry/states/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_gaps = 1000;   // in the document, largest first
+
+// X,Y,Z:X,Y,Z:N
+std::vector<Vec3> parse_line(const std::string& text) {
+  const std::size_t first = text.find(':'), second = first == std::string::npos ? first : text.find(':', first + 1);
+  const auto refuse = [&] {
+    return InputError("--line", fmt::format("'{}' is not a line, expected X,Y,Z:X,Y,Z:N with N >= 2", text));
+  };
+  if (second == std::string::npos) throw refuse();
+  const Vec3 a = parse_vector(text.substr(0, first), "--line");
+  const Vec3 b = parse_vector(text.substr(first + 1, second - first - 1), "--line");
+  std::size_t used = 0;
+  long n = 0;
+  try {
+    n = std::stol(text.substr(second + 1), &used);
+  } catch (const std::exception&) {
+    throw refuse();
+  }
+  if (n < 2 || n > 100'000'000 || used != text.size() - second - 1) throw refuse();
+  std::vector<Vec3> points;
+  for (long i = 0; i < n; ++i) points.push_back(a + (b - a) * (double(i) / double(n - 1)));
+  return points;
+}
+
+std::vector<Vec3> grid_points(const Box& box, double step) {
+  std::array<long, 3> count{};
+  double total = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double n = std::floor(box.size()[static_cast<Eigen::Index>(axis)] / step + 1e-9) + 1;
+    total *= n;
+    if (!(total <= 1e8)) throw InputError("--grid", "gives more than 1e8 points, expected a wider grid");
+    count[axis] = static_cast<long>(n);
+  }
+  std::vector<Vec3> points;
+  points.reserve(static_cast<std::size_t>(total));
+  for (long k = 0; k < count[2]; ++k)
+    for (long j = 0; j < count[1]; ++j)
+      for (long i = 0; i < count[0]; ++i) points.push_back(box.low + step * Vec3(double(i), double(j), double(k)));
+  return points;
+}
+
+std::vector<Coverage> cover(const Classified& set, const std::vector<Vec3>& points) {
+  std::vector<Coverage> result(points.size());
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t i = 0; i < points.size(); ++i) result[i] = set.coverage(points[i]);
+  return result;
+}
+
+void write_points(const std::string& file, const std::vector<Vec3>& points, const std::vector<Coverage>& found) {
+  const auto cell = [](double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); };
+  OutputFile out(file);
+  out.write("x,y,z,label,spread,alpha,delta,gamma_deg\n");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", points[i].x(), points[i].y(), points[i].z(), name(found[i].label),
+                          cell(found[i].spread), cell(found[i].alpha), cell(found[i].delta), cell(found[i].gamma_deg)));
+  out.commit();
+}
+
+CoveragePicture picture_of(const Classified& set, const ClassifyArguments& arguments) {
+  CoveragePicture picture;
+  picture.box = set.box;
+  picture.through = !arguments.through.empty() ? parse_vector(arguments.through, "--through")
+                    : set.box.contains(Vec3::Zero()) ? Vec3(Vec3::Zero())
+                                                     : set.box.centre();
+  picture.spacing = set.spacing;
+  for (const State& s : set.states) picture.states.push_back(s.at);
+  picture.label = [&set](const Vec3& q) {
+    return set.space ? set.space->regions().label_at(q) : set.octree->label(q);
+  };
+  picture.volume = set.regions.volume;
+  picture.components = set.regions.component_count;
+  picture.title = fmt::format("Coverage of {} ({}, h = {:.4g} mm)", fs::path(arguments.states).filename().string(),
+                              arguments.index, 1e3 * set.spacing);
+  picture.body = set.body;
+  return picture;
+}
+
+// The .vtu holds the regions; states and Delaunay cells stand beside it.
+void write_vtu(const Classified& set, const std::string& file, const Globals& globals) {
+  const fs::path path = file;
+  const auto beside = [&](const char* what) {
+    return path.parent_path() / (path.stem().string() + what + path.extension().string());
+  };
+  write_regions_vtu(path, set.regions.leaves, set.regions.components);
+  write_states_vtu(beside("_states"), set.states);
+  if (set.space) write_cells_vtu(beside("_cells"), *set.space);
+  say(globals, fmt::format("{} (regions), {} (states){}", file, beside("_states").string(),
+                           set.space ? ", " + beside("_cells").string() + " (Delaunay cells)" : ""));
+}
+
+void write_output(const Classified& set, const ClassifyArguments& arguments, const std::vector<Vec3>& points,
+                  const std::vector<Coverage>& found, const Globals& globals) {
+  const std::string extension = fs::path(arguments.output).extension();
+  if (extension == ".vtu") return write_vtu(set, arguments.output, globals);
+  if (extension == ".svg") {
+    write_coverage_svg(arguments.output, picture_of(set, arguments));
+  } else if (extension == ".png") {
+    write_coverage_png(arguments.output, picture_of(set, arguments));
+  } else if (points.empty()) {
+    write_regions_csv(arguments.output, set.regions.leaves);
+  } else {
+    write_points(arguments.output, points, found);
+  }
+}
+
+nlohmann::ordered_json sides_json(const std::vector<BridgeSide>& sides) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const BridgeSide& side : sides)
+    out.push_back({{"direction", vector3(side.direction)}, {"half_angle_deg", side.half_angle_deg},
+                   {"distance", side.distance}, {"states", side.states}});
+  return out;
+}
+
+// Gaps and what they connect, largest first.
+nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
+  nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
+  for (const RegionComponent& c : regions.components)
+    if (c.label == Label::gap && gaps.size() < most_gaps)
+      gaps.push_back({{"volume", c.volume}, {"inner", vector3(c.inner)}, {"safe_components", c.safe_neighbours},
+                      {"sides", sides_json(c.sides)}});
+  return gaps;
+}
+
+}  // namespace
+
+void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance, double fill_bound,
+                  const std::optional<LargestHole>& hole) {
+  out["volume"] = by_label(regions.volume);
+  for (int i = 0; i < 4; ++i)
+    out["components"][std::string(name(static_cast<Label>(i)))] = regions.component_count[static_cast<std::size_t>(i)];
+  out["gaps"] = gaps_json(regions);
+  out["gaps_left_out"] = regions.component_count[static_cast<std::size_t>(Label::gap)] - out["gaps"].size();
+  out["fill_distance"] = number(fill_distance);
+  out["fill_distance_bound"] = number(fill_bound);
+  if (hole) {
+    out["largest_hole"] = {{"radius", hole->radius}, {"centre", vector3(hole->centre)}};
+  } else {
+    out["largest_hole"] = {{"radius", nullptr}, {"centre", nlohmann::ordered_json::array({nullptr, nullptr, nullptr})}};
+  }
+}
+
+namespace {
+
+nlohmann::ordered_json document_of(const Classified& set, const ClassifyArguments& arguments,
+                                   const std::vector<Coverage>& found, const std::optional<Agreement>& agreement,
+                                   double seconds) {
+  nlohmann::ordered_json out;
+  for (const char* key : {"labels", "spread", "alpha", "delta", "gamma_deg"}) out[key] = nlohmann::ordered_json::array();
+  for (const Coverage& c : found) {
+    out["labels"].push_back(std::string(name(c.label)));
+    out["spread"].push_back(number(c.spread));
+    out["alpha"].push_back(number(c.alpha));
+    out["delta"].push_back(number(c.delta));
+    out["gamma_deg"].push_back(number(c.gamma_deg));
+  }
+  regions_json(out, set.regions, set.fill_distance, set.fill_bound, set.hole);
+  out["states"] = set.states.size();
+  out["unusable"] = set.unusable;
+  out["spacing"] = set.spacing;
+  out["spacing_estimated"] = set.spacing_estimated;
+  out["box"] = {vector3(set.box.low), vector3(set.box.high)};
+  out["index"] = arguments.index;
+  out["adaptive"] = set.lattice != nullptr;
+  if (agreement) out["agreement"] = agreement_json(*agreement);
+  out["leaves"] = set.regions.leaves.size();
+  out["seconds"] = seconds;
+  out["peak_bytes"] = peak_bytes();
+  return out;
+}
+
+std::string millimetres(double metres) { return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres); }
+
+void print_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found, const Globals& globals) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 200); ++i)
+    answer(globals, fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
+                                1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
+                                millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
+                                std::isnan(found[i].gamma_deg) ? "not needed" : fmt::format("{:.4g} deg", found[i].gamma_deg)));
+  if (points.size() > 200) answer(globals, fmt::format("… {} points in all", points.size()));
+}
+
+void print_summary(const Classified& set, double seconds, const Globals& globals) {
+  int gaps = 0;
+  double all = 0;
+  for (const double v : set.regions.volume) all += v;
+  answer(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
+                           set.spacing_estimated ? " (estimated)" : set.lattice ? " at the finest" : "",
+                           set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
+  for (int i = 0; i < 4; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(static_cast<Label>(i)),
+                             1e6 * set.regions.volume[k], all > 0 ? 100 * set.regions.volume[k] / all : 0.0,
+                             set.regions.component_count[k], set.regions.component_count[k] == 1 ? "" : "s"));
+  }
+  for (const RegionComponent& c : set.regions.components)
+    if (c.label == Label::gap && ++gaps <= 5)
+      say(globals, fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe part{}",
+                               1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
+                               c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(), c.safe_neighbours.size() == 1 ? "" : "s"));
+  answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
+                           set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
+                               ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)
+                               : ""));
+  if (set.hole)
+    answer(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
+                             1e3 * set.hole->centre.x(), 1e3 * set.hole->centre.y(), 1e3 * set.hole->centre.z()));
+  say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
+}
+
+// Options that would have no effect are mistakes.
+void check_effect(const Globals& globals, const ClassifyArguments& arguments, bool run) {
+  const std::string extension = fs::path(arguments.output).extension();
+  if (!run && (!arguments.known.empty() || arguments.snapshots))
+    throw InputError(arguments.known.empty() ? "--snapshots" : "--known", "is for the folder of a run, expected classify RUN/");
+  if (!globals.set.empty() && arguments.scene.empty())
+    throw InputError("--set", "overrides keys of a scene, expected it with --scene or --calibrate");
+  if (!arguments.through.empty() && extension != ".svg" && extension != ".png")
+    throw InputError("--through", "places the slices of a picture, expected it with -o OUT.svg or OUT.png");
+  const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
+  if (points && (run || !arguments.diff.empty()))
+    throw InputError("classify", "labels positions of one set of states, expected --points, --line or --grid without --diff or a run");
+  if (run && arguments.index != "delaunay")
+    throw InputError("--index", "octree is for a set of states, expected delaunay for a run");
+}
+
+void check_arguments(const Globals& globals, const ClassifyArguments& arguments) {
+  if (arguments.diff.empty() == arguments.states.empty())
+    throw InputError("classify", "expected either STATES (or a RUN/ folder) or --diff A B");
+  if (arguments.spacing && !(*arguments.spacing > 0 && *arguments.spacing <= largest_spacing))
+    throw InputError("--spacing", fmt::format("is not a length that states can have, expected metres in (0, {:.0e}]", largest_spacing));
+  check_effect(globals, arguments, arguments.diff.empty() && fs::is_directory(arguments.states));
+  if (arguments.grid && !(*arguments.grid > 0 && std::isfinite(*arguments.grid)))
+    throw InputError("--grid", "is not a length, expected metres > 0");
+  if (int(!arguments.points.empty()) + int(!arguments.line.empty()) + int(arguments.grid.has_value()) > 1)
+    throw InputError("classify", "expected one of --points, --line and --grid");
+  if (arguments.agreement && (!arguments.diff.empty() || fs::is_directory(arguments.states)))
+    throw InputError("--agreement", "is for one set of states, expected it without --diff or a run");
+  if (arguments.output.empty()) return;
+  const std::string extension = fs::path(arguments.output).extension();
+  const bool series = !arguments.states.empty() && fs::is_directory(arguments.states);
+  const std::vector<std::string> known = series ? std::vector<std::string>{".pvd"}
+                                         : !arguments.diff.empty()
+                                             ? std::vector<std::string>{".csv", ".vtu"}
+                                             : std::vector<std::string>{".vtu", ".csv", ".svg", ".png"};
+  if (std::ranges::find(known, extension) == known.end())
+    throw InputError(arguments.output, fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
+  check_writable(arguments.output, {arguments.states});
+  for (const std::string& states : arguments.diff) check_writable(arguments.output, {states});
+}
+
+std::string at_most_90(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr) <= 90 ? "" : fmt::format("is {}, expected at most 90", text);
+}
+
+int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
+  if (!arguments.calibrate.empty()) {
+    if (!arguments.diff.empty() || !arguments.points.empty() || !arguments.line.empty() || arguments.grid)
+      throw InputError("--calibrate", "goes with STATES, --set, --seed and -o DIR/ alone");
+    return calibrate_labels(globals, arguments.calibrate, arguments.states, arguments.output);
+  }
+  check_arguments(globals, arguments);
+  if (!arguments.diff.empty()) return classify_diff(globals, arguments);
+  if (fs::is_directory(arguments.states)) return classify_run(globals, arguments);
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Vec3> points;
+  if (!arguments.points.empty()) points = read_points_csv(arguments.points);
+  if (!arguments.line.empty()) points = parse_line(arguments.line);
+  const Classified set = classify_states(globals, arguments, arguments.states);
+  if (arguments.grid) points = grid_points(set.box, *arguments.grid);
+  if (!arguments.through.empty() && !set.box.contains(parse_vector(arguments.through, "--through")))
+    throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it", arguments.through));
+  const std::vector<Coverage> found = cover(set, points);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!arguments.output.empty()) write_output(set, arguments, points, found, globals);
+  std::optional<Agreement> agreement;
+  if (arguments.agreement) agreement = agreement_of(set, arguments);
+  if (globals.json) {
+    print_json(document_of(set, arguments, found, agreement, seconds));
+    return 0;
+  }
+  if (fs::path(arguments.output).extension() != ".csv") print_points(points, found, globals);   // that holds them better
+  print_summary(set, seconds, globals);
+  if (agreement) print_agreement(globals, *agreement);
+  return 0;
+}
+
+}  // namespace
+
+void add_classify(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<ClassifyArguments>();
+  CLI::App& sub = add_command(app, commands, "classify", "Where states make the force known: safe, sparse, gap, blank",
+                              [&commands, arguments] { return run_classify(commands.globals, *arguments); });
+  sub.add_option("states", arguments->states, ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
+      ->type_name("STATES|RUN/");
+  sub.add_option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
+      ->check(CLI::IsMember({"delaunay", "octree"}));
+  sub.add_option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]; default: the file's")
+      ->type_name("H");
+  sub.add_option("--box", arguments->box, "Box [m]; default: the scene's, else that of the states")
+      ->type_name("X0,Y0,Z0:X1,Y1,Z1");
+  sub.add_option("--points", arguments->points, "Label these positions (CSV x,y,z)")->type_name("Q.csv");
+  sub.add_option("--line", arguments->line, "Label N positions along a line")->type_name("X,Y,Z:X,Y,Z:N");
+  sub.add_option("--grid", arguments->grid, "Label a grid of this step over the box [m]")->type_name("H");
+  sub.add_option("-o,--output", arguments->output, ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")->type_name("OUT");
+  sub.add_option("--diff", arguments->diff, "Two sets of states: what changed from A to B")->expected(2)->type_name("A B");
+  sub.add_flag("--agreement", arguments->agreement, "Compare both indexes by volume");
+  sub.add_option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body")->type_name("SCENE");
+  sub.add_option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
+      ->type_name("X,Y,Z");
+  sub.add_option("--known", arguments->known, "States known before a run began")->type_name("STATES");
+  sub.add_option("--calibrate", arguments->calibrate,
+                 "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES default to the lattice")
+      ->type_name("SCENE");
+  sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")->check(CLI::Range(1, 10000));
+  CoverageOptions& limits = arguments->coverage;
+  const auto threshold = [&](const char* option, double& value, const char* text) {
+    sub.add_option(option, value, text)->check(above_zero)->group("Thresholds");
+  };
+  // Beyond 90 degrees a cone says that the states lie on one side: nothing is enclosed.
+  const auto angle = [&](const char* option, double& value, const char* text) {
+    sub.add_option(option, value, text)->check(above_zero)->check(at_most_90)->group("Thresholds");
+  };
+  threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
+  threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");
+  angle("--safe-angle", limits.safe_angle_deg, "Safe: largest empty cone below this half-angle [deg]");
+  threshold("--sparse-distance", limits.sparse_distance, "Sparse: a state within this many h");
+  threshold("--gap-cone-radius", limits.gap_cone_radius, "Gap: states on both sides within this many h");
+  angle("--gap-angle", limits.gap_angle_deg, "Gap: largest empty cone at most this half-angle [deg]");
+}
+
+}  // namespace forefeel

@@ -1,0 +1,364 @@
+// forefeel evaluate STATES --points Q.csv: forces of the approximation, each point with a neighbour set of
+// its own, or of one of the older methods on all states.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "approx/judge/leave_one_out.hpp"
+#include "approx/predecessors/methods.hpp"
+#include "approx/select/updater.hpp"
+#include "apps/console/command.hpp"
+#include "apps/classify/repeated_states.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+#include "scheduling/render/session_model.hpp"
+
+namespace forefeel {
+namespace {
+
+struct EvaluateArguments {
+  std::string states, points, output, method = "rbf", kernel, data, select = "label";
+  std::optional<std::size_t> neighbours;
+  std::optional<double> spacing;
+  std::string ridge = "0";
+};
+
+// What bounds a model: no force above `bound` [N]; outside the hull of its states it is the tangent beyond
+// `tangent` [m] and a held force `held` [m] from where the tangent is taken.
+struct Reach {
+  double bound, tangent, held;
+};
+
+struct Evaluation {
+  std::vector<Reach> reach;  // by point; no tangent for the older methods
+  std::vector<Vec3> forces;
+  std::vector<Label> labels;
+  std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
+  std::size_t fitted = 0, updated = 0, reused = 0;  // models, by point: from nothing, by replacing states, unchanged
+  std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
+  std::size_t stepped_down = 0;
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return unknown;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+// The median distance of a state to its nearest other one.
+double spacing_of(const std::vector<State>& states) {
+  StateSpaceOptions options;
+  options.spacing = 1;
+  options.merge_distance = 0;
+  StateSpace space(options);
+  for (const State& s : states)
+    if (s.usable()) space.insert(s);
+  std::vector<double> distances;
+  std::vector<StateId> two;
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    const Vec3 at = space[{static_cast<std::uint32_t>(i)}].at;
+    space.nearest(at, 2, two);
+    for (const StateId id : two)
+      if (id.value != i) distances.push_back((space[id].at - at).norm());
+  }
+  return median(std::move(distances));
+}
+
+ModelOptions model_options(const EvaluateArguments& arguments, const std::vector<State>& states) {
+  const bool stiffness =
+      std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
+  ModelOptions options;
+  const bool offline =
+      arguments.method == "offline-rbf";  // of all states at once: on force unless asked otherwise
+  options.kernel = arguments.kernel == "linear"  ? Kernel::linear
+                   : arguments.kernel == "cubic" ? Kernel::cubic
+                   : !arguments.kernel.empty()   ? Kernel::quintic
+                   : stiffness && !offline       ? Kernel::quintic
+                                                 : Kernel::cubic;
+  if (arguments.data.empty())
+    options.data =
+        stiffness && !offline && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
+  else
+    options.data = arguments.data == "force" ? Data::force : Data::force_and_stiffness;
+  if (options.data == Data::force_and_stiffness && !stiffness)
+    throw InputError(arguments.states,
+                     "no state has a stiffness, expected columns k11 to k33 or --data force");
+  options.neighbours = arguments.neighbours.value_or(options.data == Data::force ? 100 : 25);
+  options.neighbours = std::min(options.neighbours, std::max<std::size_t>(states.size(), 1));
+  options.select = arguments.select == "nearest" ? Select::nearest : Select::label;
+  return options;
+}
+
+double ridge_of(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
+  if (failed != std::errc() || stopped != end || !(value >= 0) || !std::isfinite(value))
+    throw InputError("--ridge", fmt::format("is '{}', expected a number >= 0 or auto", text));
+  return value;
+}
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Median time of one evaluation at x is taken over the points; each is repeated, so that the clock resolves
+// it.
+template <class Field>
+void measure(const Field& field, const Vec3& x, Evaluation& result) {
+  result.forces.push_back(field.force(x));
+  constexpr int repeats = 16;
+  Vec3 sum = Vec3::Zero();
+  const auto begin = Clock::now();
+  for (int r = 0; r < repeats; ++r) sum += field.force(x);
+  result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
+}
+
+// The kernel, or what took its place where the states do not determine its polynomial (rbf_fit.hpp).
+std::string_view kernel_of(const Model& model) {
+  if (model.is_tangent()) return "tangent";
+  return model.degree() == 0 ? "linear with constant" : name(model.kernel());
+}
+
+Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, const ModelOptions& options,
+                    const Globals& globals) {
+  ModelUpdater updater(space, options);
+  Model model;
+  model.reserve(options);
+  Evaluation result;
+  Progress progress(globals, "evaluate");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    UpdateReport report;
+    updater.forget();
+    const auto start = Clock::now();
+    updater.update(points[i], model, &report);
+    const double seconds = since(start);
+    const bool changed = report.refit || report.replaced > 0;
+    if (changed) result.fit_us.push_back(1e6 * seconds);
+    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
+    result.labels.push_back(report.label);
+    result.kernels.push_back(kernel_of(model));
+    result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
+    result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
+    measure(model, points[i], result);
+    progress.show(double(i + 1) / double(points.size()),
+                  fmt::format("{} of {} points", i + 1, points.size()));
+  }
+  return result;
+}
+
+Evaluation evaluate_older(Method method, const std::vector<State>& states, const StateSpace& space,
+                          const std::vector<Vec3>& points, const MethodOptions& options) {
+  Evaluation result;
+  const auto start = Clock::now();
+  const Approximation field(method, states, options);
+  result.fit_us.push_back(1e6 * since(start));
+  result.fitted = 1;  // one field for all points
+  result.reused = points.size() - 1;
+  for (const Vec3& x : points) {
+    result.labels.push_back(space.coverage(x).label);
+    result.reach.push_back({field.bound(x), unknown, unknown});
+    measure(field, x, result);
+  }
+  return result;
+}
+
+Method method_of(const std::string& text) {
+  for (const Method method : all_methods())
+    if (name(method) == text) return method;
+  return Method::rbf;
+}
+
+void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& result) {
+  OutputFile out(file);
+  out.write("x,y,z,fx,fy,fz,label\n");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 &x = points[i], &f = result.forces[i];
+    out.write(
+        fmt::format("{},{},{},{},{},{},{}\n", x[0], x[1], x[2], f[0], f[1], f[2], name(result.labels[i])));
+  }
+  out.commit();
+}
+
+// Lattices, curves and lines are what they are; what is asked of them in vain is said.
+void warn_in_vain(const Globals& globals, const EvaluateArguments& arguments) {
+  if (arguments.method == "rbf") return;
+  const bool offline = arguments.method == "offline-rbf";
+  std::vector<std::string> vain;
+  if (arguments.select != "label") vain.push_back("--select");
+  if (!arguments.kernel.empty() && !offline) vain.push_back("--kernel");
+  if (!arguments.data.empty() && !offline) vain.push_back("--data");
+  if (arguments.neighbours && arguments.method != "rbf-network") vain.push_back("--neighbours");
+  if (arguments.ridge != "0" && !offline) vain.push_back("--ridge");
+  if (!vain.empty())
+    warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(vain, ", "), arguments.method));
+}
+
+// What the method uses; null what it has not.
+void describe(nlohmann::ordered_json& document, const Method method, const ModelOptions& options,
+              const MethodOptions& older) {
+  const bool moving = method == Method::rbf, offline = method == Method::offline_rbf,
+             network = method == Method::rbf_network;
+  const auto if_so = [&](const char* key, bool so, nlohmann::ordered_json value) {
+    document[key] = so ? std::move(value) : nlohmann::ordered_json();
+  };
+  if_so("kernel", moving || offline || network, name(network ? Kernel::cubic : options.kernel));
+  if_so("data", true, name(moving || offline ? options.data : Data::force));
+  if_so("neighbours", moving, options.neighbours);
+  if_so("centres", network, older.centres);
+  if_so("select", moving, name(options.select));
+  if_so("ridge", moving || offline, options.ridge);
+}
+
+// A model that no memory holds is refused as a session refuses it.
+void check_memory(const ModelOptions& options, std::size_t states) {
+  try {
+    for_states(options, states);
+  } catch (const InputError& error) {
+    throw InputError("--neighbours", std::string(error.what()).substr(error.where().size() + 2));
+  }
+}
+
+int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  warn_in_vain(globals, arguments);
+  if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
+  const std::vector<Vec3> points = read_points_csv(arguments.points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw InputError(fmt::format("{}: point {}", arguments.points, i + 1),
+                       "is not finite, expected three numbers");
+  if (points.empty()) throw InputError(arguments.points, "holds no point, expected rows x,y,z");
+  const LoadedStates loaded = load_states(arguments.states);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
+  if (std::ranges::none_of(loaded.states, &State::usable))
+    throw InputError(arguments.states, "holds no solved state, expected at least one");
+  ModelOptions options = model_options(arguments, loaded.states);
+  if (arguments.ridge != "auto") options.ridge = ridge_of(arguments.ridge);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
+
+  StateSpaceOptions space_options;
+  space_options.spacing = arguments.spacing.value_or(loaded.header.spacing);
+  if (!(space_options.spacing > 0)) space_options.spacing = spacing_of(loaded.states);
+  if (!(space_options.spacing > 0)) space_options.spacing = StateSpaceOptions{}.spacing;
+  StateSpace space(space_options);
+  std::size_t contradicting = 0;
+  for (const State& state : loaded.states)
+    if (state.usable()) {
+      const StateSpace::Insertion made = space.insert(state);
+      contradicting += !made.is_new && contradict(space[made.id], state) ? 1 : 0;
+    }
+  const Method method = method_of(arguments.method);
+  if (contradicting > 0)
+    warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
+                              contradicting == 1 ? "1 state contradicts" : fmt::format("{} states contradict", contradicting),
+                              method == Method::rbf ? "; the first one counts" : ""));
+  if (method == Method::rbf) check_memory(options, space.size());
+  options.neighbours = std::min(options.neighbours, space.size());
+  if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
+  MethodOptions older{.model = options, .spacing = space_options.spacing};
+  if (method == Method::rbf_network)
+    older.centres =
+        RbfNetwork::centres_of(static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable)),
+                               arguments.neighbours.value_or(0));
+  const Evaluation result = method == Method::rbf
+                                ? evaluate(space, points, options, globals)
+                                : evaluate_older(method, loaded.states, space, points, older);
+
+  if (!arguments.output.empty()) write_csv(arguments.output, points, result);
+  const double fit_us = median(result.fit_us), evaluate_ns = median(result.evaluate_ns);
+  if (globals.json) {
+    nlohmann::ordered_json document;
+    document["forces"] = nlohmann::ordered_json::array();
+    document["labels"] = nlohmann::ordered_json::array();
+    for (const Vec3& f : result.forces) document["forces"].push_back(vector3(f));
+    for (const Label label : result.labels) document["labels"].push_back(name(label));
+    document["kernels"] = result.kernels;
+    document["stepped_down"] = result.stepped_down;
+    document["fit_us"] = number(fit_us);
+    document["evaluate_ns"] = number(evaluate_ns);
+    document["fitted"] = result.fitted;
+    document["updated"] = result.updated;
+    document["reused"] = result.reused;
+    document["method"] = arguments.method;
+    describe(document, method, options, older);
+    document["spacing"] = number(space_options.spacing);
+    for (const char* key : {"force_bounds", "tangent_from", "held_from"})
+      document[key] = nlohmann::ordered_json::array();
+    for (const Reach& reach : result.reach) {
+      document["force_bounds"].push_back(number(reach.bound));
+      document["tangent_from"].push_back(number(reach.tangent));
+      document["held_from"].push_back(number(reach.held));
+    }
+    print_json(document);
+    return 0;
+  }
+  if (arguments.output.empty())
+    for (std::size_t i = 0; i < points.size(); ++i)
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}",
+                                  points[i][0], points[i][1], points[i][2], result.forces[i][0],
+                                  result.forces[i][1], result.forces[i][2], name(result.labels[i])));
+  std::string how;
+  if (method == Method::rbf || method == Method::offline_rbf)
+    how = fmt::format(", {} on {}", name(options.kernel), name(options.data));
+  if (method == Method::rbf) how += fmt::format(", {} neighbours", options.neighbours);
+  if (method == Method::rbf_network) how = fmt::format(", {} centres", older.centres);
+  if (result.stepped_down > 0)
+    how += fmt::format(", at {} points stepped down, the first to {}", result.stepped_down,
+                       *std::ranges::find_if(result.kernels, [&](std::string_view k) { return k != name(options.kernel); }));
+  std::string models = fmt::format("{} fitted", result.fitted);
+  if (result.updated > 0) models += fmt::format(", {} updated", result.updated);
+  if (result.reused > 0) models += fmt::format(", {} reused", result.reused);
+  say(globals, fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
+                           points.size(), space.size(), arguments.method, how, models, fit_us, evaluate_ns));
+  return 0;
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App& sub =
+      add_command(app, commands, "evaluate", "Forces approximated from known states at given points",
+                  [&commands, arguments] { return run_evaluate(commands.globals, *arguments); });
+  sub.add_option("STATES", arguments->states, "State file, or states as CSV")->required();
+  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->required()->type_name("Q.csv");
+  sub.add_option("--method", arguments->method, "Approximation")
+      ->check(CLI::IsMember(
+          {"rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"}))
+      ->capture_default_str();
+  sub.add_option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
+      ->check(CLI::IsMember({"linear", "cubic", "quintic"}));
+  sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
+      ->check(CLI::IsMember({"force", "force+stiffness"}));
+  sub.add_option("--neighbours", arguments->neighbours,
+                 "States in a model (default 25 with stiffness, else 100; without it no fewer than 20); outside safe "
+                 "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
+                 "with --select nearest. Centres of rbf-network")
+      ->check(above_zero)
+      ->check([](const std::string& text) {
+        const double n = std::strtod(text.c_str(), nullptr);
+        return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
+      });
+  sub.add_option("--select", arguments->select, "Neighbour rule")
+      ->check(CLI::IsMember({"label", "nearest"}))
+      ->capture_default_str();
+  sub.add_option("--spacing", arguments->spacing,
+                 "h [m]; default: as in the file, else the median distance of states")
+      ->check(above_zero);
+  sub.add_option("--ridge", arguments->ridge,
+                 "For noisy states, on the kernel's diagonal; auto: chosen by leave-one-out")
+      ->type_name("NUMBER|auto")
+      ->capture_default_str();
+  sub.add_option("-o,--output", arguments->output, "Forces as CSV")->type_name("OUT.csv");
+}
+
+}  // namespace forefeel

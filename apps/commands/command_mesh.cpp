@@ -1,0 +1,147 @@
+// forefeel mesh SURFACE -o OUT.msh: repairs, decimates and fills a surface; or makes a phantom; or cleans a volume mesh.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "apps/console/command.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "geometry/meshing/surface.hpp"
+
+namespace forefeel {
+namespace {
+
+struct MeshArguments {
+  std::string input, output, phantom;
+  std::optional<long long> elements;
+  std::optional<double> length;
+};
+
+struct MadeMesh {
+  TetMesh mesh;
+  TetrahedraliseReport report;
+  bool repaired = false;              // the report tells of a surface
+  double hausdorff = std::numeric_limits<double>::quiet_NaN();   // [m]
+  std::vector<std::string> warnings;
+};
+
+void check_arguments(const MeshArguments& arguments) {
+  if (arguments.input.empty() == arguments.phantom.empty())
+    throw InputError("mesh", arguments.input.empty() ? "no surface given, expected a file or --phantom NAME"
+                                                     : "both a file and --phantom given, expected one of them");
+  if (std::filesystem::path(arguments.output).extension() != ".msh")
+    throw InputError(arguments.output, "expected a name that ends in .msh");
+  if (arguments.elements && (*arguments.elements < 1 || *arguments.elements > 20'000'000))
+    throw InputError("--elements", fmt::format("{} is out of range, expected 1 to 20000000", *arguments.elements));
+  if (arguments.length && !(*arguments.length > 0 && std::isfinite(*arguments.length)))
+    throw InputError("--length", fmt::format("{} m, expected a positive number", *arguments.length));
+  check_writable(arguments.output);
+}
+
+MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name) {
+  MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
+  TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)), .length = arguments.length, .name = name};
+  made.mesh = tetrahedralise(surface, options, &made.report);
+  made.hausdorff = made.report.hausdorff;
+  if (made.report.repair.wrapped) made.warnings.push_back(fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
+  return made;
+}
+
+MadeMesh make(const MeshArguments& arguments) {
+  if (!arguments.phantom.empty()) {
+    MadeMesh made{.mesh = phantom(arguments.phantom, static_cast<std::size_t>(arguments.elements.value_or(0))), .report = {}, .warnings = {}};
+    if (arguments.length) scale_to_length(made.mesh, *arguments.length);
+    return made;
+  }
+  if (is_surface_file(arguments.input)) return from_surface(read_surface(arguments.input), arguments, arguments.input);
+  if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
+    throw InputError(arguments.input, "unknown kind of file, expected a surface (.obj .off .stl .ply) or a mesh (.msh .vtk .vtu .mesh)");
+  TetMesh mesh = read_mesh(arguments.input);
+  MeshCheck check = check_and_orient(mesh, arguments.input);
+  MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
+  if (arguments.elements) {
+    made = from_surface(boundary_surface(mesh), arguments, arguments.input);
+  } else {
+    if (arguments.length) scale_to_length(mesh, *arguments.length);
+    made.mesh = std::move(mesh);
+    made.hausdorff = 0;
+  }
+  for (const std::string& warning : check.warnings) made.warnings.push_back(arguments.input + ": " + warning);
+  return made;
+}
+
+nlohmann::ordered_json repair_json(const MadeMesh& made) {
+  const RepairReport& r = made.report.repair;
+  nlohmann::ordered_json repaired = nlohmann::ordered_json::object();
+  if (!made.repaired) return repaired;
+  repaired["self_intersections"] = r.self_intersections;
+  repaired["holes"] = r.holes;
+  repaired["components"] = r.components;
+  repaired["reoriented"] = r.reoriented;
+  repaired["wrapped"] = r.wrapped;
+  repaired["triangles_before"] = r.triangles_before;
+  repaired["triangles_after"] = r.triangles_after;
+  return repaired;
+}
+
+nlohmann::ordered_json document_of(const MadeMesh& made, const MeshQuality& measured, const std::string& output) {
+  nlohmann::ordered_json document;
+  document["nodes"] = made.mesh.nodes.size();
+  document["elements"] = made.mesh.tets.size();
+  document["volume"] = number(measured.volume);
+  document["min_dihedral_deg"] = number(measured.min_dihedral_deg);
+  document["max_dihedral_deg"] = number(measured.max_dihedral_deg);
+  document["hausdorff"] = number(made.hausdorff);
+  document["repaired"] = repair_json(made);
+  document["min_tet_volume"] = number(measured.min_tet_volume);
+  document["longest_side"] = number(longest_side(made.mesh));
+  document["surface_triangles"] = boundary_triangles(made.mesh).size();
+  document["groups"] = nlohmann::ordered_json::object();
+  for (const auto& [name, nodes] : made.mesh.groups) document["groups"][name] = nodes.size();
+  document["file"] = output;
+  document["warnings"] = made.warnings;
+  return document;
+}
+
+void tell(const Globals& globals, const MadeMesh& made, const MeshQuality& measured, const std::string& output) {
+  say(globals, fmt::format("{}: {} tetrahedra, {} nodes, {:.4g} m long, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees", output,
+                           made.mesh.tets.size(), made.mesh.nodes.size(), longest_side(made.mesh), 1e6 * measured.volume,
+                           measured.min_dihedral_deg, measured.max_dihedral_deg));
+  if (!made.repaired) return;
+  const RepairReport& r = made.report.repair;
+  say(globals, fmt::format("surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff distance {:.3g} mm", r.triangles_before,
+                           r.self_intersections, r.holes, r.components, r.components == 1 ? "" : "s", 1e3 * made.hausdorff));
+}
+
+int run_mesh(const Globals& globals, const MeshArguments& arguments) {
+  check_arguments(arguments);
+  MadeMesh made = make(arguments);
+  // What TetGen or a coarse grid hands back must hold what readers ask of a mesh.
+  check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
+  const MeshQuality measured = quality(made.mesh);
+  write_msh(arguments.output, made.mesh);
+  for (const std::string& warning : made.warnings) warn(globals, warning);
+  if (globals.json) print_json(document_of(made, measured, arguments.output));
+  tell(globals, made, measured, arguments.output);
+  return 0;
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app, Commands& commands) {
+  auto arguments = std::make_shared<MeshArguments>();
+  CLI::App& sub = add_command(app, commands, "mesh", "A tetrahedral mesh from a surface, a volume mesh or a built-in body",
+                              [arguments, &commands] { return run_mesh(commands.globals, *arguments); });
+  sub.add_option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")->type_name("SURFACE");
+  sub.add_option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2")->required()->type_name("OUT.msh");
+  sub.add_option("--elements", arguments->elements, "Tetrahedra, met within 5 %")->type_name("N");
+  sub.add_option("--length", arguments->length, "Scale so that the longest side is this [m]")->type_name("M");
+  sub.add_option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab")->type_name("NAME");
+}
+
+}  // namespace forefeel

@@ -1,0 +1,181 @@
+// forefeel reproduce timing|extrapolation|damping|energy|speed|all [SCENE] -o DIR/: the paper's table and figures,
+// ours beside them: CSV, pictures, a page that says what the paper found and what was found here.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <memory>
+
+#include "apps/picture/page.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/laboratory/reproduce.hpp"
+#include "apps/console/suggest.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/record/run_files.hpp"
+
+namespace forefeel {
+
+const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> all{
+      {"timing", "Time to update and to evaluate (section 4)", reproduce_timing},
+      {"extrapolation", "Out of the known space (Fig. 2)", reproduce_extrapolation},
+      {"damping", "States that arrive while the hand rests (Fig. 3)", reproduce_damping},
+      {"energy", "Energy around closed loops", reproduce_energy},
+      {"speed", "Sustained HIP speed against workers", reproduce_speed}};
+  return all;
+}
+
+std::string percent(double share) {
+  return std::isfinite(share) ? fmt::format("{:.3g} %", 100 * share) : "–";
+}
+
+std::string paragraph(const std::string& lead, const std::string& text) {
+  return "<p><b>" + html_escaped(lead) + ".</b> " + html_escaped(text) + "</p>\n";
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReproduceArguments {
+  std::optional<std::size_t> gap;   // of options, as far as the depth allows
+  std::string what, scene, output;
+  ReproduceOptions options;
+};
+
+std::vector<Experiment> chosen(const std::string& what) {
+  if (what == "all") return experiments();
+  std::vector<std::string> names;
+  for (const Experiment& experiment : experiments()) {
+    if (experiment.name == what) return {experiment};
+    names.push_back(experiment.name);
+  }
+  names.push_back("all");
+  throw InputError("reproduce", fmt::format("'{}' is unknown, did you mean '{}'? Expected one of {}", what,
+                                            nearest_word(what, names), listed(names)));
+}
+
+std::string page(const Laboratory& laboratory, const std::string& sections) {
+  const Scene& scene = laboratory.scene();
+  const auto made_by = provenance(scene.hash);
+  std::string html = fmt::format(
+      "<h1>The paper's experiments</h1>\n<p class=\"sub\">Peterlík and Filipovič, Haptic Rendering Based on "
+      "RBF Approximation from "
+      "Dynamically Updated Data. Here on {}: {} tetrahedra, {}, spacing {:.4g} mm.</p>\n",
+      html_escaped(laboratory.name()), scene.body->mesh.tets.size(), name(scene.body->material.law),
+      1e3 * laboratory.spacing());
+  html += sections + "<h2>Provenance</h2>\n<table class=\"wide\">\n";
+  for (const char* key : {"command", "version", "commit", "machine"})
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", key,
+                        html_escaped(made_by[key].get<std::string>()));
+  return html_page("Forefeel: the paper's experiments", html + "</table>\n");
+}
+
+// Before anything is written.
+ReproduceOptions checked(const ReproduceArguments& arguments) {
+  ReproduceOptions options = arguments.options;
+  if (!std::isfinite(options.interval))
+    throw InputError("--interval", fmt::format("is {}, expected 0.05 to 3600 s", options.interval));
+  if (arguments.gap && *arguments.gap + 2 > options.depth)
+    throw InputError("--gap", fmt::format("is {} spacings, expected at most {}: the depth is {}", *arguments.gap, options.depth - 2, options.depth));
+  if (!std::isfinite(options.travel)) throw InputError("--travel", fmt::format("is {}, expected 0.01 to 1000 m", options.travel));
+  for (auto workers = options.workers.begin(); workers != options.workers.end(); ++workers)
+    if (std::find(options.workers.begin(), workers, *workers) != workers)
+      throw InputError("--workers", fmt::format("names {} twice, expected each number once", *workers));
+  options.gap = arguments.gap.value_or(options.gap);
+  return options;
+}
+
+// What an option is for; `all` runs everything.
+void refuse_in_vain(const std::string& what, const CLI::App& sub) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> uses{
+      {"--depth", {"extrapolation", "damping"}}, {"--gap", {"extrapolation"}}, {"--interval", {"damping"}},
+      {"--rounds", {"timing"}},                  {"--travel", {"speed"}},      {"--seeds", {"speed"}},
+      {"--workers", {"speed"}}};
+  for (const auto& [option, experiments_of] : uses)
+    if (sub.count(option) > 0 && what != "all" && std::ranges::find(experiments_of, what) == experiments_of.end())
+      throw InputError(option, fmt::format("without effect on reproduce {}, expected with {} or all", what,
+                                           fmt::join(experiments_of, ", ")));
+  if (what == "speed" && sub.count("--seed") > 0)
+    throw InputError("--seed", "without effect on reproduce speed, expected --seeds N: the sessions of seeds 1 to N");
+}
+
+int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const CLI::App& sub) {
+  const std::vector<Experiment> wanted = chosen(arguments.what);
+  refuse_in_vain(arguments.what, sub);
+  const ReproduceOptions options = checked(arguments);
+  if (wanted.back().name == "speed") check_speed_overrides(globals);
+  Laboratory laboratory(globals, arguments.scene);
+  const fs::path folder = arguments.output;
+  if (wanted.back().name == "speed") {
+    if (folder.empty()) throw InputError("--output", "is empty, expected a folder for the files of the run");
+    check_speed(laboratory, options, folder);
+  }
+  prepare_run_folder(folder);
+  nlohmann::ordered_json document;
+  document["scene"] = laboratory.name();
+  document["experiments"] = nlohmann::ordered_json::object();
+  std::string sections;
+  bool all_met = true;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const Experiment& experiment = wanted[i];
+    Progress progress(globals, experiment.name);
+    const Findings found =
+        experiment.run(laboratory, options, folder,
+                       [&](double share, const std::string& text) { progress.show(share, text); });
+    document["experiments"][experiment.name] = found.summary;
+    sections += fmt::format("<h2>{}</h2>\n{}", html_escaped(experiment.title), found.html);
+    // What is done is on disk before the next begins.
+    write_text(folder / "report.html", page(laboratory, sections));
+    for (const std::string& line : found.lines) say(globals, experiment.name + ": " + line);
+    for (const std::string& line : found.unmet) warn(globals, experiment.name + ": " + line);
+    all_met = all_met && found.unmet.empty();
+  }
+  document["provenance"] = provenance(laboratory.scene().hash);
+  write_text(folder / "summary.json", document.dump(2) + "\n");
+  if (globals.json) print_json(document);
+  say(globals, fmt::format("report: {}", (folder / "report.html").string()));
+  return all_met ? 0 : 1;
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<ReproduceArguments>();
+  CLI::App& sub = add_command(app, commands, "reproduce", "The paper's table and figures, ours beside them",
+                              [&commands, arguments, &app] {
+                                return run_reproduce(commands.globals, *arguments, *app.get_subcommand("reproduce"));
+                              });
+  std::string names;
+  for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
+  sub.add_option("WHAT", arguments->what, names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")->required();
+  sub.add_option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
+  sub.add_option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
+      ->required()
+      ->type_name("DIR/");
+  sub.add_option("--depth", arguments->options.depth, "Length of the path in spacings")
+      ->check(CLI::Range(4, 100))
+      ->capture_default_str();
+  sub.add_option("--gap", arguments->gap, "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")->check(CLI::Range(2, 98));
+  sub.add_option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
+      ->check(CLI::Range(0.05, 3600.0))
+      ->capture_default_str();
+  sub.add_option("--rounds", arguments->options.rounds, "Timed repetitions in `timing`")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub.add_option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  sub.add_option("--seeds", arguments->options.seeds, "Seeds of `speed`, 1 to this; their geometric mean counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub.add_option("--workers", arguments->options.workers, "Numbers of workers of `speed`")
+      ->check(CLI::Range(1, 100000))
+      ->delimiter(',')
+      ->capture_default_str();
+}
+
+}  // namespace forefeel

@@ -1,0 +1,157 @@
+// forefeel solve SCENE (--at=X,Y,Z)… | --points F.csv [-o OUT.csv]: tight solves on the reference branch.
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <set>
+
+#include "apps/console/command.hpp"
+#include "apps/scene_input/scene.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+struct SolveArguments {
+  std::string scene;
+  std::vector<std::string> at;
+  std::string points, output;
+  bool discretisation_error = false;
+};
+
+std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
+  std::vector<Vec3> points;
+  for (const std::string& text : arguments.at) points.push_back(parse_vector(text, "--at"));
+  if (!arguments.points.empty())
+    for (const Vec3& x : read_points_csv(arguments.points)) points.push_back(x);
+  if (points.empty()) throw InputError("solve", "no position, expected --at=X,Y,Z or --points FILE");
+  for (const Vec3& x : points)
+    if (!x.allFinite()) throw InputError("solve", "a position is not finite, expected three finite numbers");
+  return points;
+}
+
+std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points, const Globals& globals) {
+  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
+  std::vector<SolveOutcome> outcomes(points.size());
+  std::atomic<std::size_t> done = 0;
+  Progress progress(globals, "solve");
+#pragma omp parallel num_threads(static_cast<int>(std::min<std::size_t>(points.size(), static_cast<std::size_t>(threads))))
+  {
+    Solver solver(scene.body);
+#pragma omp for schedule(dynamic)
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      outcomes[i] = solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
+      State& state = outcomes[i].state;
+      state.multivalued = second_way_differs(solver, state, scene.space.spacing);
+      if (state.multivalued) outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
+      const std::size_t count = ++done;
+#pragma omp critical(forefeel_solve)
+      progress.show(static_cast<double>(count) / static_cast<double>(points.size()),
+                    fmt::format("{} of {} states", count, points.size()));
+    }
+  }
+  return outcomes;
+}
+
+// What the mesh itself gets wrong, estimated by one refinement of its elements: |f - f_quadratic| / |f_quadratic|.
+std::vector<double> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
+  auto refined = std::make_shared<Body>(*scene.body);
+  refined->element = Element::quadratic;
+  Solver solver(refined);
+  std::vector<double> errors;
+  for (const SolveOutcome& outcome : outcomes) {
+    errors.push_back(unknown);
+    if (!outcome.state.usable() || outcome.state.at.norm() == 0) continue;
+    const State better = solver.reference(outcome.state.at, scene.space.spacing).state;
+    if (better.usable()) errors.back() = (better.force - outcome.state.force).norm() / better.force.norm();
+  }
+  return errors;
+}
+
+nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
+  const State& s = outcome.state;
+  nlohmann::ordered_json entry;
+  entry["at"] = vector3(s.at);
+  entry["force"] = vector3(s.force);
+  entry["stiffness"] = nlohmann::ordered_json::array();
+  for (int i = 0; i < 3; ++i) entry["stiffness"].push_back(vector3(Vec3(s.stiffness.row(i).transpose())));
+  entry["energy"] = number(s.energy);
+  entry["converged"] = s.status == SolveStatus::converged;
+  entry["status"] = name(s.status);
+  entry["iterations"] = s.iterations;
+  entry["residual"] = number(s.residual);
+  entry["seconds"] = number(s.seconds);
+  entry["min_jacobian"] = number(s.min_jacobian);
+  entry["multivalued"] = s.multivalued;
+  entry["warnings"] = outcome.warnings;
+  return entry;
+}
+
+std::string line_for(const State& s) {
+  return fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
+                     "{:.1f} ms, least J {:.3f}{}",
+                     s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(s.status),
+                     s.iterations, 1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
+}
+
+int run_solve(const Globals& globals, const SolveArguments& arguments) {
+  const std::vector<Vec3> points = wanted_points(arguments);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
+  const Scene scene = load_scene(arguments.scene, globals.set);
+  for (const std::string& warning : scene.warnings) warn(globals, warning);
+  const std::vector<SolveOutcome> outcomes = solve_all(scene, points, globals);
+
+  std::vector<double> mesh_errors;
+  if (arguments.discretisation_error) {
+    if (scene.body->element == Element::quadratic)
+      throw InputError("--discretisation-error", "the scene's elements are quadratic already, expected linear ones");
+    mesh_errors = discretisation_errors(scene, outcomes);
+  }
+  std::size_t failed = 0;
+  std::vector<State> states;
+  nlohmann::ordered_json document{{"states", nlohmann::ordered_json::array()}};
+  for (const SolveOutcome& outcome : outcomes) {
+    failed += outcome.state.status != SolveStatus::converged;
+    states.push_back(outcome.state);
+    document["states"].push_back(to_json(outcome));
+    if (!mesh_errors.empty()) document["states"].back()["discretisation_error"] = number(mesh_errors[states.size() - 1]);
+    for (const std::string& warning : outcome.warnings)
+      warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
+                                outcome.state.at[2], warning));
+  }
+  if (!arguments.output.empty()) write_states_csv(arguments.output, states);
+  if (globals.json) print_json(document);
+  const bool kept = globals.quiet && !arguments.output.empty();   // the file has them
+  if (!globals.json && !kept)
+    for (std::size_t i = 0; i < states.size(); ++i)
+      answer(globals, line_for(states[i]) +
+                       (mesh_errors.empty() ? "" : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));
+  if (failed == 0) return 0;
+  warn(globals, fmt::format("{} of {} states did not converge", failed, states.size()));
+  return 1;
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<SolveArguments>();
+  CLI::App& sub = add_command(app, commands, "solve", "Tight solves on the reference branch: force, stiffness, energy",
+                              [&commands, arguments] { return run_solve(commands.globals, *arguments); });
+  sub.add_option("SCENE", arguments->scene, "Scene (TOML)")->required();
+  auto* at = sub.add_option("--at", arguments->at, "Position of the HIP from rest [m]; may be repeated: --at=X,Y,Z")
+                 ->allow_extra_args(false)
+                 ->type_name("X,Y,Z");
+  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->type_name("F.csv")->excludes(at);
+  sub.add_flag("--discretisation-error", arguments->discretisation_error,
+               "Estimate what the mesh gets wrong by quadratic elements on it");
+  sub.add_option("-o,--output", arguments->output, "States as CSV")->type_name("OUT.csv");
+}
+
+}  // namespace forefeel

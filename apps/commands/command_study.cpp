@@ -1,0 +1,230 @@
+// forefeel study STUDY.toml -o DIR/: every combination of what varies, times every seed; table, ranking,
+// report.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <set>
+
+#include "apps/console/command.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/picture/report.hpp"
+#include "apps/picture/study_gantt.hpp"
+#include "apps/study/study_ranking.hpp"
+#include "apps/picture/study_report.hpp"
+#include "apps/study/study_run.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "scheduling/record/run_files.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudyArguments {
+  std::string study, output;
+  std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
+};
+
+void write_whole(const fs::path& file, const std::string& text) {
+  OutputFile out(file);
+  out.write(text);
+  out.commit();
+}
+
+// ---- what DIR/ was begun with
+// ----------------------------------------------------------------------------------------
+
+nlohmann::ordered_json manifest(const StudyPlan& plan) {
+  nlohmann::ordered_json document;
+  const auto made_by = provenance(plan.scenes.front().hash);
+  document["version"] = made_by["version"];
+  document["commit"] = made_by["commit"];
+  document["study"] = plan.study.text;
+  document["cells"] = nlohmann::ordered_json::array();
+  for (const StudyCell& cell : plan.cells) document["cells"].push_back(cell.key);
+  return document;
+}
+
+// One line that says what changed since DIR/ was begun, or nothing.
+std::optional<std::string> change_since(const fs::path& folder, const StudyPlan& plan) {
+  std::ifstream in(folder / "study.json");
+  if (!in) return {};
+  const auto before = nlohmann::ordered_json::parse(in, nullptr, false), now = manifest(plan);
+  if (!before.is_object() || !before.contains("cells") || before["cells"] == now["cells"]) return {};
+  const auto listed = before["cells"].get<std::set<std::string>>();
+  const auto same = static_cast<std::size_t>(
+      std::ranges::count_if(plan.cells, [&](const StudyCell& cell) { return listed.contains(cell.key); }));
+  const char* what =
+      before.value("commit", "") != now["commit"] || before.value("version", "") != now["version"]
+          ? "another build of forefeel"
+      : before.value("study", "") != now["study"] ? "another text of this study"
+                                                  : "another scene, trace or --set";
+  return fmt::format(
+      "{}: begun with {}; {} of its {} cells are the same and kept, {} are new, {} are no longer part",
+      folder.string(), what, same, listed.size(), plan.cells.size() - same,
+      listed.size() - std::min(same, listed.size()));
+}
+
+// ---- a dispatch Gantt
+// ------------------------------------------------------------------------------------------------
+
+// Runs the cell again (it is the same session) and writes its files and picture.
+int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArguments& arguments) {
+  if (arguments.gantt > plan.cells.size())
+    throw InputError("--gantt", fmt::format("is {}, expected a row of cells.csv from 1 to {}",
+                                            arguments.gantt, plan.cells.size()));
+  if (plan.study.sustained)
+    throw InputError("--gantt", "a cell of a sustained-speed study is many sessions, expected another study");
+  const StudyCell& cell = plan.cells[arguments.gantt - 1];
+  const Scene& scene = plan.scenes[cell.scene];
+  const SessionInput input = session_input(scene);
+  SessionOptions options = cell.options;
+  options.threads = globals.threads;
+  StudyCell alone = cell;
+  alone.options = options;
+  alone = with_load_found(plan, alone, input);
+  options.cost = alone.options.cost;
+  Progress progress(globals, "session");
+  const SessionResult result = run_cell(plan, alone, input, [&](const SessionProgress& p) {
+    progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, p.phase);
+  });
+  const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
+  fs::create_directories(folder);
+  write_run_files(folder, result, options);
+  auto summary = summary_json(result, input, options);
+  summary["provenance"] = provenance(scene.hash);
+  write_whole(folder / "summary.json",
+              summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_report(folder, summary, scene, begin_pictures(result, begin_slices(result, scene.space)));
+  const Figure figure = gantt_figure(result, options.seconds, options.workers);
+  const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
+  if (svg)
+    write_whole(folder / "gantt.svg", *svg);
+  else
+    warn(globals, "gantt.svg: gnuplot was not found or failed");
+  if (globals.json) print_json(summary);
+  say(globals, fmt::format("{}: {} solves of {} workers in {} s",
+                           (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
+                           options.workers, options.seconds));
+  return svg ? 0 : 1;
+}
+
+// ---- the study
+// -------------------------------------------------------------------------------------------------------
+
+// What was done; of an interrupted study all there is to say.
+nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
+  return {{"cells", plan.cells.size()},
+          {"ran", result.ran},
+          {"resumed", result.resumed},
+          {"left", plan.cells.size() - result.resumed - result.ran},
+          {"interrupted", result.interrupted},
+          {"seconds", number(result.seconds)}};
+}
+
+void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
+  std::string shown;
+  for (const Contrast& c : compared) {
+    const StudyMetric& metric = c.metric;
+    const auto scaled = [&](double v) { return metric.ratio ? std::exp(v) : metric.scale * v; };
+    if (shown != metric.key) say(globals, metric.title + (metric.ratio ? ", factors:" : ", differences:"));
+    shown = metric.key;
+    const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
+                                                    study.axes[c.slice->axis].values[c.slice->value].text)
+                                      : "";
+    const char* verdict = c.comparison.verdict() == 0                               ? "not shown"
+                          : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
+                                                                                    : "worse";
+    const auto interval = [&](const ConfidenceInterval& of) {
+      return std::isfinite(of.low) && std::isfinite(of.high) ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
+                                                             : std::string("none");
+    };
+    // Few pairs or one trace give no interval; both must exclude zero for a verdict.
+    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}", study.axes.front().values[c.a].text,
+                             study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
+                             scaled(c.comparison.bootstrap.mean), interval(c.comparison.bootstrap),
+                             interval(c.comparison.student), verdict));
+  }
+}
+
+int run_command(const Globals& globals, const StudyArguments& arguments) {
+  if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
+  if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
+  const StudyPlan plan = plan_study(read_study(arguments.study, globals.set));
+  for (const std::string& warning : plan.warnings) warn(globals, warning);
+  end_if_interrupted("any cell was run");
+  if (arguments.gantt > 0) return run_gantt(globals, plan, arguments);
+
+  const fs::path folder = arguments.output;
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw InputError(arguments.output, "is a file, expected a folder for the results");
+  if (const auto change = change_since(folder, plan)) warn(globals, *change);
+  fs::create_directories(folder);
+  check_writable(folder / "cells.csv");
+  write_whole(folder / "study.json", manifest(plan).dump(1) + "\n");
+  StudyResult result = run_study(plan, folder, globals);
+  if (result.interrupted) {
+    const std::size_t done = result.resumed + result.ran;
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command goes on from here", done, plan.cells.size(),
+                              plan.cells.size() - done));
+    if (globals.json) {
+      nlohmann::ordered_json document = counts(plan, result);
+      document["files"] = nlohmann::ordered_json::array();   // made of all cells, when they are there
+      document["provenance"] = provenance(plan.scenes.front().hash);
+      print_json(document);
+    }
+    return 1;
+  }
+  if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
+  add_regret(plan.study, result.cells);
+  const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
+  std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
+  for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
+    compared.push_back(std::move(c));
+  write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
+  write_whole(folder / "report.html", study_page(plan, result, ranked, compared));
+
+  if (globals.json) {
+    nlohmann::ordered_json document = counts(plan, result);
+    document.update(ranking_json(plan.study, ranked, compared));
+    document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
+    document["provenance"] = provenance(plan.scenes.front().hash);
+    print_json(document);
+  }
+  show_contrasts(globals, plan.study, compared);
+  for (const std::string& note : sustained_notes(plan.study, result.cells)) say(globals, note);
+  say(globals,
+      fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
+                  plan.cells.size(), result.ran, result.seconds, result.resumed));
+  return 0;
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, Commands& commands) {
+  const auto arguments = std::make_shared<StudyArguments>();
+  CLI::App& sub = add_command(app, commands, "study",
+                              "Every combination of policies, devices, models …; table, ranking, report",
+                              [&commands, arguments] { return run_command(commands.globals, *arguments); });
+  sub.add_option("STUDY", arguments->study,
+                 "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states which the motion needs per "
+                 "second, but for those known at the start, are L times what the workers solve per second, messages included")
+      ->required();
+  sub.add_option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
+      ->required()
+      ->type_name("DIR/");
+  sub.add_option("--gantt", arguments->gantt,
+                 "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
+      ->check(above_zero)
+      ->type_name("CELL");
+}
+
+}  // namespace forefeel

@@ -1,0 +1,194 @@
+#include "apps/laboratory/laboratory.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/picture/page.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/scene_input/sha256.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "solver/kernels/revision.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double lattice_tolerance = 1e-9;
+
+fs::path lattice_file(const Scene& scene, double h) {
+  const fs::path folder = cache_folder();
+  if (folder.empty()) return {};
+  Sha256 hash;
+  for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
+  hash.add(h).add(lattice_tolerance).add(solver_revision());
+  return folder / (hash.hex().substr(0, 32) + "-lattice.states");
+}
+
+// The file of an earlier run, or of this one; empty where it cannot be used (another process writes to it).
+std::optional<StateFile> open_cache(const Scene& scene, double h, const Box& box) {
+  const fs::path file = lattice_file(scene, h);
+  if (file.empty()) return {};
+  try {
+    StateFileHeader header{.identity = scene.identity, .spacing = h, .box = box, .notes = {}};
+    header.notes["content"] = "lattice states of experiments";
+    return StateFile::open_or_create(file, header);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+Laboratory::Laboratory(const Globals& globals, const std::string& scene)
+    : globals_(globals),
+      scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)), built_in_(scene.empty()) {
+  for (const std::string& warning : scene_.warnings) warn(globals, warning);
+}
+
+std::vector<State> Laboratory::lattice_states(const Box& box, double h, const ShowShare& show) {
+  std::optional<StateFile> file = open_cache(scene_, h, box);
+  std::vector<State> states;
+  if (file) {
+    states = file->read_all();
+    if (file->damaged() > 0) warn(globals_, damage_in_words(lattice_file(scene_, h).string(), file->damaged(), true));
+    file->drop_damaged();
+  }
+  GenerateOptions options;
+  options.spacing = h;
+  options.box = box;
+  options.threads = globals_.threads;
+  options.tolerance = lattice_tolerance;
+  const std::vector<State> known = states;
+  std::optional<StateWriter> writer;
+  if (file) writer.emplace(std::move(*file));
+  generate_lattice(
+      scene_.body, options, known,
+      [&](State state) {
+        if (writer) writer->push(state);
+        states.push_back(std::move(state));
+      },
+      [&](std::size_t done, std::size_t total) {
+        if (show)
+          show(static_cast<double>(done) / static_cast<double>(total),
+               fmt::format("{} of {} states", done, total));
+      });
+  if (writer) writer->flush();
+  const Vec3 slack = Vec3::Constant(1e-6 * h);
+  const Box wide{box.low - slack, box.high + slack};
+  std::erase_if(states, [&](const State& s) { return !s.usable() || !wide.contains(s.at); });
+  std::ranges::sort(states, [](const State& a, const State& b) {
+    const double da = a.at.squaredNorm(), db = b.at.squaredNorm();
+    return da != db
+               ? da < db
+               : std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+  });
+  return states;
+}
+
+const std::shared_ptr<ReferenceService>& Laboratory::service() {
+  if (service_) return service_;
+  service_ = std::make_shared<ReferenceService>(session_input(), globals_.threads);
+  if (service_->damage()) warn(globals_, *service_->damage());
+  return service_;
+}
+
+std::vector<State> Laboratory::references(std::span<const Vec3> at, const ShowShare& show) {
+  ReferenceService& solver = *service();
+  for (const Vec3& x : at) solver.request(x);
+  std::vector<State> states;
+  for (const Vec3& x : at) {
+    states.push_back(solver.get(x));
+    if (show)
+      show(static_cast<double>(states.size()) / static_cast<double>(at.size()),
+           fmt::format("{} of {} tight solves", states.size(), at.size()));
+  }
+  return states;
+}
+
+SessionInput Laboratory::session_input() const {
+  return {.body = scene_.body,
+          .identity = scene_.identity,
+          .space = scene_.space,
+          .displacements = false,
+          .known = {},
+          .state_file = {},
+          .cache_folder = cache_folder(),
+          .references = service_,
+          .scene_folder = fs::absolute(scene_.file).parent_path(),
+          .inward = scene_.inward};
+}
+
+Mat3 lattice_frame(const Vec3& inward) {
+  Eigen::Index axis = 0;
+  inward.cwiseAbs().maxCoeff(&axis);
+  Mat3 frame = Mat3::Zero();
+  frame(axis, 0) = inward[axis] < 0 ? -1 : 1;
+  frame((axis + 1) % 3, 1) = 1;
+  frame((axis + 2) % 3, 2) = 1;
+  return frame;
+}
+
+double quantile_of(std::vector<double> values, double share) {
+  std::erase_if(values, [](double v) { return std::isnan(v); });
+  if (values.empty()) return unknown;
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(std::lround(share * last));
+  std::ranges::nth_element(values, place);
+  return *place;
+}
+
+nlohmann::ordered_json quantiles_json(const std::vector<double>& values) {
+  nlohmann::ordered_json object;
+  object["p50"] = number(quantile_of(values, 0.5));
+  object["p95"] = number(quantile_of(values, 0.95));
+  object["max"] = number(quantile_of(values, 1));
+  return object;
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  OutputFile out(file);
+  out.write(text);
+  out.commit();
+}
+
+const char* const plot_style = R"(
+set border 3 lc rgb '#8a8a8a' lw 0.8
+set tics nomirror out scale 0.5 textcolor rgb '#3a3a3a'
+set grid lc rgb '#e4e1da' lw 0.7
+)";
+
+const char* line_colour(std::size_t index) {
+  constexpr const char* colours[] = {"#d55e00", "#0072b2", "#009e73", "#cc79a7",
+                                     "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
+  return colours[index % 8];
+}
+
+std::string draw_into(const fs::path& folder, const Picture& picture) {
+  const std::optional<std::string> svg =
+      draw_svg(picture.name, picture.width, picture.height, picture.script);
+  if (!svg) return "<p class=\"note\">A picture is missing: gnuplot was not found or failed.</p>\n";
+  write_text(folder / (picture.name + ".svg"), *svg + "\n");
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, html_escaped(picture.caption));
+}
+
+std::string html_table(const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table>";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    html += "<tr>";
+    for (std::size_t j = 0; j < rows[i].size(); ++j) {
+      const bool head = i == 0;
+      const bool figure = j > 0 && !rows[i][j].empty() &&
+                          std::string_view("0123456789+-").find(rows[i][j][0]) != std::string_view::npos;
+      html += head ? "<th>" : figure ? "<td class=\"n\">" : "<td>";
+      html += html_escaped(rows[i][j]) + (head ? "</th>" : "</td>");
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+}  // namespace forefeel

@@ -1,0 +1,76 @@
+#include "apps/laboratory/paper_ground.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "geometry/coverage/setups.hpp"
+
+namespace forefeel {
+
+PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap)
+    : h_(laboratory.spacing()),
+      frame_(lattice_frame(laboratory.scene().inward)),
+      depth_(static_cast<double>(depth)) {
+  beyond_ =
+      static_cast<int>(depth);  // no farther: at 72 mm a liver is crushed to 3 % of its volume in places
+  gap_ = std::min(static_cast<int>(gap), beyond_ - 2);
+  const Vec3 low = frame_ * (h_ * Vec3(-layers_, -half_width_, -half_width_));
+  const Vec3 high = frame_ * (h_ * Vec3(beyond_, half_width_, half_width_));
+  const Vec3 slack = Vec3::Constant(1e-6 * h_);
+  box_ = {low.cwiseMin(high) - slack, low.cwiseMax(high) + slack};
+  complete_ = laboratory.lattice_states(box_, h_, show);
+  unsolved_ = lattice(box_, h_).size() - complete_.size();
+}
+
+std::string PaperGround::axis() const {
+  Eigen::Index axis = 0;
+  frame_.col(0).cwiseAbs().maxCoeff(&axis);
+  return std::string(frame_(axis, 0) < 0 ? "-" : "+") + "xyz"[axis];
+}
+
+std::vector<State> PaperGround::known(std::string_view setup) const {
+  SetupOptions options{.spacing = h_, .depth = layers_, .half_width = half_width_, .width = beyond_ * h_};
+  if (setup == "gap") options.width = far_side();
+  using Index = std::array<long, 3>;
+  const auto index = [&](const Vec3& x) {
+    return Index{std::lround(x[0] / h_), std::lround(x[1] / h_), std::lround(x[2] / h_)};
+  };
+  std::map<Index, const State*> solved;
+  for (const State& state : complete_) solved.emplace(index(state.at), &state);
+  std::vector<State> states;
+  for (const Vec3& x :
+       make_setup(setup, options).states)  // where the second slab is deeper than our ground: none
+    if (const auto found = solved.find(index(frame_ * x)); found != solved.end())
+      states.push_back(*found->second);
+  return states;
+}
+
+StateSpace PaperGround::space(const std::vector<State>& known) const {
+  StateSpaceOptions options;
+  options.spacing = h_;
+  options.box = box_;
+  StateSpace space(options);
+  for (const State& state : known) space.insert(state);
+  return space;
+}
+
+std::vector<PathMethod> paper_methods() {
+  // The paper believes the sum however far away it is: with such a length between states so do we
+  // (model_data.hpp).
+  const auto nearest = [](Kernel kernel) {
+    return ModelOptions{
+        .kernel = kernel, .data = Data::force, .neighbours = 100, .select = Select::nearest, .length = 1e3};
+  };
+  return {{"r, 100 nearest", nearest(Kernel::linear)},
+          {"r3, 100 nearest", nearest(Kernel::cubic)},
+          {"Hermite r5, 25 by label",
+           {.kernel = Kernel::quintic,
+            .data = Data::force_and_stiffness,
+            .neighbours = 25,
+            .select = Select::label},
+           true}};
+}
+
+}  // namespace forefeel

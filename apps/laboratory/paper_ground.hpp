@@ -1,0 +1,55 @@
+#pragma once
+// The ground of the paper's Figs. 1 to 3: a lattice of states around a path that leaves a fully known slab
+// and goes into the body, and what of it each situation knows (geometry/coverage/setups.hpp). The path runs along the
+// lattice axis nearest to the inward direction of the contact,
+//   x(s) = s a,  0 <= s <= depth,   a a signed unit axis
+// with the slab at s <= 0 and, in the situation `gap`, another one from its width (8 h) on. Nothing lies beyond the end
+// of the path.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "approx/select/updater.hpp"
+#include "apps/laboratory/laboratory.hpp"
+
+namespace forefeel {
+
+class PaperGround {
+ public:
+  // depth and width of the gap in spacings.
+  PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap = 8);
+
+  double spacing() const { return h_; }
+  double depth() const { return depth_ * h_; }           // of the path [m]
+  double far_side() const { return gap_ * h_; }          // where the second slab of `gap` begins [m]
+  Vec3 at(double s) const { return s * frame_.col(0); }  // s in [m]
+  double along(const Vec3& x) const { return frame_.col(0).dot(x); }
+  std::string axis() const;  // "+x", "-z" …
+
+  const std::vector<State>& complete() const { return complete_; }
+  std::vector<State> known(std::string_view setup) const;  // full, sparse, gap or blank
+  std::size_t unsolved() const { return unsolved_; }       // positions of the lattice without a solution
+  StateSpace space(const std::vector<State>& known) const;
+
+ private:
+  double h_;
+  Box box_;
+  Mat3 frame_;
+  double depth_;
+  int gap_;  // layers that the situation gap leaves out
+  int layers_ = 5, half_width_ = 5;
+  int beyond_;  // layers past the slab
+  std::vector<State> complete_;
+  std::size_t unsolved_ = 0;
+};
+
+// One method as the paper or we would use it.
+struct PathMethod {
+  std::string name;  // "r, n 100"
+  ModelOptions model;
+  bool ours = false;
+};
+std::vector<PathMethod> paper_methods();  // r and r^3 with the 100 nearest, then ours
+
+}  // namespace forefeel

@@ -1,0 +1,310 @@
+#include "apps/picture/coverage_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "apps/picture/plot.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::array<const char*, 3> axis_name{"x", "y", "z"};
+constexpr int panel = 330, margin = 54, legend_height = 150, title_height = 40;
+constexpr std::size_t most_states = 6000;   // more hide the colours
+
+// The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
+struct Slice {
+  int normal, u, v;                 // axes: across, to the right, upwards
+  int columns, rows;
+  double pixel;                     // side of a sample [m]
+  std::vector<Label> label;         // row by row from below
+  std::vector<Eigen::Vector2d> states;
+  std::vector<std::array<Eigen::Vector2d, 2>> outline;
+  bool too_many_states = false;
+
+  Label at(int column, int row) const { return label[static_cast<std::size_t>(row * columns + column)]; }
+};
+
+void cut_body(const CoveragePicture& picture, Slice& slice) {
+  const double level = picture.through[slice.normal];
+  for (const auto& triangle : picture.body) {
+    std::vector<Eigen::Vector2d> crossing;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &a = triangle[i], &b = triangle[(i + 1) % 3];
+      const double da = a[slice.normal] - level, db = b[slice.normal] - level;
+      if ((da < 0) == (db < 0)) continue;
+      const Vec3 p = a + (b - a) * (da / (da - db));
+      crossing.emplace_back(p[slice.u], p[slice.v]);
+    }
+    if (crossing.size() == 2) slice.outline.push_back({crossing[0], crossing[1]});
+  }
+}
+
+Slice cut(const CoveragePicture& picture, int normal) {
+  Slice slice;
+  slice.normal = normal;
+  slice.u = normal == 0 ? 1 : 0;
+  slice.v = normal == 2 ? 1 : 2;
+  const Vec3 size = picture.box.size();
+  const double width = std::max(size[slice.u], picture.spacing), height = std::max(size[slice.v], picture.spacing);
+  slice.pixel = std::max(picture.spacing / 8, std::max(width, height) / panel);
+  slice.columns = std::max(1, static_cast<int>(std::ceil(width / slice.pixel - 1e-6)));
+  slice.rows = std::max(1, static_cast<int>(std::ceil(height / slice.pixel - 1e-6)));
+  slice.label.resize(static_cast<std::size_t>(slice.columns) * static_cast<std::size_t>(slice.rows));
+  for (int row = 0; row < slice.rows; ++row)
+    for (int column = 0; column < slice.columns; ++column) {
+      Vec3 q = picture.through;
+      q[slice.u] = std::min(picture.box.low[slice.u] + (column + 0.5) * slice.pixel, picture.box.high[slice.u]);
+      q[slice.v] = std::min(picture.box.low[slice.v] + (row + 0.5) * slice.pixel, picture.box.high[slice.v]);
+      slice.label[static_cast<std::size_t>(row * slice.columns + column)] = picture.label(q);
+    }
+  for (const Vec3& state : picture.states)
+    if (std::abs(state[normal] - picture.through[normal]) <= 0.5 * picture.spacing && picture.box.contains(state))
+      slice.states.emplace_back(state[slice.u], state[slice.v]);
+  slice.too_many_states = slice.states.size() > most_states;
+  if (slice.too_many_states) slice.states.clear();
+  cut_body(picture, slice);
+  return slice;
+}
+
+std::string legend_line(const CoveragePicture& picture, Label label) {
+  const auto i = static_cast<std::size_t>(label);
+  double all = 0;
+  for (const double v : picture.volume) all += v;
+  return fmt::format("{}: {:.4g} cm\u00b3, {:.1f} %, {} part{}", name(label), 1e6 * picture.volume[i],
+                     all > 0 ? 100 * picture.volume[i] / all : 0.0, picture.components[i],
+                     picture.components[i] == 1 ? "" : "s");
+}
+
+// Rectangles of one label: runs along a row, joined upwards while the runs are the same.
+void svg_areas(const Slice& slice, double scale, std::string& out) {
+  struct Run {
+    int from, to, row;
+    Label label;
+  };
+  std::vector<Run> open;
+  const auto close = [&](const Run& run, int row) {
+    out += fmt::format("<rect class=\"{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n",
+                       name(run.label), run.from * scale, (slice.rows - row) * scale, (run.to - run.from) * scale,
+                       (row - run.row) * scale);
+  };
+  for (int row = 0; row <= slice.rows; ++row) {
+    std::vector<Run> next;
+    for (int from = 0; row < slice.rows && from < slice.columns;) {
+      int to = from + 1;
+      while (to < slice.columns && slice.at(to, row) == slice.at(from, row)) ++to;
+      next.push_back({from, to, row, slice.at(from, row)});
+      from = to;
+    }
+    for (const Run& run : open) {
+      const auto same = std::ranges::find_if(next, [&](const Run& n) {
+        return n.from == run.from && n.to == run.to && n.label == run.label;
+      });
+      if (same == next.end()) {
+        close(run, row);
+      } else {
+        same->row = run.row;
+      }
+    }
+    open = std::move(next);
+  }
+}
+
+void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, double top, std::string& out) {
+  const double scale = panel / static_cast<double>(std::max(slice.columns, slice.rows));
+  const double width = slice.columns * scale, height = slice.rows * scale;
+  const auto x_of = [&](double x) { return (x - picture.box.low[slice.u]) / slice.pixel * scale; };
+  const auto y_of = [&](double y) { return height - (y - picture.box.low[slice.v]) / slice.pixel * scale; };
+  const auto u = static_cast<std::size_t>(slice.u), v = static_cast<std::size_t>(slice.v),
+             n = static_cast<std::size_t>(slice.normal);
+  out += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n<text x=\"0\" y=\"-8\">{} = {:.4g} mm</text>\n", left,
+                     top + panel - height, axis_name[n], 1e3 * picture.through[slice.normal]);
+  svg_areas(slice, scale, out);
+  out += fmt::format("<svg width=\"{0:.1f}\" height=\"{1:.1f}\" viewBox=\"0 0 {0:.1f} {1:.1f}\">\n", width, height);
+  if (!slice.states.empty()) {
+    const double r = std::clamp(0.09 * picture.spacing / slice.pixel * scale, 0.5, 2.0);
+    out += fmt::format("<path class=\"state\" stroke-width=\"{:.2f}\" d=\"", 2 * r);
+    for (const auto& s : slice.states) out += fmt::format("M{:.1f} {:.1f}h0", x_of(s.x()), y_of(s.y()));
+    out += "\"/>\n";
+  }
+  if (!slice.outline.empty()) {
+    out += "<path class=\"body\" d=\"";
+    for (const auto& line : slice.outline)
+      out += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", x_of(line[0].x()), y_of(line[0].y()), x_of(line[1].x()),
+                         y_of(line[1].y()));
+    out += "\"/>\n";
+  }
+  out += "</svg>\n";
+  out += fmt::format("<rect class=\"frame\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", width, height);
+  out += fmt::format("<text x=\"0\" y=\"{0:.1f}\">{2:.4g}</text><text x=\"{1:.1f}\" y=\"{0:.1f}\" text-anchor=\"end\">{3:.4g} mm</text>"
+                     "<text x=\"{4:.1f}\" y=\"{0:.1f}\" text-anchor=\"middle\">{5} \u2192</text>\n",
+                     height + 16, width, 1e3 * picture.box.low[slice.u], 1e3 * picture.box.high[slice.u], width / 2,
+                     axis_name[u]);
+  out += fmt::format("<text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text><text x=\"-6\" y=\"10\" text-anchor=\"end\">{:.4g}"
+                     "</text><text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{} \u2191</text>\n</g>\n",
+                     height, 1e3 * picture.box.low[slice.v], 1e3 * picture.box.high[slice.v], height / 2, axis_name[v]);
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<') out += "&lt;";
+    else if (c == '&') out += "&amp;";
+    else out += c;
+  }
+  return out;
+}
+
+std::string states_line(const CoveragePicture& picture, bool too_many) {
+  return fmt::format("{} states{}", picture.states.size(),
+                     too_many ? " (too many near a slice to draw)" : ", those within h/2 of a slice drawn");
+}
+
+}  // namespace
+
+void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture& picture) {
+  const int width = 3 * panel + 4 * margin, height = title_height + panel + 34 + legend_height;
+  std::string out = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
+      "font-family=\"sans-serif\" font-size=\"12\">\n<title>{2}</title>\n<defs>\n",
+      width, height, escaped(picture.title));
+  // Hatching repeats what the colour says: gap diagonal lines, sparse level ones. Dots are states, and nothing else.
+  out += fmt::format(
+      "<pattern id=\"sparse\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" height=\"8\" fill=\"{0}\"/>"
+      "<path d=\"M0 4H8\" stroke=\"#1b1b1b\" stroke-opacity=\"0.35\" stroke-width=\"0.7\"/></pattern>\n"
+      "<pattern id=\"gap\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\"><rect width=\"7\" height=\"7\" fill=\"{1}\"/>"
+      "<path d=\"M-1 8L8 -1M-1 1L1 -1M6 8L8 6\" stroke=\"#1b1b1b\" stroke-opacity=\"0.55\" stroke-width=\"0.9\"/></pattern>\n</defs>\n",
+      colour(Label::sparse), colour(Label::gap));
+  out += fmt::format(
+      "<style>.safe{{fill:{}}}.sparse{{fill:url(#sparse)}}.gap{{fill:url(#gap)}}.blank{{fill:{}}}"
+      ".state{{stroke:#000;stroke-linecap:round;fill:none;stroke-opacity:.75}}.body{{stroke:#c02020;stroke-width:1.4;fill:none}}"
+      ".frame{{fill:none;stroke:#444;stroke-width:.8}}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+      colour(Label::safe), colour(Label::blank));
+  out += fmt::format("<text x=\"{}\" y=\"20\" font-size=\"14\">{}</text>\n", margin, escaped(picture.title));
+  bool too_many = false;
+  for (int i = 0; i < 3; ++i) {
+    const Slice slice = cut(picture, 2 - i);
+    too_many = too_many || slice.too_many_states;
+    svg_slice(picture, slice, margin + i * (panel + margin), title_height + 10, out);
+  }
+  const int top = title_height + panel + 54;
+  for (int i = 0; i < 4; ++i) {
+    const auto label = static_cast<Label>(i);
+    out += fmt::format("<rect class=\"{0}\" x=\"{1}\" y=\"{2}\" width=\"26\" height=\"15\"/><rect class=\"frame\" x=\"{1}\" y=\"{2}\" "
+                       "width=\"26\" height=\"15\"/><text x=\"{3}\" y=\"{4}\">{5}</text>\n",
+                       name(label), margin, top + 22 * i, margin + 34, top + 22 * i + 12, legend_line(picture, label));
+  }
+  out += fmt::format("<path class=\"state\" stroke-width=\"3\" d=\"M{} {}h0\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
+                     margin + panel + margin + 13, top + 8, margin + panel + margin + 34, top + 12,
+                     states_line(picture, too_many));
+  if (!picture.body.empty())
+    out += fmt::format("<path class=\"body\" d=\"M{} {}h26\"/><text x=\"{}\" y=\"{}\">body at rest</text>\n",
+                       margin + panel + margin, top + 30, margin + panel + margin + 34, top + 34);
+  out += "</svg>\n";
+  OutputFile target(file);
+  target.write(out);
+  target.commit();
+}
+
+namespace {
+
+std::array<int, 3> rgb(Label label) {
+  unsigned value = 0;
+  std::sscanf(std::string(colour(label)).c_str() + 1, "%x", &value);
+  return {static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255), static_cast<int>(value & 255)};
+}
+
+// Colour of a pixel, hatched as in the SVG.
+std::array<int, 3> ink_at(Label label, int column, int row) {
+  std::array<int, 3> c = rgb(label);
+  if (label == Label::gap && (column + row) % 8 == 0)
+    for (int& part : c) part = part / 2;
+  if (label == Label::sparse && row % 8 == 4)
+    for (int& part : c) part = part * 3 / 4;
+  return c;
+}
+
+// The four swatches of the legend as one image, hatched as the slices are, in the units of its panel.
+std::string png_swatches() {
+  std::string data = "$swatches << EOD\n";
+  for (int line = 0; line < 3 * 32 + 24; ++line)
+    for (int column = 0; column < 32; ++column) {
+      const int row = line % 32;
+      const std::array<int, 3> c = row < 24 ? ink_at(static_cast<Label>(3 - line / 32), column, row) : std::array{255, 255, 255};
+      data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.16 + line * 0.22 / 32, c[0], c[1], c[2]);
+    }
+  return data + "EOD\n";
+}
+
+std::string png_panel(const CoveragePicture& picture, const Slice& slice, int number) {
+  std::string data = fmt::format("$area{} << EOD\n", number);
+  for (int row = 0; row < slice.rows; ++row)
+    for (int column = 0; column < slice.columns; ++column) {
+      const auto c = ink_at(slice.at(column, row), column, row);
+      data += fmt::format("{:.5g} {:.5g} {} {} {}\n",
+                          1e3 * (picture.box.low[slice.u] + (column + 0.5) * slice.pixel),
+                          1e3 * (picture.box.low[slice.v] + (row + 0.5) * slice.pixel), c[0], c[1], c[2]);
+    }
+  data += fmt::format("EOD\n$states{} << EOD\n", number);
+  for (const auto& s : slice.states) data += fmt::format("{:.5g} {:.5g}\n", 1e3 * s.x(), 1e3 * s.y());
+  data += fmt::format("EOD\n$body{} << EOD\n", number);
+  for (const auto& line : slice.outline)
+    data += fmt::format("{:.5g} {:.5g}\n{:.5g} {:.5g}\n\n", 1e3 * line[0].x(), 1e3 * line[0].y(), 1e3 * line[1].x(),
+                        1e3 * line[1].y());
+  data += "EOD\n";
+  const auto axis = [](int i) { return axis_name[static_cast<std::size_t>(i)]; };
+  data += fmt::format("set title '{} = {:.4g} mm'\nset xlabel '{} [mm]'\nset ylabel '{} [mm]'\n", axis(slice.normal),
+                      1e3 * picture.through[slice.normal], axis(slice.u), axis(slice.v));
+  data += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * picture.box.low[slice.u],
+                      1e3 * (picture.box.low[slice.u] + slice.columns * slice.pixel), 1e3 * picture.box.low[slice.v],
+                      1e3 * (picture.box.low[slice.v] + slice.rows * slice.pixel));
+  data += fmt::format("plot $area{} using 1:2:3:4:5 with rgbimage notitle", number);
+  if (!slice.states.empty())
+    data += fmt::format(", $states{} with points pt 7 ps 0.25 lc rgb '#000000' notitle", number);
+  if (!slice.outline.empty()) data += fmt::format(", $body{} with lines lw 1.5 lc rgb '#c02020' notitle", number);
+  return data + "\n";
+}
+
+}  // namespace
+
+void write_coverage_png(const std::filesystem::path& file, const CoveragePicture& picture) {
+  if (!have_gnuplot()) throw InputError(file.string(), "a PNG needs gnuplot, which is missing; expected .svg");
+  check_writable(file);
+  std::filesystem::path temporary = file;
+  temporary += ".part";
+  std::string script = fmt::format("set terminal pngcairo size 1280,600 noenhanced font 'sans,10'\nset output '{}'\n"
+                                   "set multiplot\nset size ratio -1\nset tics out nomirror\n",
+                                   temporary.string());
+  bool too_many = false;
+  for (int i = 0; i < 3; ++i) {
+    const Slice slice = cut(picture, 2 - i);
+    too_many = too_many || slice.too_many_states;
+    script += fmt::format("set origin {},0.25\nset size 0.33,0.7\n", 0.33 * i) + png_panel(picture, slice, i);
+  }
+  script += "set origin 0,0\nset size 1,0.25\nunset border\nunset tics\nunset xlabel\nunset ylabel\nunset title\n"
+            "set size noratio\nset xrange [0:1]\nset yrange [0:1]\n";
+  for (int i = 0; i < 4; ++i) {
+    const auto label = static_cast<Label>(i);
+    const double y = 0.9 - 0.22 * i;
+    script += fmt::format("set object rectangle from 0.03,{:.3f} to 0.055,{:.3f} front fs empty border lc rgb '#444444'\n", y - 0.08, y + 0.08);
+    script += fmt::format("set label \"{}\" at 0.065,{:.3f}\n", legend_line(picture, label), y);
+  }
+  script += fmt::format("set label \"{}\" at 0.45,0.9\n", states_line(picture, too_many));
+  if (!picture.body.empty()) script += "set label \"red: body at rest\" at 0.45,0.68\n";
+  script += png_swatches() + "plot $swatches using 1:2:3:4:5 with rgbimage notitle\nunset multiplot\n";
+  FILE* pipe = popen("gnuplot", "w");
+  const bool written = pipe && std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
+  if (!pipe || pclose(pipe) != 0 || !written || !std::filesystem::exists(temporary)) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw InputError(file.string(), "gnuplot could not draw it, expected a gnuplot with pngcairo, or .svg");
+  }
+  std::filesystem::rename(temporary, file);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,59 @@
+#include "apps/picture/page.hpp"
+
+#include <fmt/format.h>
+
+namespace forefeel {
+namespace {
+
+constexpr const char* style = R"(
+body{margin:0;background:#faf8f4;color:#1b1b1b;font:15px/1.5 system-ui,-apple-system,"Segoe UI",Helvetica,Arial,sans-serif}
+main{max-width:1000px;margin:0 auto;padding:28px 24px 60px}
+h1{font-size:26px;margin:0 0 2px}h2{font-size:18px;margin:34px 0 8px}
+.muted,.sub,figcaption{color:#5a5a5a}.sub{margin:0 0 18px}
+.tiles{display:grid;grid-template-columns:repeat(4,1fr);gap:10px}
+.tile{background:#fff;border:1px solid #e4e1da;border-radius:8px;padding:10px 12px}
+.tile b{display:block;font-size:22px;font-variant-numeric:tabular-nums}.tile span{font-size:12.5px;color:#5a5a5a;line-height:1.35;display:block}
+figure{margin:0;background:#fff;border:1px solid #e4e1da;border-radius:8px;padding:10px}figure svg{width:100%;height:auto;display:block}
+figcaption{font-size:13px;padding:4px 6px 2px}
+.legend span{margin-right:18px}.legend i{display:inline-block;width:13px;height:13px;border:1px solid #8a8a8a;border-radius:3px;margin-right:6px;vertical-align:-2px}
+.note{background:#fff7e0;border:1px solid #ecd9a0;border-radius:8px;padding:8px 14px}ul.note{padding-left:32px}
+table{border-collapse:collapse;background:#fff;font-size:13px;margin:0 0 12px;break-inside:avoid;width:100%}
+td,th{border:1px solid #e4e1da;padding:2px 8px;text-align:left}th{background:#f2efe8}td.n{text-align:right;font-variant-numeric:tabular-nums}
+.columns{columns:3;column-gap:14px}.wide td.n{text-align:left;word-break:break-word}summary{cursor:pointer;font-size:18px;font-weight:600;margin:30px 0 8px}
+@media(max-width:760px){.tiles{grid-template-columns:repeat(2,1fr)}.columns{columns:1}}
+)";
+
+}  // namespace
+
+std::string html_escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string html_page(const std::string& title, const std::string& body) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width\">\n"
+      "<title>{}</title>\n<style>{}</style></head><body><main>\n{}</main></body></html>\n",
+      html_escaped(title), style, body);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,147 @@
+#include "apps/picture/plot.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+extern char** environ;
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of its own under the system's temporary folder, gone at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code error;
+    std::string pattern = (fs::temp_directory_path(error) / "forefeel-plot-XXXXXX").string();
+    if (!error && mkdtemp(pattern.data())) path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code error;
+    if (!path_.empty()) fs::remove_all(path_, error);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }  // empty: none could be made
+
+ private:
+  fs::path path_;
+};
+
+// Exit code of gnuplot with what it says thrown away; -1 where it cannot be started.
+int run_gnuplot(const std::string& argument) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&actions, descriptor, "/dev/null",
+                                     descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY, 0);
+  std::string program = "gnuplot", word = argument;
+  std::array<char*, 3> words{program.data(), word.data(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, "gnuplot", &actions, nullptr, words.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  int status = 0;
+  if (failed != 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status);
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  std::string replaced;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size())
+    replaced.append(text, begin, at - begin).append(to);
+  if (begin > 0) text = replaced.append(text, begin);
+}
+
+}  // namespace
+
+std::string_view colour(Label label) {
+  switch (label) {
+    case Label::safe:
+      return "#0b4f7d";
+    case Label::sparse:
+      return "#57a7d6";
+    case Label::gap:
+      return "#f2b632";
+    case Label::blank:
+      return "#ece9e2";
+  }
+  return "#000000";
+}
+
+// Whether it is there; whether it works is seen when it draws.
+bool have_gnuplot() {
+  static const bool have = [] {
+    const char* path = std::getenv("PATH");
+    std::istringstream folders(path ? path : "");
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      const fs::path program = fs::path(folder.empty() ? "." : folder) / "gnuplot";
+      std::error_code error;
+      if (fs::is_regular_file(program, error) && access(program.c_str(), X_OK) == 0) return true;
+    }
+    return false;
+  }();
+  return have;
+}
+
+std::optional<std::string> draw_svg(const std::string& name, int width, int height,
+                                    const std::string& script) {
+  const TemporaryFolder folder;
+  if (folder.path().empty() || !have_gnuplot()) return {};
+  const fs::path script_file = folder.path() / "plot.gp", picture = folder.path() / "plot.svg";
+  std::ofstream(script_file)
+      << fmt::format(
+             "set terminal svg size {},{} dynamic font 'Helvetica,Arial,sans-serif,13' linewidth 1\n"
+             "set output '{}'\nset encoding utf8\n",
+             width, height, picture.string())
+      << script << "\nunset output\n";
+  if (run_gnuplot(script_file.string()) != 0) return {};
+  std::ifstream in(picture);
+  std::ostringstream text;
+  text << in.rdbuf();
+  std::string svg = text.str();
+  const std::size_t begin = svg.find("<svg");
+  if (begin == std::string::npos) return {};
+  svg.erase(0, begin);
+  replace_all(svg, "<title>Gnuplot</title>", "");
+  for (const std::string id : {"gpPt", "gpDot", "gnuplot_plot_", "gridicon", "textoutline"})
+    replace_all(svg, id, name + "_" + id);
+  return svg;
+}
+
+std::string data_block(const std::string& name, const std::string& lines) {
+  return "$" + name + " << EOD\n" + (lines.empty() ? "NaN NaN NaN NaN NaN\n" : lines) + "EOD\n";
+}
+
+std::string thinned_curve(std::span<const double> x, std::span<const double> y, std::size_t bins) {
+  std::string lines;
+  const std::size_t n = std::min(x.size(), y.size());
+  const auto put = [&](std::size_t i) { lines += fmt::format("{:.6g} {:.6g}\n", x[i], y[i]); };
+  for (std::size_t bin = 0; bin < bins && n > 0; ++bin) {
+    std::size_t least = n, most = n;
+    for (std::size_t i = bin * n / bins; i < (bin + 1) * n / bins; ++i) {
+      if (!std::isfinite(y[i])) continue;
+      if (least == n || y[i] < y[least]) least = i;
+      if (most == n || y[i] > y[most]) most = i;
+    }
+    if (least == n) continue;
+    put(std::min(least, most));
+    if (least != most) put(std::max(least, most));
+  }
+  return lines;
+}
+
+}  // namespace forefeel

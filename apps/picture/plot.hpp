@@ -1,0 +1,36 @@
+#pragma once
+// Plots as SVG by gnuplot, with the colours that every picture shares.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "geometry/coverage/coverage.hpp"
+
+namespace forefeel {
+
+// Dark blue, light blue, amber, near-white: told apart by every kind of colour vision, and darker is surer in
+// grey.
+std::string_view colour(Label label);
+
+namespace ink {  // curves, by meaning
+inline constexpr std::string_view rendered = "#1b1b1b", undamped = "#d1495b", reference = "#1f77b4",
+                                  reference_light = "#8ec3ea", approximation = "#1f77b4",
+                                  switching = "#d1495b", staleness = "#e0a021";
+}
+
+bool have_gnuplot();
+// Runs a script (terminal and output are set here) and returns the picture, ready to stand in an HTML page;
+// `name` keeps its ids apart from those of other pictures. Empty where gnuplot is missing or fails.
+std::optional<std::string> draw_svg(const std::string& name, int width, int height,
+                                    const std::string& script);
+
+// A data block: "$name << EOD", the lines, "EOD".
+std::string data_block(const std::string& name, const std::string& lines);
+
+// Least and largest value of each of `bins` equal parts of a long curve, in order: what a screen can show of
+// it.
+std::string thinned_curve(std::span<const double> x, std::span<const double> y, std::size_t bins);
+
+}  // namespace forefeel

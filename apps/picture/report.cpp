@@ -1,0 +1,229 @@
+#include "apps/picture/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <span>
+#include <utility>
+
+#include "apps/picture/page.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/picture/report_figures.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string escaped(const std::string& text) {
+  return html_escaped(text);
+}
+
+const Json& at_path(const Json& summary, std::initializer_list<const char*> keys) {
+  static const Json none;
+  const Json* here = &summary;
+  for (const char* key : keys) {
+    if (!here->is_object() || !here->contains(key)) return none;
+    here = &here->at(key);
+  }
+  return *here;
+}
+
+// ---- numbers for people
+// -------------------------------------------------------------------------------------------
+
+std::string shown(const Json& value) {
+  if (value.is_null()) return "–";
+  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+  if (value.is_array()) {
+    std::string text;
+    for (const Json& element : value) text += (text.empty() ? "" : ", ") + shown(element);
+    return text;
+  }
+  return escaped(value.dump());
+}
+
+std::string percent(const Json& share) {
+  if (!share.is_number()) return "–";
+  const double value = 100 * share.get<double>();
+  return value != 0 && value < 0.1 ? fmt::format("{:.2g} %", value) : fmt::format("{:.1f} %", value);
+}
+std::string with_unit(const Json& value, const std::string& unit) {
+  return value.is_null() ? "–" : shown(value) + " " + unit;
+}
+
+std::string tile(const std::string& value, const std::string& what) {
+  return fmt::format("<div class=\"tile\"><b>{}</b><span>{}</span></div>\n", value, what);
+}
+
+std::string tiles(const Json& s) {
+  std::string html = "<div class=\"tiles\">\n";
+  html += tile(percent(at_path(s, {"error", "within_jnd"})),
+               "of sampled frames within the just noticeable difference");
+  html += tile(percent(at_path(s, {"error", "first_visit", "within_jnd"})), "of first visits within it");
+  html += tile(percent(at_path(s, {"error", "p95"})), "error, 95th percentile");
+  html +=
+      tile(shown(at_path(s, {"switch", "frames_over_jnd"})), "frames in which a switch exceeded its bound");
+  html += tile(with_unit(at_path(s, {"switch", "max_jump"}), "N"),
+               "largest change by a switch in one frame; " +
+                   with_unit(at_path(s, {"switch", "max_jump_undamped"}), "N") + " undamped");
+  html += tile(percent(at_path(s, {"time_in", "safe"})), "of the time in safe regions");
+  html += tile(shown(at_path(s, {"states", "solved"})),
+               "states solved; " + shown(at_path(s, {"states", "used"})) + " used by a model");
+  if (at_path(s, {"clock"}) == "real")
+    html += tile(shown(at_path(s, {"deadline", "missed"})),
+                 "deadlines missed of " + shown(at_path(s, {"frames"})) + " frames; a frame costs " +
+                     with_unit(at_path(s, {"deadline", "cost_us", "p50"}), "µs"));
+  return html + "</div>\n";
+}
+
+// ---- sections
+// -----------------------------------------------------------------------------------------------------
+
+std::string legend(const Json& summary) {
+  std::string html = "<p class=\"legend\">";
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank}) {
+    const std::string key(name(label));
+    html += fmt::format("<span><i style=\"background:{}\"></i>{} {}</span>", colour(label), key,
+                        percent(at_path(summary, {"time_in", key.c_str()})));
+  }
+  return html + "<span class=\"muted\">share of the time</span></p>\n";
+}
+
+std::string figure(const Figure& f) {
+  const std::optional<std::string> svg = draw_svg(f.name, f.width, f.height, f.script);
+  if (!svg)
+    return fmt::format("<p class=\"note\">The picture \"{}\" could not be drawn by gnuplot.</p>\n", f.name);
+  return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
+}
+
+// Each is a gnuplot of its own: side by side.
+template <class Make>
+Picture drawn(Make make) {
+  return std::async(std::launch::async, [make = std::move(make)] { return have_gnuplot() ? figure(make()) : std::string(); }).share();
+}
+
+std::string pictures(const Json& summary, const ReportPictures& drawings) {
+  if (!have_gnuplot())
+    return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
+  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(summary) + drawings.time.get() + drawings.start.get();
+  html += "<h2>What was known where</h2>\n" + drawings.slices.get();
+  if (drawings.deadlines.valid()) html += "<h2>Deadlines</h2>\n" + drawings.deadlines.get();
+  return html;
+}
+
+std::string by_label_table(const Json& summary) {
+  const Json& by_label = at_path(summary, {"error", "by_label"});
+  if (!by_label.is_object() || by_label.empty()) return "";
+  std::string html = "<h2>Error by label</h2>\n<table><tr><th>label</th>";
+  const Json& first = by_label.front();
+  if (!first.is_object()) return "";
+  for (const auto& [key, value] : first.items()) html += "<th>" + escaped(key) + "</th>";
+  html += "</tr>\n";
+  for (const auto& [label, row] : by_label.items()) {
+    html += "<tr><td>" + escaped(label) + "</td>";
+    for (const auto& [key, value] : row.items())
+      html += "<td class=\"n\">" + (key == "within_jnd" ? percent(value) : shown(value)) + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+void rows_of(const Json& value, const std::string& path, std::string& html) {
+  if (value.is_object()) {
+    for (const auto& [key, child] : value.items())
+      rows_of(child, path.empty() ? key : path + "." + key, html);
+  } else {
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", escaped(path), shown(value));
+  }
+}
+
+std::string all_numbers(const Json& summary) {
+  std::string html =
+      "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
+  std::string single;
+  for (const auto& [key, value] : summary.items()) {
+    if (key == "provenance" || key == "notes") continue;
+    if (!value.is_object()) {
+      rows_of(value, key, single);
+      continue;
+    }
+    std::string rows;
+    Json rest = value;
+    if (key == "error") rest.erase("by_label");   // has a table of its own
+    rows_of(rest, "", rows);
+    html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
+  }
+  return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div></details>\n";
+}
+
+std::string notes(const Json& summary, const Scene& scene) {
+  std::vector<std::string> lines = scene.warnings;
+  if (const Json& given = at_path(summary, {"notes"}); given.is_array())
+    for (const Json& line : given)
+      if (line.is_string()) lines.push_back(line.get<std::string>());
+  if (lines.empty()) return "";
+  std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
+  for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+std::string provenance_section(const Json& summary) {
+  std::string rows;
+  rows_of(at_path(summary, {"provenance"}), "", rows);
+  return "<h2>Provenance</h2>\n<table class=\"wide\">\n" + rows + "</table>\n";
+}
+
+}  // namespace
+
+Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space) {
+  SliceInput slice;
+  for (const FrameRecord& f : result.frames) {
+    slice.t.push_back(f.t);
+    for (std::size_t axis = 0; axis < 3; ++axis) slice.path[axis].push_back(f.at[static_cast<Eigen::Index>(axis)]);
+  }
+  const auto take = [&](double known, const Vec3& at) {
+    State state;
+    state.at = at;
+    slice.states.emplace_back(known, std::move(state));
+  };
+  for (const DispatchRecord& d : result.dispatch)
+    if ((d.status == "solved" || d.status == "arrived") && std::isfinite(d.finished))
+      take(std::isfinite(d.known) ? d.known : d.finished, d.at);
+  for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) take(0.0, result.states[i].at);
+  std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
+  return drawn([slice = std::move(slice), space] { return slice_figure(slice, space); });
+}
+
+ReportPictures begin_pictures(const SessionResult& result, Picture slices) {
+  const std::span<const FrameRecord> frames = result.frames;
+  ReportPictures drawings{.slices = std::move(slices),
+                          .time = drawn([frames] { return time_figure(frames); }),
+                          .start = drawn([frames] { return start_figure(frames); }),
+                          .deadlines = {}};
+  if (has_deadlines(frames)) drawings.deadlines = drawn([frames] { return deadline_figure(frames); });
+  return drawings;
+}
+
+void write_report(const std::filesystem::path& run_folder, const Json& s, const Scene& scene, const ReportPictures& drawings) {
+  std::string html = fmt::format(
+      "<h1>{}</h1>\n<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
+      "seed {}; {} tetrahedra, {}</p>\n",
+      escaped(scene.file.stem().string()), shown(at_path(s, {"seconds"})), shown(at_path(s, {"clock"})),
+      shown(at_path(s, {"policy"})), shown(at_path(s, {"switch", "rule"})), shown(at_path(s, {"workers"})),
+      shown(at_path(s, {"select"})), shown(at_path(s, {"seed"})), scene.body->mesh.tets.size(),
+      name(scene.body->material.law));
+  html += tiles(s) + notes(s, scene) + pictures(s, drawings) + by_label_table(s) + all_numbers(s) +
+          provenance_section(s);
+  OutputFile file(run_folder / "report.html");
+  file.write(html_page("Forefeel: " + scene.file.filename().string(), html));
+  file.commit();
+}
+
+}  // namespace forefeel

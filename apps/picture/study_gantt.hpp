@@ -1,0 +1,16 @@
+#pragma once
+// Who solved what when: one row a worker, one bar a solve, coloured by the label of the region it was meant
+// for.
+
+#include <string>
+
+#include "apps/picture/report_figures.hpp"
+#include "scheduling/session/session.hpp"
+
+namespace forefeel {
+
+// Bars of cancelled solves are thin, those whose state no model ever took half as high; below, the label at
+// the HIP.
+Figure gantt_figure(const SessionResult& result, double seconds, int workers);
+
+}  // namespace forefeel

@@ -1,0 +1,60 @@
+#pragma once
+// A scene (TOML): body, material, clamp, contact, state space, model, session. Unknown keys are errors that suggest
+// the nearest known one; every error names file, key and what was expected.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "apps/scene_input/scene_spacing.hpp"
+#include "scheduling/session/session.hpp"
+
+namespace forefeel {
+
+struct Scene {
+  std::filesystem::path file;
+  std::shared_ptr<const Body> body;        // checked: it can be solved
+  BodyIdentity identity;                   // mesh, material, clamp, contact -> hash
+  StateSpaceOptions space;
+  bool displacements = false;
+  double tolerance = 0.07;                 // of the error where a place is safe [1]; what spacing = "auto" goes by
+  std::optional<SpacingChoice> chosen_spacing;   // where the scene says spacing = "auto"
+  ModelOptions model;
+  SessionOptions session;                  // .model is the same as above
+  Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
+  std::string hash;                        // of the scene as overridden, without comments
+  std::string device_place, cost_place, box_place;   // where the scene says them: "liver.toml:30: session.device"
+  std::string arrivals_place;                        // empty where it does not
+  // Of scheduling_keys() those that are written, not defaulted, each with its place.
+  std::vector<std::pair<std::string, std::string>> scheduling;
+  std::vector<std::string> warnings;
+  std::string body_source;                 // the sections that make the body, as text
+};
+
+// overrides: "key.path=value" as given to --set; value is TOML, or a bare string.
+// like: another variant of the same file; where the sections that make the body are the same, its body is shared
+// instead of meshed anew.
+Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
+                 const Scene* like = nullptr);
+
+// The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch of 2 cm,
+// neo-Hookean, spacing 6 mm.
+Scene built_in_scene(std::span<const std::string> overrides = {});
+std::string_view built_in_scene_text();
+
+// Keys of [session] that say what is solved, by whom and when, and no more: without effect where states arrive at given times.
+const std::vector<std::string>& scheduling_keys();
+// Of two such keys only one may be given ("contact.node", "contact.group"); an override of one takes the other's place.
+bool exclude_each_other(const std::string& key, const std::string& other);
+// "has no effect where states arrive at given times (<arrivals>), …"
+std::string no_effect_beside(const std::string& arrivals);
+
+// $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
+std::filesystem::path cache_folder();
+
+}  // namespace forefeel

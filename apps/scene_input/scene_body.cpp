@@ -1,0 +1,234 @@
+#include "apps/scene_input/scene_body.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "apps/scene_input/phantom_cache.hpp"
+#include "apps/scene_input/sha256.hpp"
+#include "apps/console/suggest.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/meshing/phantom.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t most_elements = 10'000'000;
+
+bool is_surface_file(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension == ".obj" || extension == ".off" || extension == ".stl" || extension == ".ply";
+}
+
+TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
+  const fs::path file = folder / *body.text("mesh");
+  if (!fs::is_regular_file(file))
+    throw InputError(body.where("mesh"),
+                     fmt::format("no such file '{}', expected a mesh, relative to the scene", file.string()));
+  const auto elements = body.integer("elements", 4, most_elements);
+  if (!is_surface_file(file)) {
+    if (elements) throw body.wrong("elements", "only with a surface (.obj .off .stl .ply) or a phantom");
+    return read_mesh(file);
+  }
+  if (!elements)
+    throw InputError(body.where("elements"), "missing, expected a tetrahedron count, for mesh is a surface");
+  return tetrahedralise(
+      read_surface(file),
+      {.elements = static_cast<std::size_t>(*elements), .length = {}, .name = file.string()});
+}
+
+TetMesh make_phantom(const SceneTable& body) {
+  const std::vector<std::string> names = phantom_names();
+  const std::string name = names[chosen_word(body, "phantom", *body.text("phantom"), names)];
+  return cached_phantom(name, static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
+}
+
+Material read_material(const SceneTable& table, bool defaults) {
+  std::vector<std::pair<std::string, Law>> words;
+  for (const std::string& law_name : law_names())
+    for (const Law law : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
+                          Law::mooney_rivlin})
+      if (name(law) == law_name) words.emplace_back(law_name, law);
+  if (!defaults)
+    for (const std::string key : {"law", "young", "poisson"})
+      if (!table.has(key)) throw table.wrong(key, key == "law" ? "a material law" : "a number");
+  Material material;
+  material.law = table.word("law", words).value_or(material.law);
+  material.young =
+      table.number("young", {0, 1e300, true, false, "a number above 0 [Pa]"}).value_or(material.young);
+  material.poisson =
+      table.number("poisson", {-1, 0.5, true, true, "a number between -1 and 0.5, both excluded"})
+          .value_or(material.poisson);
+  return material;
+}
+
+std::vector<NodeIndex> group_nodes(const SceneTable& table, const TetMesh& mesh) {
+  std::vector<std::string> names;
+  for (const auto& [group, nodes] : mesh.groups) names.push_back(group);
+  const std::string wanted = *table.text("group");
+  if (names.empty())
+    throw InputError(table.where("group"), fmt::format("'{}', but the mesh names no node groups", wanted));
+  const std::vector<NodeIndex>& nodes = mesh.groups.at(names[chosen_word(table, "group", wanted, names)]);
+  if (nodes.empty()) throw table.wrong("group", "a group with nodes in it");
+  return nodes;
+}
+
+std::vector<NodeIndex> checked_nodes(const SceneTable& table, const std::string& key,
+                                     const std::vector<std::int64_t>& numbers, const TetMesh& mesh) {
+  std::vector<NodeIndex> nodes;
+  for (const std::int64_t number : numbers) {
+    if (number < 0 || number >= static_cast<std::int64_t>(mesh.nodes.size()))
+      throw InputError(table.where(key), fmt::format("node {} is out of range, expected 0 to {}", number,
+                                                     mesh.nodes.size() - 1));
+    nodes.push_back(static_cast<NodeIndex>(number));
+  }
+  std::ranges::sort(nodes);
+  if (const auto twice = std::ranges::adjacent_find(nodes); twice != nodes.end())
+    throw InputError(table.where(key), fmt::format("names node {} twice, expected each node once", *twice));
+  return nodes;
+}
+
+std::vector<NodeIndex> read_clamp(const SceneTable& table, const TetMesh& mesh, bool defaults) {
+  if (defaults && !table.has("nodes") && !table.has("group") && !table.has("below"))
+    return mesh.groups.at("clamp");
+  const std::string kind = table.exactly_one_of({"nodes", "group", "below"});
+  if (kind == "nodes") return checked_nodes(table, "nodes", *table.integers("nodes"), mesh);
+  if (kind == "group") return group_nodes(table, mesh);
+  const SceneTable below = table.sub("below", {"axis", "share"});
+  const std::optional<Axis> axis = below.word<Axis>("axis", {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}});
+  const std::optional<double> part = below.number("share", {0, 1, true, true, "a number between 0 and 1"});
+  if (!axis) throw below.wrong("axis", "one of x, y, z");
+  if (!part) throw below.wrong("share", "a number between 0 and 1");
+  const std::vector<NodeIndex> nodes = nodes_below(mesh, *axis, *part);
+  if (nodes.empty()) throw InputError(table.where("below"), "holds no node, expected a larger share");
+  return nodes;
+}
+
+std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh, bool defaults) {
+  const std::optional<double> radius = table.number("radius", positive());
+  const bool any = table.has("node") || table.has("nodes") || table.has("nearest") || table.has("group");
+  std::vector<NodeIndex> nodes;
+  if (defaults && !any && !radius) return mesh.groups.at("contact");
+  const std::string kind = table.exactly_one_of({"node", "nodes", "nearest", "group"});
+  if (kind == "node")
+    nodes = checked_nodes(table, "node", {*table.integer("node", INT64_MIN, INT64_MAX)}, mesh);
+  if (kind == "nodes") nodes = checked_nodes(table, "nodes", *table.integers("nodes"), mesh);
+  if (kind == "group") nodes = group_nodes(table, mesh);
+  if (kind == "nearest") nodes = {nearest_surface_node(mesh, *table.vector("nearest"))};
+  if (!radius) return nodes;
+  std::vector<NodeIndex> patch = nodes;
+  for (const NodeIndex node : nodes) {
+    const std::vector<NodeIndex> near =
+        surface_nodes_within(mesh, mesh.nodes[static_cast<std::size_t>(node)], *radius);
+    patch.insert(patch.end(), near.begin(), near.end());
+  }
+  std::ranges::sort(patch);
+  patch.erase(std::unique(patch.begin(), patch.end()), patch.end());
+  return patch;
+}
+
+// What is said of a section as a whole is said at the key that made it.
+InputError at_key(const InputError& error, const BodySections& sections, const std::string& file) {
+  const std::string whole = error.what(), problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
+  const auto key_of = [](const SceneTable& table, std::initializer_list<const char*> keys) {
+    for (const char* key : keys)
+      if (table.has(key)) return table.where(key);
+    return table.place();
+  };
+  if (error.where() == file + ": clamp") return {key_of(sections.clamp, {"nodes", "group", "below"}), problem};
+  if (error.where() == file + ": contact") return {key_of(sections.contact, {"node", "nodes", "nearest", "group"}), problem};
+  if (error.where() == "phantom") return {key_of(sections.body, {"elements", "phantom"}), problem};
+  return error;
+}
+
+std::string hash_nodes(const std::vector<NodeIndex>& nodes) {
+  Sha256 hash;
+  for (const NodeIndex node : nodes) hash.add(std::int64_t{node});
+  return "sha256 " + hash.hex();
+}
+
+}  // namespace
+
+namespace {
+
+constexpr double shortest = 1e-6, longest = 1e6;   // bodies [m]; beyond them sums of squares leave what a double holds
+
+Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file,
+               std::vector<std::string>& warnings) {
+  const bool is_phantom = sections.body.exactly_one_of({"mesh", "phantom"}) == "phantom";
+  Body body;
+  body.material = read_material(sections.material, is_phantom);  // cheap checks before a mesh is made
+  const std::optional<double> length = sections.body.number("length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
+  body.element =
+      sections.body.word<Element>("element", {{"linear", Element::linear}, {"quadratic", Element::quadratic}})
+          .value_or(body.element);
+  body.mesh = is_phantom ? make_phantom(sections.body) : read_volume_or_surface(sections.body, folder);
+  const std::string mesh_where =
+      is_phantom ? file + ": body.phantom" : (folder / *sections.body.text("mesh")).string();
+  const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
+  for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
+  if (length) scale_to_length(body.mesh, *length);
+  body.clamp = read_clamp(sections.clamp, body.mesh, is_phantom);
+  body.contact = read_contact(sections.contact, body.mesh, is_phantom);
+  for (const std::string& warning : check(body, file)) warnings.push_back(file + ": " + warning);
+  return body;
+}
+
+}  // namespace
+
+Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file,
+               std::vector<std::string>& warnings) {
+  try {
+    return make_body(sections, folder, file, warnings);
+  } catch (const InputError& error) {
+    throw at_key(error, sections, file);
+  }
+}
+
+BodyIdentity identity_of(const Body& body) {
+  Sha256 mesh;
+  mesh.add(static_cast<std::int64_t>(body.mesh.nodes.size()));
+  for (const Vec3& node : body.mesh.nodes)
+    for (const double coordinate : node) mesh.add(coordinate);
+  for (const Tet& tet : body.mesh.tets)
+    for (const NodeIndex node : tet) mesh.add(std::int64_t{node});
+  return {{"mesh", "sha256 " + mesh.hex()},
+          {"element", std::string(name(body.element))},
+          {"material", fmt::format("{}, young {} Pa, poisson {}", name(body.material.law),
+                                   body.material.young, body.material.poisson)},
+          {"clamp", hash_nodes(body.clamp)},
+          {"contact", hash_nodes(body.contact)}};
+}
+
+Vec3 inward_direction(const Body& body) {
+  const auto touched = [&](NodeIndex node) { return std::ranges::binary_search(body.contact, node) ? 1 : 0; };
+  Vec3 patch = Vec3::Zero(), around = Vec3::Zero();
+  for (const Triangle& triangle : boundary_triangles(body.mesh)) {
+    const auto corner = [&](int i) -> const Vec3& {
+      return body.mesh.nodes[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])];
+    };
+    const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    const int corners = touched(triangle[0]) + touched(triangle[1]) + touched(triangle[2]);
+    if (corners == 3) patch += normal;
+    if (corners > 0) around += normal;
+  }
+  const Vec3 outward = patch.norm() > 0 ? patch : around;
+  return outward.norm() > 0 ? Vec3(-outward.normalized()) : Vec3(-Vec3::UnitZ());
+}
+
+Box default_box(const TetMesh& mesh, double spacing) {
+  const Vec3 size = bounding_box(mesh).size();
+  Vec3 half;
+  for (int axis = 0; axis < 3; ++axis)
+    half[axis] =
+        spacing * std::max(1.0, std::floor(std::min(size.maxCoeff() / 6, 0.4 * size[axis]) / spacing + 1e-9));
+  return {-half, half};
+}
+
+}  // namespace forefeel

@@ -1,0 +1,29 @@
+#pragma once
+// The parts of a scene that make a body: mesh, material, clamp, contact; and its identity.
+
+#include "apps/scene_input/scene_table.hpp"
+#include "geometry/states/state_file.hpp"
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+
+struct BodySections {
+  SceneTable body, material, clamp, contact;
+};
+
+// Reads, tetrahedralises or makes the mesh and fills the node sets; warnings of mesh and material are
+// appended.
+Body read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
+               std::vector<std::string>& warnings);
+
+// SHA-256 of mesh (positions, tetrahedra), clamp and contact; the material in words.
+BodyIdentity identity_of(const Body& body);
+
+// Against the mean outward normal of the contact patch (area-weighted): the way a finger would press.
+Vec3 inward_direction(const Body& body);
+
+// Where states are placed when a scene gives no box: per axis a sixth of the body's longest side, at most 0.4
+// of its own side, in whole spacings.
+Box default_box(const TetMesh& mesh, double spacing);
+
+}  // namespace forefeel

@@ -1,0 +1,32 @@
+#pragma once
+// `spacing = "auto"` of a scene: scheduling/placement/auto_spacing.hpp, worked out once per body, box, model and
+// tolerance and kept in the cache folder.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "geometry/states/state_file.hpp"
+#include "scheduling/placement/auto_spacing.hpp"
+
+namespace forefeel {
+
+struct SpacingChoice {
+  double spacing = unknown;                      // h [m]
+  double tolerance = 0.07;                       // of the error [1]
+  double p95 = unknown, max = unknown;           // errors at the safe positions that were looked at [1]
+  std::size_t safe = 0, states = 0, solves = 0;  // those positions; of the lattice; in all
+  std::size_t above = 0;                         // of those positions: above the tolerance
+  double share_bound = 1;                        // of all safe positions above it, at most, with that confidence [1]
+  double allowed_share = 0.05, confidence = 0.95;
+  bool holds = false;  // share_bound <= allowed_share
+  bool kept = false;  // taken from the cache folder: nothing was solved
+};
+
+// Values depend on the arguments alone. folder empty: nothing is kept.
+SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
+                                const AutoSpacingOptions& options, const std::filesystem::path& folder);
+
+std::string in_words(const SpacingChoice& choice);
+nlohmann::ordered_json to_json(const SpacingChoice& choice);
+
+}  // namespace forefeel

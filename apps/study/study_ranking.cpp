@@ -1,0 +1,211 @@
+#include "apps/study/study_ranking.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace forefeel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t trace_of(const Study& study, std::span<const std::size_t> choice, std::size_t axis) {
+  for (std::size_t i = 0; i < study.axes.size(); ++i)
+    if (i != axis && is_trace_axis(study.axes[i])) return choice[i];
+  return 0;
+}
+
+bool in_slices(std::span<const std::size_t> choice, const std::vector<StudySlice>& slices) {
+  return std::ranges::all_of(slices,
+                             [&](const StudySlice& slice) { return choice[slice.axis] == slice.value; });
+}
+
+double value_of(const Study& study, const CellColumns& cell, const StudyMetric& metric) {
+  const double value = cell_number(cell, metric.key);
+  if (!metric.ratio) return value;
+  // A speed of zero: not even the lowest tried holds. It counts as that speed, which favours it.
+  const bool speed = metric.key == "sustained.speed" && study.sustained;
+  return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
+}
+
+Json interval_json(const ConfidenceInterval& interval) {
+  return Json::array({number(interval.low), number(interval.high)});
+}
+
+// won, lost and the verdict (1 better, -1 worse, 0 not shown) are those of the metric, which may be better where it is smaller.
+Json comparison_json(const Comparison& comparison, const StudyMetric& metric) {
+  const bool larger = metric.larger_is_better;
+  return {{"mean", number(comparison.student.mean)},
+          {"student", interval_json(comparison.student)},
+          {"bootstrap", interval_json(comparison.bootstrap)},
+          {"pairs", comparison.pairs},
+          {"traces", comparison.groups},
+          {"won", larger ? comparison.won : comparison.lost},
+          {"lost", larger ? comparison.lost : comparison.won},
+          {"verdict", larger ? comparison.verdict() : -comparison.verdict()}};
+}
+
+}  // namespace
+
+bool is_trace_axis(const StudyAxis& axis) {
+  return axis.column == "device" || axis.column == "session.device";
+}
+
+StudyMetric primary_metric(const Study& study) {
+  return study_metrics(study).front();
+}
+
+StudyMetric second_metric(const Study& study) {
+  const std::vector<StudyMetric> all = study_metrics(study);
+  return *std::ranges::find(all, std::string("error.first_visit.p95"), &StudyMetric::key);
+}
+
+std::vector<StudyMetric> study_metrics(const Study& study) {
+  std::vector<StudyMetric> metrics;
+  if (study.sustained) metrics.push_back({"sustained.speed", "sustained HIP speed, mm/s", true, 1e3, true});
+  const std::vector<StudyMetric> of_sessions{
+      {"error.first_visit.within_jnd", "first visits within the JND, %", true, 100, false, true},
+      {"error.within_jnd", "all samples within the JND, %", true, 100, false, true},
+      {"error.first_visit.p95", "error of first visits, p95, %", false, 100, true},
+      {"error.p95", "error, p95, %", false, 100},
+      {"error.first_visit.parts.approximation", "approximation at first visits, p95, %", false, 100},
+      {"error.first_visit.parts.switch", "switch at first visits, p95, %", false, 100},
+      {"error.first_visit.parts.staleness", "staleness at first visits, p95, %", false, 100},
+      {"error.parts.approximation", "approximation, p95, %", false, 100},
+      {"error.parts.switch", "switch, p95, %", false, 100},
+      {"error.parts.staleness", "staleness, p95, %", false, 100},
+      {"time_in.safe", "time in safe, %", true, 100, false, true},
+      {"time_in.blank", "time in blank, %", false, 100, false, true},
+      {"states.age_at_use_ms.p50", "age at first use, median, ms", false},
+      {"states.used_share", "solved states used, %", true, 100, false, true},
+      {"solver.preempted", "solver time in cancelled solves, s", false},
+      {"solver.wasted", "solver time for states never used, s", false},
+      {"regret.first_visit.within_jnd", "regret at first visits, points", false, 100},
+      {"load", "load", false}};
+  metrics.insert(metrics.end(), of_sessions.begin(), of_sessions.end());
+  return metrics;
+}
+
+std::vector<Observation> observations(const Study& study, const std::vector<CellColumns>& cells,
+                                      std::size_t axis, const StudyMetric& metric,
+                                      const std::vector<StudySlice>& slices) {
+  const std::size_t levels = study.axes[axis].values.size();
+  const std::vector<std::size_t> blocks = blocks_without(study, axis);
+  struct Settings {  // one block: everything but the axis is the same
+    std::vector<double> values;
+    std::pair<std::size_t, std::size_t> unit;  // trace, seed
+  };
+  std::map<std::size_t, Settings> fine;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::vector<std::size_t> choice = study.choice(i / study.seeds.size());
+    if (!in_slices(choice, slices)) continue;
+    Settings& block = fine[blocks[i]];
+    block.values.resize(levels, std::nan(""));
+    block.values[choice[axis]] = value_of(study, cells[i], metric);
+    block.unit = {trace_of(study, choice, axis), i % study.seeds.size()};
+  }
+  struct Unit {
+    std::vector<double> sums;
+    std::size_t complete = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Unit> units;
+  for (const auto& [id, block] : fine) {
+    Unit& unit = units[block.unit];
+    unit.sums.resize(levels, 0.0);
+    if (!std::ranges::all_of(block.values, [](double v) { return std::isfinite(v); })) continue;
+    ++unit.complete;
+    for (std::size_t level = 0; level < levels; ++level) unit.sums[level] += block.values[level];
+  }
+  std::vector<Observation> seen;
+  std::size_t number_of_unit = 0;
+  for (const auto& [id, unit] : units) {
+    for (std::size_t level = 0; level < levels; ++level)
+      seen.push_back({.level = level,
+                      .block = number_of_unit,
+                      .group = id.first,
+                      .value = unit.complete > 0 ? unit.sums[level] / static_cast<double>(unit.complete)
+                                                 : std::nan("")});
+    ++number_of_unit;
+  }
+  return seen;
+}
+
+std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColumns>& cells) {
+  std::vector<AxisRanking> all;
+  const StudyMetric metric = primary_metric(study);
+  for (std::size_t axis = 0; axis < study.axes.size(); ++axis) {
+    const std::size_t levels = study.axes[axis].values.size();
+    if (levels < 2) continue;
+    all.push_back({axis, metric,
+                   rank(observations(study, cells, axis, metric), levels, metric.larger_is_better, {.shares = metric.share})});
+  }
+  return all;
+}
+
+std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells,
+                                const StudyMetric& metric) {
+  std::vector<Contrast> all;
+  if (study.axes.empty() || study.axes.front().values.size() < 2) return all;
+  const std::size_t levels = study.axes.front().values.size();
+  const std::vector<Observation> whole = observations(study, cells, 0, metric);
+  if (study.axes.front().column == "step") {
+    for (std::size_t level = 1; level < levels; ++level)
+      all.push_back({metric, level, level - 1, {}, compare_levels(whole, level, level - 1)});
+    if (!study.baseline) return all;
+  }
+  std::size_t reference = study.baseline.value_or(0);
+  if (!study.baseline) {
+    const Ranking ranking = rank(whole, levels, metric.larger_is_better);
+    if (!ranking.ranked.empty()) reference = ranking.ranked.front().level;
+  }
+  const auto add = [&](std::optional<StudySlice> slice) {
+    const std::vector<Observation> seen = slice ? observations(study, cells, 0, metric, {*slice}) : whole;
+    for (std::size_t level = 0; level < levels; ++level)
+      if (level != reference)
+        all.push_back({metric, level, reference, slice, compare_levels(seen, level, reference)});
+  };
+  add({});
+  for (std::size_t axis = 1; axis < study.axes.size(); ++axis)
+    for (std::size_t value = 0; value < study.axes[axis].values.size(); ++value)
+      if (!is_trace_axis(study.axes[axis]) && study.axes[axis].values.size() > 1)
+        add(StudySlice{axis, value});
+  return all;
+}
+
+Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
+                  const std::vector<Contrast>& compared) {
+  Json document;
+  const StudyMetric metric = primary_metric(study);
+  document["metric"] = metric.key;
+  document["student_of_means"] = metric.share ? "on the logit scale" : metric.ratio ? "of logarithms" : "plain";
+  document["rankings"] = Json::array();
+  for (const AxisRanking& entry : ranked) {
+    Json rows = Json::array();
+    for (const Ranked& row : entry.ranking.ranked)
+      rows.push_back({{"value", study.axes[entry.axis].values[row.level].text},
+                      {"result", comparison_json(row.value, metric)},
+                      {"to_best", comparison_json(row.to_best, metric)},
+                      {"tied", row.tied}});
+    document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
+                                    {"units", entry.ranking.blocks},
+                                    {"units_dropped", entry.ranking.dropped},
+                                    {"ranked", rows}});
+  }
+  document["contrasts"] = Json::array();
+  for (const Contrast& contrast : compared) {
+    Json row{{"axis", study.axes.front().column},
+             {"value", study.axes.front().values[contrast.a].text},
+             {"against", study.axes.front().values[contrast.b].text},
+             {"metric", contrast.metric.key},
+             {"compared_by", contrast.metric.ratio ? "difference of logarithms" : "difference"}};
+    row["where"] = Json::object();
+    if (contrast.slice)
+      row["where"][study.axes[contrast.slice->axis].column] =
+          study.axes[contrast.slice->axis].values[contrast.slice->value].text;
+    row.update(comparison_json(contrast.comparison, contrast.metric));
+    document["contrasts"].push_back(row);
+  }
+  return document;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,122 @@
+#include "geometry/common/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <utility>
+
+#include "geometry/common/error.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_special(const fs::path& file) {
+  struct stat status {};
+  return ::stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// Those that a killed process left behind: .NAME.PID-N.part of a process that is no more.
+void sweep_parts(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const std::string prefix = "." + name + ".";
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string found = entry.path().filename().string();
+    if (!found.starts_with(prefix) || !found.ends_with(".part")) continue;
+    int process = 0;
+    const char* const begin = found.data() + prefix.size();
+    const auto [end, bad] = std::from_chars(begin, found.data() + found.size(), process);
+    if (bad != std::errc{} || *end != '-' || process <= 0) continue;
+    if (::kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
+  }
+}
+
+}  // namespace
+
+void check_writable(const fs::path& file, std::initializer_list<fs::path> read) {
+  std::error_code error;
+  if (file.empty()) throw InputError("output file", "has no name, expected a path");
+  if (is_special(file)) return;
+  if (fs::is_directory(file, error)) throw InputError(file.string(), "is a folder, expected a file to write");
+  const fs::path folder = folder_of(file);
+  if (!fs::is_directory(folder, error))
+    throw InputError(file.string(), fmt::format("cannot be written, folder {} does not exist", folder.string()));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+  if (fs::exists(file, error) && ::access(file.c_str(), W_OK) != 0)
+    throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+  for (const fs::path& input : read)
+    if (!input.empty() && fs::equivalent(file, input, error))
+      throw InputError(file.string(), fmt::format("would replace {}, which is read, expected another file", input.string()));
+}
+
+OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
+  check_writable(file_);
+  if (is_special(file_)) {
+    descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
+  } else {
+    static std::atomic<unsigned> counter{0};
+    sweep_parts(folder_of(file_), file_.filename().string());
+    temporary_ = folder_of(file_) / fmt::format(".{}.{}-{}.part", file_.filename().string(), ::getpid(), counter++);
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  }
+  if (descriptor_ < 0) fail(errno);
+}
+
+OutputFile::~OutputFile() { discard(); }
+
+void OutputFile::discard() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  descriptor_ = -1;
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::fail(int error) {
+  discard();
+  throw InputError(file_.string(), fmt::format("cannot be written: {}", std::strerror(error)));
+}
+
+void OutputFile::write(std::string_view bytes) {
+  buffer_.append(bytes);
+  if (buffer_.size() >= (1u << 16)) flush();
+}
+
+void OutputFile::flush() {
+  std::string_view left = buffer_;
+  while (!left.empty()) {
+    const ssize_t written = ::write(descriptor_, left.data(), left.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    left.remove_prefix(static_cast<std::size_t>(written));
+  }
+  buffer_.clear();
+}
+
+void OutputFile::commit() {
+  flush();
+  if (temporary_.empty()) {
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+    return;
+  }
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
+  if (::close(std::exchange(descriptor_, -1)) != 0 || ::rename(temporary_.c_str(), file_.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(temporary_.c_str());
+    throw InputError(file_.string(), fmt::format("cannot be written: {}", std::strerror(error)));
+  }
+}
+
+}  // namespace forefeel

@@ -1,0 +1,37 @@
+#pragma once
+// Where is what known? Over the Delaunay triangulation of the known states, q in a finite cell of circumcentre c
+// and circumradius R:
+//   spread    pi(q) = sqrt(R^2 - |q - c|^2)      [m]  infinite outside the hull
+//   distance  delta(q) to the nearest state      [m]
+//   cone      gamma(q, rho), half-angle of the largest empty cone of directions from q to the states within rho
+// Labels, first that holds: safe, sparse, gap, blank (thresholds below).
+
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+enum class Label : std::uint8_t { safe, sparse, gap, blank };
+std::string_view name(Label label);
+
+struct CoverageOptions {
+  double safe_spread = 0.95;        // kappa_s: safe needs pi <= kappa_s h ...
+  double safe_cone_radius = 1.45;   // ... and gamma(q, 1.45 h) < safe_angle_deg
+  double safe_angle_deg = 90;
+  double sparse_distance = 1.5;     // kappa_p: sparse needs delta <= kappa_p h
+  double gap_cone_radius = 8;       // gap needs gamma(q, 8 h) <= gap_angle_deg
+  double gap_angle_deg = 85;
+};
+
+struct Coverage {
+  Label label = Label::blank;
+  double spread = std::numeric_limits<double>::infinity();   // pi [m]
+  double alpha = std::numeric_limits<double>::infinity();    // least circumradius over the cells that contain q [m]
+  double delta = std::numeric_limits<double>::infinity();    // [m]
+  double gamma_deg = std::numeric_limits<double>::quiet_NaN();  // gamma(q, 8 h), NaN where no test needed it
+};
+
+}  // namespace forefeel

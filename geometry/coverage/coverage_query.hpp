@@ -1,0 +1,55 @@
+#pragma once
+// The labels of coverage.hpp at a point, over an octree and a Delaunay triangulation of the same states.
+//
+// Thresholds hold within 1e-9 (relative): a lattice meets several of them exactly (pi = sqrt(3)/2 h in its cells,
+// delta = 1.5 h between its points), and there rounding would decide. In the same spirit gamma = 90 degrees with
+// states that are not coplanar, the face of a slab, counts as enclosed.
+
+#include <optional>
+
+#include "geometry/index/cone.hpp"
+#include "geometry/coverage/coverage.hpp"
+#include "geometry/index/delaunay_index.hpp"
+#include "geometry/index/point_octree.hpp"
+
+namespace forefeel {
+
+// CoverageOptions in metres and cosines, tolerances included.
+struct Thresholds {
+  Thresholds(const CoverageOptions& options, double spacing, double merge);
+
+  double safe_spread, safe_radius, safe_cos;   // [m], [m], cos of the angle
+  double sparse_distance;                      // [m]
+  double gap_radius, gap_cos;                  // [m], cos of the angle
+  double merge;                                // a state nearer than this is at q itself [m]
+  bool cell_suffices;                          // the safe angle is 90 degrees or wider
+
+  // The same options at another spacing: lengths times `factor`; what counts as one state does not change.
+  Thresholds scaled(double factor) const;
+};
+
+class CoverageQuery {
+ public:
+  CoverageQuery(const PointOctree& points, const DelaunayIndex& delaunay) : points_(points), delaunay_(delaunay) {}
+
+  // near: a state close to q, or invalid.
+  Coverage coverage(const Vec3& q, const Thresholds& limits) const;
+  Label label(const Vec3& q, StateId near, const Thresholds& limits) const;
+  Label label(const Vec3& q, PathWalk& walk, const Thresholds& limits) const;
+
+  // gamma(q, radius) <= the limit's angle; on false *witness is the axis of a wider empty cone.
+  bool enclosed(const Vec3& q, double radius, double cosine, double merge, Vec3* witness = nullptr) const;
+  bool safe_cone(const Vec3& q, const Spread& spread, const Thresholds& limits, Vec3* witness = nullptr) const;
+  EmptyCone largest_empty_cone(const Vec3& q, double radius, double merge) const;
+
+  const PointOctree& points() const { return points_; }
+  const DelaunayIndex& delaunay() const { return delaunay_; }
+
+ private:
+  Label label_with(const Vec3& q, const Spread& spread, const Thresholds& limits) const;
+
+  const PointOctree& points_;
+  const DelaunayIndex& delaunay_;
+};
+
+}  // namespace forefeel

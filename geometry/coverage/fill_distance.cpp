@@ -1,0 +1,37 @@
+#include "geometry/coverage/fill_distance.hpp"
+
+#include <algorithm>
+#include <queue>
+
+namespace forefeel {
+
+FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
+                              double tolerance, std::size_t budget) {
+  struct Part {
+    double bound;
+    Box box;
+    bool operator<(const Part& other) const { return bound < other.bound; }
+  };
+  std::priority_queue<Part> queue;
+  const auto push = [&](const Box& part) {
+    const double here = delta(part.centre());
+    known = std::max(known, here);
+    const double bound = here + 0.5 * part.size().norm();
+    if (bound > known + tolerance) queue.push({bound, part});
+  };
+  push(box);
+  for (std::size_t places = 1; !queue.empty() && queue.top().bound > known + tolerance; places += 2) {
+    if (places > budget) return {known, queue.top().bound};
+    const Part part = queue.top();
+    queue.pop();
+    int longest = 0;
+    part.box.size().maxCoeff(&longest);
+    Box low = part.box, high = part.box;
+    low.high[longest] = high.low[longest] = part.box.centre()[longest];
+    push(low);
+    push(high);
+  }
+  return {known, known + tolerance};
+}
+
+}  // namespace forefeel

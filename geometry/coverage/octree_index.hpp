@@ -1,0 +1,72 @@
+#pragma once
+// Coverage from the states around a place alone, without a triangulation: cheap to insert into and to erase from.
+// With s = h(q) the spacing at q:
+//   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), which are not coplanar.
+//            What this calls safe the triangulation calls safe; the converse fails only where a corner of the Delaunay
+//            cell lies farther than rho
+//   sparse   delta(q) <= kappa_p s, as for the triangulation
+//   gap      q's leaf is empty and along each of 26 directions some occupied leaf within the gap radius lies no
+//            farther than the gap angle away
+//   blank    otherwise
+// spread is pi_rho, alpha the circumradius of its tetrahedron where that proves the place safe; gamma is that over the 26
+// directions. compare_indexes() in agreement.hpp says where the labels differ from those of coverage.hpp.
+
+#include <cmath>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "geometry/index/adaptive_lattice.hpp"
+#include "geometry/coverage/coverage.hpp"
+#include "geometry/index/local_spread.hpp"
+#include "geometry/index/path_walk.hpp"
+#include "geometry/index/point_octree.hpp"
+#include "geometry/states/state.hpp"
+
+namespace forefeel {
+
+class OctreeIndex {
+ public:
+  explicit OctreeIndex(double spacing, CoverageOptions options = {});
+  // On an adaptive lattice: h(q) from its leaves.
+  explicit OctreeIndex(AdaptiveLattice lattice, CoverageOptions options = {});
+
+  void insert(StateId id, const Vec3& at);
+  bool erase(StateId id);                      // false: not there
+  std::size_t size() const { return points_.size(); }
+
+  Coverage coverage(const Vec3& q) const;
+  Label label(const Vec3& q) const;
+  // The same along a path: while q stays in a tetrahedron of states that proved the last place safe, it often proves
+  // the next. Only erase() puts a walk out of date: a further state cannot spoil the proof.
+  Label label(const Vec3& q, PathWalk& walk) const;
+  void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
+  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
+
+  double delta(const Vec3& q) const { return std::sqrt(points_.nearest(q).squared); }   // [m]
+  const Vec3& position(StateId id) const { return at_[id.value]; }
+  const AdaptiveLattice* lattice() const { return lattice_.get(); }
+  AdaptiveLattice* lattice() { return lattice_.get(); }
+  // Where to add states: points of the adaptive lattice with no state within half their spacing, outward from rest.
+  std::vector<AdaptiveLattice::Point> proposals() const;
+
+ private:
+  double spacing_at(const Vec3& q) const { return lattice_ ? lattice_->spacing_at(q) : spacing_; }
+  struct Near {
+    LocalSpread local;
+    std::array<StateId, 4> corner;    // of its tetrahedron
+    bool any = false;                 // a state within kappa_p s
+    bool safe = false;
+  };
+  Near look_near(const Vec3& q, double s) const;
+  double least_side(const Vec3& q, double radius, double enough) const;
+
+  double spacing_;
+  CoverageOptions options_;
+  std::unique_ptr<AdaptiveLattice> lattice_;
+  PointOctree points_;
+  std::vector<Vec3> at_;                       // by id
+  std::uint64_t version_ = next_version();     // of walks; changed by erase()
+};
+
+}  // namespace forefeel

@@ -1,0 +1,155 @@
+#include "geometry/coverage/region_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "geometry/index/delaunay_index.hpp"
+#include "geometry/common/output_file.hpp"
+
+namespace forefeel {
+namespace {
+
+// Collects arrays, then writes their XML heads and, after them, their bytes.
+class AppendedArrays {
+ public:
+  template <class T>
+  std::string add(std::string_view type, std::string_view name, int width, const std::vector<T>& values) {
+    const std::uint64_t bytes = values.size() * sizeof(T);
+    std::string head =
+        fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+                    type, name, width, data_.size());
+    data_.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    if (bytes > 0) data_.append(reinterpret_cast<const char*>(values.data()), bytes);
+    return head;
+  }
+  const std::string& data() const { return data_; }
+
+ private:
+  std::string data_;
+};
+
+struct Grid {
+  std::vector<double> points;               // #P x 3
+  std::vector<std::int64_t> connectivity;
+  int corners = 0;                          // of every cell
+  std::uint8_t type = 0;                    // VTK cell type
+};
+
+void write_grid(const std::filesystem::path& file, const Grid& grid, const std::string& cell_data,
+                AppendedArrays& arrays) {
+  const std::size_t cells = grid.connectivity.size() / static_cast<std::size_t>(grid.corners);
+  std::vector<std::int64_t> offsets(cells);
+  for (std::size_t i = 0; i < cells; ++i) offsets[i] = static_cast<std::int64_t>(i + 1) * grid.corners;
+  const std::vector<std::uint8_t> types(cells, grid.type);
+  OutputFile out(file);
+  out.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+            "header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+  out.write(fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<CellData>\n{}</CellData>\n",
+                        grid.points.size() / 3, cells, cell_data));
+  out.write("<Points>\n" + arrays.add("Float64", "position", 3, grid.points) + "</Points>\n<Cells>\n");
+  out.write(arrays.add("Int64", "connectivity", 1, grid.connectivity));
+  out.write(arrays.add("Int64", "offsets", 1, offsets) + arrays.add("UInt8", "types", 1, types));
+  out.write("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
+  out.write(arrays.data());
+  out.write("\n</AppendedData>\n</VTKFile>\n");
+  out.commit();
+}
+
+}  // namespace
+
+namespace {
+
+void add_voxel(const Box& box, Grid& grid) {
+  grid.corners = 8;
+  grid.type = 11;   // VTK_VOXEL: x fastest, then y, then z
+  for (int corner = 0; corner < 8; ++corner) {
+    grid.connectivity.push_back(static_cast<std::int64_t>(grid.points.size() / 3));
+    for (int axis = 0; axis < 3; ++axis) grid.points.push_back((corner >> axis) & 1 ? box.high[axis] : box.low[axis]);
+  }
+}
+
+}  // namespace
+
+void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
+                       std::span<const RegionComponent> components) {
+  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};
+  grid.points.reserve(24 * leaves.size());
+  grid.connectivity.reserve(8 * leaves.size());
+  std::vector<std::uint8_t> label;
+  std::vector<std::int32_t> component, safe, sides;
+  for (const RegionLeaf& leaf : leaves) {
+    add_voxel(leaf.box, grid);
+    label.push_back(static_cast<std::uint8_t>(leaf.label));
+    component.push_back(static_cast<std::int32_t>(leaf.component));
+    if (components.empty()) continue;
+    safe.push_back(static_cast<std::int32_t>(components[leaf.component].safe_neighbours.size()));
+    sides.push_back(static_cast<std::int32_t>(components[leaf.component].sides.size()));
+  }
+  AppendedArrays arrays;
+  std::string data = arrays.add("UInt8", "label", 1, label) + arrays.add("Int32", "component", 1, component);
+  if (!components.empty())
+    data += arrays.add("Int32", "safe_components", 1, safe) + arrays.add("Int32", "bridge_sides", 1, sides);
+  write_grid(file, grid, data, arrays);
+}
+
+void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes) {
+  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};
+  std::vector<std::uint8_t> before, after;
+  for (const RegionChange& change : changes) {
+    add_voxel(change.box, grid);
+    before.push_back(static_cast<std::uint8_t>(change.before));
+    after.push_back(static_cast<std::uint8_t>(change.after));
+  }
+  AppendedArrays arrays;
+  const std::string data = arrays.add("UInt8", "label_before", 1, before) + arrays.add("UInt8", "label_after", 1, after);
+  write_grid(file, grid, data, arrays);
+}
+
+void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves) {
+  OutputFile out(file);
+  out.write("x,y,z,dx,dy,dz,label,component\n");
+  for (const RegionLeaf& leaf : leaves) {
+    const Vec3 c = leaf.box.centre(), d = leaf.box.size();
+    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(), name(leaf.label),
+                          leaf.component));
+  }
+  out.commit();
+}
+
+void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space) {
+  Grid grid;
+  grid.corners = 4;
+  grid.type = 10;   // VTK_TETRA
+  for (std::uint32_t id = 0; id < space.size(); ++id)
+    for (int axis = 0; axis < 3; ++axis) grid.points.push_back(space[{id}].at[axis]);
+  std::vector<double> spread, alpha;
+  for (const DelaunayIndex::Cell& cell : space.delaunay().cells()) {
+    Vec3 middle = Vec3::Zero();
+    for (const StateId id : cell.states) middle += 0.25 * space[id].at;
+    double sum = 0;
+    for (const StateId id : cell.states) {
+      sum += 0.25 * (space[id].at - middle).squaredNorm();
+      grid.connectivity.push_back(id.value);
+    }
+    spread.push_back(std::sqrt(sum));
+    alpha.push_back(cell.circumradius);
+  }
+  AppendedArrays arrays;
+  const std::string data = arrays.add("Float64", "spread", 1, spread) + arrays.add("Float64", "alpha", 1, alpha);
+  write_grid(file, grid, data, arrays);
+}
+
+void write_pvd(const std::filesystem::path& file, std::span<const SeriesEntry> entries) {
+  OutputFile out(file);
+  out.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+            "<Collection>\n");
+  for (const SeriesEntry& entry : entries)
+    out.write(fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", entry.time, entry.part,
+                          entry.file));
+  out.write("</Collection>\n</VTKFile>\n");
+  out.commit();
+}
+
+}  // namespace forefeel

@@ -1,0 +1,37 @@
+#pragma once
+// Regions, Delaunay cells and time series for ParaView (.vtu with raw appended data, .pvd) and tables (.csv).
+// Labels are numbers in files for ParaView: 0 safe, 1 sparse, 2 gap, 3 blank.
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
+
+namespace forefeel {
+
+// One VTK_VOXEL a leaf, with cell data label, component and, from `components` (may be empty), how many safe components
+// and how many sides of a bridge the leaf's component has.
+void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
+                       std::span<const RegionComponent> components = {});
+// What changed from one set to another: one VTK_VOXEL a leaf, with cell data label_before and label_after.
+struct RegionChange {
+  Box box;              // [m]
+  Label before = Label::blank, after = Label::blank;
+};
+void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes);
+// x,y,z (centre), dx,dy,dz (sides), label, component.
+void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves);
+// One tetrahedron a finite Delaunay cell, with cell data spread (at the centroid) and alpha (circumradius) [m].
+void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space);
+
+struct SeriesEntry {
+  double time = 0;
+  int part = 0;
+  std::string file;     // relative to the series
+};
+void write_pvd(const std::filesystem::path& file, std::span<const SeriesEntry> entries);
+
+}  // namespace forefeel

@@ -1,0 +1,256 @@
+#include "geometry/coverage/regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "geometry/coverage/bridge.hpp"
+#include "geometry/coverage/fill_distance.hpp"
+#include "geometry/coverage/region_tree.hpp"
+#include "geometry/common/union_find.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_bridges = 1000;
+
+}  // namespace
+
+struct Regions::Impl {
+  RegionTree tree;
+};
+
+Regions::Regions(const PointOctree& points, DelaunayIndex& delaunay, const StateSpaceOptions& options)
+    : impl_(new Impl{RegionTree(points, delaunay, options)}) {}
+Regions::~Regions() = default;
+
+Label Regions::label_at(const Vec3& q) const { return impl_->tree.label_at(q); }
+double Regions::finest() const { return impl_->tree.voxel(); }
+const Box& Regions::box() const { return impl_->tree.box(); }
+std::size_t Regions::pending() const { return impl_->tree.pending(); }
+void Regions::inserted(const Vec3& at, std::span<const std::uint32_t> disturbed) {
+  impl_->tree.inserted(at, disturbed);
+}
+bool Regions::settle(std::size_t budget, const std::function<void(double)>& progress) const {
+  return impl_->tree.settle(budget, progress);
+}
+
+std::array<double, 4> Regions::volumes() const {
+  settle();
+  std::array<double, 4> volume{};
+  impl_->tree.for_each_leaf([&](std::int32_t, const RegionNode& leaf) {
+    volume[static_cast<std::size_t>(leaf.label)] += impl_->tree.box_of(leaf).size().prod();
+  });
+  return volume;
+}
+
+namespace {
+
+// Calls meet(other leaf) for every leaf across the upper face of `node` along `axis`.
+template <class Meet>
+void across(const RegionTree& tree, const RegionNode& node, std::size_t axis, Meet&& meet) {
+  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const auto face = [&](auto&& self, std::array<std::int32_t, 3> low, std::int32_t width) -> void {
+    const std::int32_t found = tree.leaf_of(low);
+    if (found < 0) return;
+    const RegionNode& other = tree.node(found);
+    if (other.kind == RegionNode::Kind::leaf && other.width() >= width) return meet(found, other);
+    if (width == 1) return;
+    const std::int32_t half = width / 2;
+    for (const std::int32_t du : {0, half})
+      for (const std::int32_t dv : {0, half}) {
+        std::array<std::int32_t, 3> part = low;
+        part[u] += du;
+        part[v] += dv;
+        self(self, part, half);
+      }
+  };
+  std::array<std::int32_t, 3> low = node.low;
+  low[axis] += node.width();
+  face(face, low, node.width());
+}
+
+// Leaves of the tree with an index, so that vectors can stand beside them.
+struct LeafTable {
+  std::vector<std::int32_t> node;                       // by leaf
+  std::vector<std::uint32_t> leaf;                      // by node
+};
+
+LeafTable list_leaves(const RegionTree& tree) {
+  LeafTable table;
+  tree.for_each_leaf([&](std::int32_t index, const RegionNode&) {
+    if (table.leaf.size() <= static_cast<std::size_t>(index)) table.leaf.resize(static_cast<std::size_t>(index) + 1);
+    table.leaf[static_cast<std::size_t>(index)] = static_cast<std::uint32_t>(table.node.size());
+    table.node.push_back(index);
+  });
+  return table;
+}
+
+// Components by union over shared facets, numbered by label, then falling volume. Returns the number of each leaf.
+std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTable& table,
+                                           std::vector<RegionComponent>& components) {
+  UnionFind sets(table.node.size());
+  for (std::size_t i = 0; i < table.node.size(); ++i) {
+    const RegionNode& leaf = tree.node(table.node[i]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      across(tree, leaf, axis, [&](std::int32_t found, const RegionNode& other) {
+        if (other.label == leaf.label)
+          sets.join(static_cast<std::uint32_t>(i), table.leaf[static_cast<std::size_t>(found)]);
+      });
+  }
+  std::vector<std::uint32_t> number(table.node.size(), 0xffffffffu), component(table.node.size());
+  std::vector<RegionComponent> found;
+  std::vector<double> largest;
+  for (std::size_t i = 0; i < table.node.size(); ++i) {
+    const std::uint32_t root = sets.find(static_cast<std::uint32_t>(i));
+    const RegionNode& leaf = tree.node(table.node[i]);
+    const Box box = tree.box_of(leaf);
+    if (number[root] == 0xffffffffu) {
+      number[root] = static_cast<std::uint32_t>(found.size());
+      found.push_back({.label = leaf.label, .bounds = box, .safe_neighbours = {}, .sides = {}});
+      largest.push_back(-1);
+    }
+    component[i] = number[root];
+    RegionComponent& mine = found[component[i]];
+    mine.volume += box.size().prod();
+    ++mine.leaves;
+    mine.bounds = {mine.bounds.low.cwiseMin(box.low), mine.bounds.high.cwiseMax(box.high)};
+    if (leaf.width() > largest[component[i]]) largest[component[i]] = leaf.width(), mine.inner = box.centre();
+  }
+  std::vector<std::uint32_t> order(found.size()), rank(found.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return found[a].label != found[b].label ? found[a].label < found[b].label : found[a].volume > found[b].volume;
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    rank[order[i]] = static_cast<std::uint32_t>(i);
+    components.push_back(std::move(found[order[i]]));
+  }
+  for (std::uint32_t& c : component) c = rank[c];
+  return component;
+}
+
+// Which safe components a component touches, a gap through the sparse rim that separates them.
+void find_safe_neighbours(const RegionTree& tree, const LeafTable& table, const std::vector<std::uint32_t>& component,
+                          std::vector<RegionComponent>& components) {
+  std::vector<std::set<std::uint32_t>> beside(components.size()), near_safe(components.size());
+  std::vector<bool> rim(table.node.size());
+  for (std::size_t i = 0; i < table.node.size(); ++i) {
+    const RegionNode& leaf = tree.node(table.node[i]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      across(tree, leaf, axis, [&](std::int32_t found, const RegionNode& other) {
+        if (other.label == leaf.label) return;
+        const std::uint32_t past = table.leaf[static_cast<std::size_t>(found)];
+        rim[i] = rim[past] = true;
+        beside[component[i]].insert(component[past]);
+        beside[component[past]].insert(component[i]);
+      });
+  }
+  for (std::size_t i = 0; i < table.node.size(); ++i) {
+    const RegionNode& leaf = tree.node(table.node[i]);
+    if (leaf.label != Label::gap || !rim[i]) continue;
+    const Box box = tree.box_of(leaf);
+    tree.for_each_safe_near(box, tree.rim(box.centre()), [&](std::int32_t safe) {
+      near_safe[component[i]].insert(component[table.leaf[static_cast<std::size_t>(safe)]]);
+    });
+  }
+  name_safe_neighbours(beside, near_safe, components);
+}
+
+// What each gap bridges, seen from its inner place.
+void find_sides(const RegionTree& tree, std::vector<RegionComponent>& components) {
+  std::size_t done = 0;
+  for (RegionComponent& c : components) {
+    if (c.label != Label::gap || done++ >= most_bridges) continue;
+    std::vector<Vec3> offsets;
+    tree.query().points().for_each_within(c.inner, tree.gap_radius(c.inner), [&](std::uint32_t, const Vec3& offset, double) {
+      offsets.push_back(offset);
+    });
+    c.sides = bridge_sides(offsets, tree.link_deg());
+  }
+}
+
+// Appends the leaves below `index`; eight of one label become one.
+void collect(const RegionTree& tree, std::int32_t index, const LeafTable& table,
+             const std::vector<std::uint32_t>& component, std::vector<RegionLeaf>& out) {
+  const RegionNode& here = tree.node(index);
+  if (here.kind == RegionNode::Kind::leaf) {
+    out.push_back({tree.box_of(here), here.label, component[table.leaf[static_cast<std::size_t>(index)]]});
+    return;
+  }
+  if (here.kind != RegionNode::Kind::branch) return;
+  const std::size_t start = out.size();
+  std::size_t inside = 0;
+  for (std::int32_t child = 0; child < 8; ++child) {
+    inside += tree.node(here.children + child).kind != RegionNode::Kind::outside;
+    collect(tree, here.children + child, table, component, out);
+  }
+  if (out.size() - start != inside) return;
+  for (std::size_t i = start + 1; i < out.size(); ++i)
+    if (out[i].label != out[start].label) return;
+  // One leaf per child and one label: they touch, so they are one component, too.
+  out[start].box = tree.box_of(here);
+  out.resize(start + 1);
+}
+
+}  // namespace
+
+RegionSummary Regions::summary() const {
+  settle();
+  const RegionTree& tree = impl_->tree;
+  RegionSummary result;
+  const LeafTable table = list_leaves(tree);
+  const std::vector<std::uint32_t> component = find_components(tree, table, result.components);
+  find_safe_neighbours(tree, table, component, result.components);
+  find_sides(tree, result.components);
+  for (std::size_t root = 0; root < tree.root_count(); ++root)
+    collect(tree, static_cast<std::int32_t>(root), table, component, result.leaves);
+  for (const RegionComponent& c : result.components) {
+    result.volume[static_cast<std::size_t>(c.label)] += c.volume;
+    ++result.component_count[static_cast<std::size_t>(c.label)];
+  }
+  return result;
+}
+
+// Inside the box delta has its maxima at Voronoi vertices, the circumcentres of the cells; else on the boundary.
+double Regions::fill_distance() const {
+  const RegionTree& tree = impl_->tree;
+  const PointOctree& points = tree.query().points();
+  if (points.size() == 0) return std::numeric_limits<double>::infinity();
+  double largest = 0;
+  for (const DelaunayIndex::Ball& ball : tree.query().delaunay().circumballs())
+    if (tree.box().contains(ball.centre)) largest = std::max(largest, ball.radius);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at((corner & 1 ? tree.box().high : tree.box().low).x(), (corner & 2 ? tree.box().high : tree.box().low).y(),
+                  (corner & 4 ? tree.box().high : tree.box().low).z());
+    largest = std::max(largest, std::sqrt(points.nearest(at).squared));
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool upper : {false, true}) {
+      Box face = tree.box();
+      (upper ? face.low : face.high)[axis] = (upper ? face.high : face.low)[axis];
+      const auto delta = [&](const Vec3& q) { return std::sqrt(points.nearest(q).squared); };
+      largest = largest_distance(delta, face, largest, 4e-3 * tree.voxel(), static_cast<std::size_t>(-1)).reached;
+    }
+  return largest;
+}
+
+std::optional<LargestHole> Regions::largest_hole() const {
+  const RegionTree& tree = impl_->tree;
+  std::vector<DelaunayIndex::Ball> balls = tree.query().delaunay().circumballs();
+  std::erase_if(balls, [&](const DelaunayIndex::Ball& ball) { return !tree.box().contains(ball.centre); });
+  const auto smaller = [](const DelaunayIndex::Ball& a, const DelaunayIndex::Ball& b) { return a.radius < b.radius; };
+  std::make_heap(balls.begin(), balls.end(), smaller);
+  while (!balls.empty()) {
+    std::pop_heap(balls.begin(), balls.end(), smaller);
+    const DelaunayIndex::Ball ball = balls.back();
+    balls.pop_back();
+    if (tree.query().delaunay().spread(ball.centre, {}).inside) return LargestHole{ball.radius, ball.centre};
+  }
+  return std::nullopt;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,54 @@
+#pragma once
+// A box cut into cubes: the finest cells of regions. The grid stands in the middle of the box; where the box is no
+// multiple of the side, the cells at its faces are cut off, and count for the place in the middle of what is left.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+struct VoxelGrid {
+  Box box;                                  // [m]
+  double side = 0;                          // [m]
+  std::array<double, 3> count{};            // voxels along each axis, whole numbers; a box may hold more than an int
+  Vec3 origin = Vec3::Zero();               // low corner of voxel (0, 0, 0) [m]
+
+  VoxelGrid(const Box& around, double voxel) : box(around), side(voxel) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      count[axis] = std::max(1.0, std::ceil(box.size()[static_cast<Eigen::Index>(axis)] / side - 1e-6));
+    origin = box.centre() - 0.5 * side * Vec3(count[0], count[1], count[2]);
+  }
+
+  Vec3 low_of(const std::array<std::int32_t, 3>& voxel) const { return origin + side * Vec3(voxel[0], voxel[1], voxel[2]); }
+  // Of a place in the box.
+  std::array<std::int32_t, 3> voxel_of(const Vec3& q) const {
+    std::array<std::int32_t, 3> voxel{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      const double last = std::min(count[axis] - 1, 2147483647.0);
+      voxel[axis] = static_cast<std::int32_t>(std::clamp(std::floor((q[a] - origin[a]) / side), 0.0, last));
+    }
+    return voxel;
+  }
+  // The cube of `width` voxels above `low`, cut off at the box.
+  Box cube(const std::array<std::int32_t, 3>& low, double width) const {
+    const Vec3 corner = low_of(low);
+    return {corner.cwiseMax(box.low).cwiseMin(box.high),
+            (corner + Vec3::Constant(side * width)).cwiseMin(box.high).cwiseMax(box.low)};
+  }
+  // The middle of what the box leaves of a voxel.
+  Vec3 centre(const std::array<std::int32_t, 3>& voxel) const {
+    const Vec3 low = low_of(voxel);
+    const Vec3 below = (box.low - low).cwiseMax(0.0), above = (low + Vec3::Constant(side) - box.high).cwiseMax(0.0);
+    const auto cut = [&](double d) { return d > 1e-6 * side ? d : 0.0; };
+    Vec3 middle = low + Vec3::Constant(0.5 * side);
+    for (int axis = 0; axis < 3; ++axis) middle[axis] += 0.5 * (cut(below[axis]) - cut(above[axis]));
+    return middle;
+  }
+};
+
+}  // namespace forefeel

@@ -1,0 +1,169 @@
+#pragma once
+// Bucket octree over points: exact nearest and range queries under insertion and removal.
+// A leaf holds up to 16 points; the root doubles where a point falls outside. Points at the same place chain
+// beyond the deepest level. O(log n) insert, O(log n + k) queries; const members are safe from many threads.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+class PointOctree {
+ public:
+  struct Neighbour {
+    double squared = std::numeric_limits<double>::infinity();  // squared distance [m^2]
+    std::uint32_t id = 0xffffffffu;
+    friend bool operator<(const Neighbour& a, const Neighbour& b) {
+      return a.squared < b.squared || (a.squared == b.squared && a.id < b.id);
+    }
+  };
+
+  std::size_t size() const { return size_; }
+  void insert(std::uint32_t id, const Vec3& at);
+  bool erase(std::uint32_t id, const Vec3& at);  // false: not there
+
+  // The nearest point no farther than `reach` [m]; id 0xffffffff where there is none. Ties by id.
+  Neighbour nearest(const Vec3& q, double reach = std::numeric_limits<double>::infinity()) const;
+  // The n nearest by distance, ties by id.
+  void nearest(const Vec3& q, std::size_t n, std::vector<Neighbour>& out) const;
+
+  // visit(id, offset from q, squared distance) for every point with |x - q| <= radius, in no particular order.
+  template <class Visit>
+  void for_each_within(const Vec3& q, double radius, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    visit_within(0, centre_, half_, q, radius * radius, visit);
+  }
+
+  // Of the points within `reach` of q, one with the largest axis . d - cosine |d| + margin, d = x - q, if that is
+  // positive anywhere: false says that the cone around the axis is empty, with the margin to spare [m]. axis: unit.
+  bool find_in_cone(const Vec3& q, const Vec3& axis, double cosine, double margin, double reach, Vec3& offset) const {
+    if (nodes_.empty()) return false;
+    double best = 0;
+    return find_in_cone(0, centre_, half_, {q, axis, cosine, margin, reach * reach}, best, offset);
+  }
+
+  // visit(offset) for every occupied leaf with a state within the radius: the middle of these states where the leaf
+  // is small against its distance, else each of them. Ends where visit() returns false.
+  template <class Visit>
+  void for_each_leaf_within(const Vec3& q, double radius, Visit&& visit) const {
+    if (!nodes_.empty()) visit_leaves(0, centre_, half_, q, radius * radius, visit);
+  }
+
+ private:
+  static constexpr int capacity = 16;
+  struct Bucket {
+    std::array<double, capacity> x, y, z;
+    std::array<std::uint32_t, capacity> id;
+    std::int32_t count = 0;
+    std::int32_t next = -1;
+  };
+  struct Node {
+    std::int32_t children = -1;  // first of eight
+    std::int32_t bucket = -1;
+  };
+
+  static int octant(const Vec3& centre, const Vec3& q) {
+    return (q.x() >= centre.x() ? 1 : 0) | (q.y() >= centre.y() ? 2 : 0) | (q.z() >= centre.z() ? 4 : 0);
+  }
+  static Vec3 child_centre(const Vec3& centre, double half, int child) {
+    const double step = 0.5 * half;
+    return {centre.x() + ((child & 1) ? step : -step), centre.y() + ((child & 2) ? step : -step),
+            centre.z() + ((child & 4) ? step : -step)};
+  }
+  static double squared_to_cube(const Vec3& centre, double half, const Vec3& q) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double beyond = std::abs(q[axis] - centre[axis]) - half;
+      if (beyond > 0) sum += beyond * beyond;
+    }
+    return sum;
+  }
+
+  template <class Visit>
+  void visit_within(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
+                    Visit& visit) const {
+    // A cube is skipped only when it is farther by more than rounding.
+    if (squared_to_cube(centre, half, q) > squared * (1 + 1e-12)) return;
+    const Node& n = nodes_[static_cast<std::size_t>(node)];
+    if (n.children >= 0) {
+      for (int child = 0; child < 8; ++child)
+        visit_within(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit);
+      return;
+    }
+    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
+      const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
+      for (int i = 0; i < bucket.count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const Vec3 offset(bucket.x[k] - q.x(), bucket.y[k] - q.y(), bucket.z[k] - q.z());
+        const double d = offset.squaredNorm();
+        if (d <= squared) visit(bucket.id[k], offset, d);
+      }
+    }
+  }
+
+  template <class Visit>
+  bool visit_leaves(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
+                    Visit& visit) const {
+    if (squared_to_cube(centre, half, q) > squared) return true;
+    const Node& n = nodes_[static_cast<std::size_t>(node)];
+    if (n.children >= 0) {
+      for (int child = 0; child < 8; ++child)
+        if (!visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit)) return false;
+      return true;
+    }
+    const bool small = 16 * half * half <= (centre - q).squaredNorm();
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
+      const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
+      for (int i = 0; i < bucket.count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const Vec3 offset(bucket.x[k] - q.x(), bucket.y[k] - q.y(), bucket.z[k] - q.z());
+        if (offset.squaredNorm() > squared) continue;
+        if (small) {
+          sum += offset, ++count;
+        } else if (!visit(offset)) {
+          return false;
+        }
+      }
+    }
+    return count == 0 || visit(Vec3(sum / count));
+  }
+
+  struct Cone {
+    Vec3 apex, axis;
+    double cosine, margin, squared;
+    double value(const Vec3& d) const { return axis.dot(d) - cosine * d.norm() + margin; }
+  };
+  bool find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone, double& best, Vec3& offset) const;
+  void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, Neighbour& best) const;
+  void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, std::size_t n,
+                     std::vector<Neighbour>& heap) const;
+  void grow_to(const Vec3& at);
+  void split(std::int32_t node, const Vec3& centre, double half);
+  void append(std::int32_t node, std::uint32_t id, const Vec3& at);
+  std::int32_t new_bucket();
+
+  struct Place {
+    std::int32_t node = 0;
+    int depth = 0;
+    Vec3 centre = Vec3::Zero();
+    double half = 0;
+  };
+
+  Place last_;                 // the leaf of the last insert()
+  std::vector<Node> nodes_;
+  std::vector<Bucket> buckets_;
+  std::vector<std::int32_t> free_buckets_;
+  Vec3 centre_ = Vec3::Zero();
+  double half_ = 0;
+  std::size_t size_ = 0;
+};
+
+}  // namespace forefeel

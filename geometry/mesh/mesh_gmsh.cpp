@@ -1,0 +1,300 @@
+// Gmsh .msh, as its reference manual describes the formats 2.2 and 4.1. Node tags are free numbers there; nodes are
+// numbered here in file order. Physical groups of any dimension become node groups.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <unordered_map>
+
+#include "geometry/common/error.hpp"
+#include "geometry/mesh/mesh_formats.hpp"
+
+namespace forefeel {
+namespace {
+
+// Nodes of an element type and the dimension of its entity; {0, 0} for a type we do not know.
+struct ElementType {
+  int nodes, dimension;
+};
+ElementType element_type(std::int64_t type) {
+  static const std::unordered_map<std::int64_t, ElementType> known{
+      {1, {2, 1}},   {2, {3, 2}},   {3, {4, 2}},   {4, {4, 3}},   {5, {8, 3}},   {6, {6, 3}},   {7, {5, 3}},
+      {8, {3, 1}},   {9, {6, 2}},   {10, {9, 2}},  {11, {10, 3}}, {12, {27, 3}}, {13, {18, 3}}, {14, {14, 3}},
+      {15, {1, 0}},  {16, {8, 2}},  {17, {20, 3}}, {18, {15, 3}}, {19, {13, 3}}, {20, {9, 2}},  {21, {10, 2}},
+      {22, {12, 2}}, {23, {15, 2}}, {24, {15, 2}}, {25, {21, 2}}, {26, {4, 1}},  {27, {5, 1}},  {28, {6, 1}},
+      {29, {20, 3}}, {30, {35, 3}}, {31, {56, 3}}, {92, {64, 3}}, {93, {125, 3}}};
+  const auto found = known.find(type);
+  return found == known.end() ? ElementType{0, 0} : found->second;
+}
+
+class GmshReader {
+ public:
+  explicit GmshReader(Scanner in) : in_(std::move(in)) {}
+
+  TetMesh read() {
+    read_format();
+    while (!in_.at_end()) {
+      const std::string section(in_.token("a section"));
+      if (section.size() < 2 || section[0] != '$') in_.fail(fmt::format("'{:.40}' stands where a $Section was expected", section));
+      read_section(section.substr(1));
+    }
+    if (!seen_nodes_) throw InputError(in_.name(), "holds no $Nodes section");
+    if (!seen_elements_) throw InputError(in_.name(), "holds no $Elements section");
+    for (const auto& [group, nodes] : physical_) {
+      if (group.first == 3 && covers_all(nodes)) continue;      // "the body" says nothing
+      const auto named = names_.find(group);
+      const std::string name = named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
+      auto& target = mesh_.groups[name];
+      target.insert(target.end(), nodes.begin(), nodes.end());
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  using Group = std::pair<int, std::int64_t>;   // dimension, physical tag
+
+  bool covers_all(const std::vector<NodeIndex>& nodes) const {
+    std::vector<char> there(mesh_.nodes.size(), 0);
+    for (const NodeIndex node : nodes) there[static_cast<std::size_t>(node)] = 1;
+    return std::ranges::all_of(there, [](char c) { return c != 0; });
+  }
+
+  void read_format() {
+    if (in_.token("$MeshFormat") != "$MeshFormat") in_.fail("is not a Gmsh file, expected $MeshFormat");
+    const std::string version(in_.token("a format version"));
+    four_ = version == "4.1";
+    if (!four_ && version != "2.2" && version != "2" && version != "2.1" && version != "2.0")
+      in_.fail(fmt::format("Gmsh format {:.20} is not read, expected 2.2 or 4.1", version));
+    binary_ = in_.integer("0 (ASCII) or 1 (binary)", 0, 1) == 1;
+    const auto size = in_.integer("the size of a number", 1, 16);
+    if (size != 8) in_.fail(fmt::format("numbers of {} bytes, expected 8", size));
+    if (binary_) {
+      next_line();
+      const auto one = in_.raw<std::int32_t>("the number 1");
+      if (one != 1 && one != 0x01000000) in_.fail_binary("the byte order mark is wrong, expected 1");
+      in_.swap_bytes(one != 1);
+    }
+    end_section("MeshFormat");
+  }
+
+  void read_section(const std::string& section) {
+    if (section == "PhysicalNames") read_physical_names();
+    else if (section == "Entities" && four_) read_entities();
+    else if (section == "Nodes") four_ ? read_nodes_4() : read_nodes_2();
+    else if (section == "Elements") four_ ? read_elements_4() : read_elements_2();
+    else if (section == "ParametricNodes") in_.fail("$ParametricNodes is not read, expected $Nodes");
+    else skip_section(section);
+  }
+
+  void skip_section(const std::string& section) {
+    const std::string where = in_.where();
+    if (!in_.skip_past_line("$End" + section)) throw InputError(where, fmt::format("section ${:.40} has no end", section));
+  }
+
+  void end_section(const std::string& section) {
+    const auto word = in_.token("the end of a section");
+    if (word != "$End" + section) in_.fail(fmt::format("'{:.40}' stands where $End{} was expected", word, section));
+  }
+
+  // Binary data begin on the byte after the line that announces them.
+  void next_line() {
+    std::string_view rest;
+    if (!in_.line(rest) || !trim(rest).empty()) in_.fail("text stands where binary data were expected");
+  }
+
+  std::int64_t whole(const char* expected) { return binary_ ? in_.raw<std::int32_t>(expected) : in_.integer(expected); }
+  std::int64_t size(const char* expected) {      // size_t of format 4.1
+    if (!binary_) return in_.integer(expected);
+    const auto value = in_.raw<std::uint64_t>(expected);
+    if (value > (std::uint64_t{1} << 62)) in_.fail_binary(fmt::format("{} is out of range, expected {}", value, expected));
+    return static_cast<std::int64_t>(value);
+  }
+  double real(const char* expected) { return binary_ ? in_.raw<double>(expected) : in_.real(expected); }
+  std::size_t size_count(const char* expected, std::size_t bytes_text, std::size_t bytes_binary) {
+    if (!binary_) return in_.count(expected, bytes_text);
+    const auto value = static_cast<std::uint64_t>(size(expected));
+    in_.check_count(value, bytes_binary, expected);
+    return value;
+  }
+  [[noreturn]] void fail(const std::string& problem) { binary_ ? in_.fail_binary(problem) : in_.fail(problem); }
+
+  void read_physical_names() {
+    const std::size_t n = in_.count("a number of names", 4);
+    for (std::size_t i = 0; i < n; ++i) {
+      const int dimension = static_cast<int>(in_.integer("a dimension", 0, 3));
+      const std::int64_t tag = in_.integer("a physical tag");
+      std::string_view rest;
+      if (!in_.line(rest)) in_.fail("the file ends where a name was expected");
+      rest = trim(rest);
+      if (rest.size() < 2 || rest.front() != '"' || rest.back() != '"') in_.fail("a name in quotes was expected");
+      names_[{dimension, tag}] = std::string(rest.substr(1, rest.size() - 2));
+    }
+    end_section("PhysicalNames");
+  }
+
+  void read_entities() {
+    if (binary_) next_line();
+    std::size_t counts[4];
+    for (auto& n : counts) n = size_count("a number of entities", 4, 8);
+    for (int dimension = 0; dimension < 4; ++dimension)
+      for (std::size_t i = 0; i < counts[dimension]; ++i) {
+        const std::int64_t tag = whole("an entity tag");
+        for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) real("a bound of the entity");
+        const std::size_t n = size_count("a number of physical tags", 2, 4);
+        auto& tags = entity_[{dimension, tag}];
+        for (std::size_t k = 0; k < n; ++k) tags.push_back(whole("a physical tag"));
+        if (dimension == 0) continue;
+        const std::size_t bounds = size_count("a number of bounding entities", 2, 4);
+        for (std::size_t k = 0; k < bounds; ++k) whole("a bounding entity");
+      }
+    end_section("Entities");
+  }
+
+  void add_node(std::int64_t tag, const Vec3& position) {
+    if (!index_.emplace(tag, static_cast<NodeIndex>(mesh_.nodes.size())).second) fail(fmt::format("node {} is there twice", tag));
+    mesh_.nodes.push_back(position);
+  }
+
+  void begin_nodes() {
+    if (seen_nodes_) in_.fail("there is a second $Nodes section, expected one");
+    seen_nodes_ = true;
+  }
+
+  void read_nodes_2() {
+    begin_nodes();
+    const std::size_t n = in_.count("a number of nodes", binary_ ? 28 : 8);
+    if (binary_) next_line();
+    mesh_.nodes.reserve(n), index_.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t tag = whole("a node number");
+      const double x = real("x"), y = real("y"), z = real("z");
+      add_node(tag, {x, y, z});
+    }
+    end_section("Nodes");
+  }
+
+  void read_nodes_4() {
+    begin_nodes();
+    if (binary_) next_line();
+    const std::size_t blocks = size_count("a number of blocks", 6, 20), n = size_count("a number of nodes", 7, 32);
+    size("the least node tag"), size("the greatest node tag");
+    mesh_.nodes.reserve(n), index_.reserve(n);
+    std::vector<std::int64_t> tags;
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const std::int64_t dimension = whole("a dimension");
+      whole("an entity tag");
+      const std::int64_t parametric = whole("0 or 1 (parametric)");
+      if (dimension < 0 || dimension > 3) fail(fmt::format("{} is no dimension, expected 0 to 3", dimension));
+      tags.assign(size_count("a number of nodes", 7, 32), 0);
+      for (auto& tag : tags) tag = size("a node tag");
+      for (const auto tag : tags) {
+        const double x = real("x"), y = real("y"), z = real("z");
+        for (std::int64_t k = 0; parametric != 0 && k < dimension; ++k) real("a parameter");
+        add_node(tag, {x, y, z});
+      }
+    }
+    if (mesh_.nodes.size() != n) fail(fmt::format("{} nodes were announced, {} found", n, mesh_.nodes.size()));
+    end_section("Nodes");
+  }
+
+  NodeIndex node(std::int64_t tag) {
+    const auto found = index_.find(tag);
+    if (found == index_.end()) fail(fmt::format("an element names node {}, which is not in $Nodes", tag));
+    return found->second;
+  }
+
+  void begin_elements() {
+    if (!seen_nodes_) in_.fail("$Elements stands before $Nodes");
+    seen_elements_ = true;
+  }
+
+  ElementType known_type(std::int64_t type) {
+    const ElementType result = element_type(type);
+    if (result.nodes == 0) fail(fmt::format("element type {} is unknown", type));
+    if (result.dimension == 3 && type != 4)
+      fail(fmt::format("element type {} is not a linear tetrahedron, expected volume elements of type 4 alone", type));
+    return result;
+  }
+
+  void add_element(const ElementType& type, std::span<const NodeIndex> nodes, std::span<const std::int64_t> groups) {
+    if (type.dimension == 3) mesh_.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    for (const auto tag : groups)
+      if (tag != 0) {
+        auto& group = physical_[{type.dimension, tag}];
+        group.insert(group.end(), nodes.begin(), nodes.end());
+      }
+  }
+
+  void read_element_2(std::int64_t type, std::int64_t tags) {
+    const ElementType known = known_type(type);
+    std::int64_t physical = 0;
+    for (std::int64_t k = 0; k < tags; ++k) {
+      const std::int64_t tag = whole("a tag");
+      if (k == 0) physical = tag;
+    }
+    scratch_.resize(static_cast<std::size_t>(known.nodes));
+    for (auto& index : scratch_) index = node(whole("a node number"));
+    add_element(known, scratch_, {&physical, 1});
+  }
+
+  void read_elements_2() {
+    begin_elements();
+    const std::size_t n = in_.count("a number of elements", binary_ ? 8 : 6);
+    if (binary_) next_line();
+    for (std::size_t i = 0; i < n;) {
+      if (!binary_) in_.integer("an element number");
+      const std::int64_t type = whole("an element type");
+      const std::int64_t follow = binary_ ? whole("a number of elements") : 1;
+      const std::int64_t tags = whole("a number of tags");
+      if (tags < 0 || tags > 1000) fail(fmt::format("{} tags, expected 0 to 1000", tags));
+      if (follow < 1 || static_cast<std::size_t>(follow) > n - i) fail(fmt::format("a block of {} elements does not fit", follow));
+      for (std::int64_t k = 0; k < follow; ++k) {
+        if (binary_) in_.raw<std::int32_t>("an element number");
+        read_element_2(type, tags);
+      }
+      i += static_cast<std::size_t>(follow);
+    }
+    end_section("Elements");
+  }
+
+  void read_elements_4() {
+    begin_elements();
+    if (binary_) next_line();
+    const std::size_t blocks = size_count("a number of blocks", 6, 20), n = size_count("a number of elements", 4, 16);
+    size("the least element tag"), size("the greatest element tag");
+    std::size_t found = 0;
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const std::int64_t dimension = whole("a dimension"), entity = whole("an entity tag");
+      const ElementType type = known_type(whole("an element type"));
+      const std::size_t count = size_count("a number of elements", 4, 16);
+      const auto physical = entity_.find({static_cast<int>(dimension), entity});
+      const std::span<const std::int64_t> groups =
+          physical == entity_.end() ? std::span<const std::int64_t>{} : std::span<const std::int64_t>(physical->second);
+      for (std::size_t k = 0; k < count; ++k) {
+        size("an element tag");
+        scratch_.resize(static_cast<std::size_t>(type.nodes));
+        for (auto& index : scratch_) index = node(size("a node tag"));
+        add_element(type, scratch_, groups);
+      }
+      found += count;
+    }
+    if (found != n) fail(fmt::format("{} elements were announced, {} found", n, found));
+    end_section("Elements");
+  }
+
+  Scanner in_;
+  bool four_ = false, binary_ = false, seen_nodes_ = false, seen_elements_ = false;
+  TetMesh mesh_;
+  std::unordered_map<std::int64_t, NodeIndex> index_;              // node tag -> number here
+  std::map<Group, std::vector<std::int64_t>> entity_;              // 4.1: dimension, entity -> physical tags
+  std::map<Group, std::string> names_;
+  std::map<Group, std::vector<NodeIndex>> physical_;
+  std::vector<NodeIndex> scratch_;
+};
+
+}  // namespace
+
+TetMesh read_gmsh(Scanner in) { return GmshReader(std::move(in)).read(); }
+
+}  // namespace forefeel

@@ -1,0 +1,36 @@
+#include "geometry/meshing/surface.hpp"
+
+#include <Eigen/Geometry>
+
+namespace forefeel {
+
+Surface boundary_surface(const TetMesh& mesh) {
+  Surface result;
+  std::vector<NodeIndex> number(mesh.nodes.size(), -1);
+  for (const NodeIndex node : surface_nodes(mesh)) {
+    number[static_cast<std::size_t>(node)] = static_cast<NodeIndex>(result.nodes.size());
+    result.nodes.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
+  }
+  result.triangles = boundary_triangles(mesh);
+  for (Triangle& triangle : result.triangles)
+    for (NodeIndex& node : triangle) node = number[static_cast<std::size_t>(node)];
+  return result;
+}
+
+double enclosed_volume(const Surface& surface) {
+  if (surface.nodes.empty()) return 0;
+  double sum = 0;
+  const Vec3& origin = surface.nodes.front();
+  for (const auto& [a, b, c] : surface.triangles)
+    sum += (surface.nodes[a] - origin).cross(surface.nodes[b] - origin).dot(surface.nodes[c] - origin);
+  return sum / 6;
+}
+
+Box bounding_box(const Surface& surface) {
+  if (surface.nodes.empty()) return {};
+  Box box{surface.nodes.front(), surface.nodes.front()};
+  for (const Vec3& node : surface.nodes) box.low = box.low.cwiseMin(node), box.high = box.high.cwiseMax(node);
+  return box;
+}
+
+}  // namespace forefeel

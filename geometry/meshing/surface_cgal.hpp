@@ -1,0 +1,47 @@
+#pragma once
+// Conversions between our surfaces and CGAL's; included by the two files that process surfaces with CGAL.
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+
+#include "geometry/meshing/surface.hpp"
+
+namespace forefeel::cgal {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Mesh = CGAL::Surface_mesh<Point>;
+using Soup = std::pair<std::vector<Point>, std::vector<std::vector<std::size_t>>>;
+
+inline Soup to_soup(const Surface& surface) {
+  Soup soup;
+  for (const Vec3& node : surface.nodes) soup.first.emplace_back(node.x(), node.y(), node.z());
+  for (const auto& [a, b, c] : surface.triangles)
+    soup.second.push_back({static_cast<std::size_t>(a), static_cast<std::size_t>(b), static_cast<std::size_t>(c)});
+  return soup;
+}
+
+inline Surface from_mesh(Mesh& mesh) {
+  mesh.collect_garbage();
+  Surface surface;
+  for (const auto v : mesh.vertices()) surface.nodes.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  for (const auto f : mesh.faces()) {
+    Triangle triangle{};
+    std::size_t k = 0;
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) triangle[k++] = static_cast<NodeIndex>(v.idx());
+    surface.triangles.push_back(triangle);
+  }
+  return surface;
+}
+
+// Only for surfaces that are manifold and consistently oriented.
+inline Mesh to_mesh(const Surface& surface) {
+  Mesh mesh;
+  for (const Vec3& node : surface.nodes) mesh.add_vertex(Point(node.x(), node.y(), node.z()));
+  for (const auto& [a, b, c] : surface.triangles)
+    mesh.add_face(Mesh::Vertex_index(static_cast<Mesh::size_type>(a)), Mesh::Vertex_index(static_cast<Mesh::size_type>(b)),
+                  Mesh::Vertex_index(static_cast<Mesh::size_type>(c)));
+  return mesh;
+}
+
+}  // namespace forefeel::cgal

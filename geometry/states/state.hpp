@@ -1,0 +1,51 @@
+#pragma once
+// A state: HIP position x [m] with the static equilibrium of the body there.
+//   f = -dW/dx   force of the body on the HIP [N]      K = -df/dx   stiffness [N/m], k_ij = -df_i/dx_j
+//   W = sum V (psi(F) - psi(I))   stored energy [J]
+// Values that a source does not give (a measured force has no stiffness) are NaN.
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+// Position of a state in its state space: dense, from 0, in order of arrival; never reused.
+struct StateId {
+  std::uint32_t value = 0xffffffffu;
+  bool valid() const { return value != 0xffffffffu; }
+  friend bool operator==(StateId, StateId) = default;
+  friend auto operator<=>(StateId, StateId) = default;
+};
+
+enum class SolveStatus : std::uint8_t { converged, diverged, stalled, inverted, cancelled, measured };
+std::string_view name(SolveStatus status);
+std::optional<SolveStatus> solve_status(std::string_view name);   // the inverse of name()
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct State {
+  Vec3 at = Vec3::Zero();                        // [m]
+  Vec3 force = Vec3::Constant(unknown);          // [N]
+  Mat3 stiffness = Mat3::Constant(unknown);      // [N/m]
+  double energy = unknown;                       // [J]
+  double spacing = unknown;                      // target spacing of an adaptive lattice here [m]
+  SolveStatus status = SolveStatus::measured;
+  bool multivalued = false;                      // another path reaches another stable equilibrium
+  int iterations = 0;
+  double residual = unknown;                     // relative to the force
+  double seconds = unknown;                      // time of the solve [s]
+  double min_jacobian = unknown;                 // least det F over the elements
+  Vec3 parent = Vec3::Constant(unknown);         // position whose solution the solve started from [m]
+  std::shared_ptr<const std::vector<double>> displacements;  // #V x 3 row by row [m], only if the scene asks
+
+  bool usable() const { return status == SolveStatus::converged || status == SolveStatus::measured; }
+  bool has_stiffness() const { return stiffness.allFinite(); }
+};
+
+}  // namespace forefeel

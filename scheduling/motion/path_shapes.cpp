@@ -1,0 +1,157 @@
+#include "scheduling/motion/path_shapes.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/common/error.hpp"
+#include "scheduling/motion/random.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double two_pi = 6.283185307179586476925286766559;
+
+// Distance from rest to the border of the box along a direction; a quarter of the box where rest lies outside.
+double reach(const Box& box, const Vec3& direction) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    if (direction[i] > 1e-12) distance = std::min(distance, box.high[i] / direction[i]);
+    if (direction[i] < -1e-12) distance = std::min(distance, box.low[i] / direction[i]);
+  }
+  const double size = box.size().maxCoeff();
+  return distance > 0 && std::isfinite(distance) ? distance : 0.25 * size;
+}
+
+// Axes of the hand: w into the body, u and v along its surface, with the room the box leaves in each.
+struct Frame {
+  Vec3 u, v, w;
+  double u_low, u_high, v_low, v_high, depth;
+
+  Vec3 at(double a, double b, double c) const {   // shares of the room: a, b in [-1, 1], c in [0, 1]
+    return (a < 0 ? -a * u_low : a * u_high) * (a < 0 ? Vec3(-u) : u) +
+           (b < 0 ? -b * v_low : b * v_high) * (b < 0 ? Vec3(-v) : v) + c * depth * w;
+  }
+};
+
+Frame frame_of(const DeviceContext& context) {
+  Frame f;
+  f.w = context.inward.norm() > 0 ? Vec3(context.inward.normalized()) : Vec3(-Vec3::UnitZ());
+  int axis = 0;
+  f.w.cwiseAbs().minCoeff(&axis);
+  f.u = (Vec3::Unit(axis) - f.w[axis] * f.w).normalized();
+  f.v = f.w.cross(f.u);
+  f.depth = reach(context.box, f.w);
+  f.u_low = reach(context.box, -f.u);
+  f.u_high = reach(context.box, f.u);
+  f.v_low = reach(context.box, -f.v);
+  f.v_high = reach(context.box, f.v);
+  return f;
+}
+
+PathShape press(const Frame& f) { return {{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.8)}}; }
+
+PathShape line(const Frame& f) {
+  return {{Vec3::Zero(), f.at(0, 0, 0.4)}, {f.at(0, 0, 0.4), f.at(0.8, 0, 0.4), f.at(-0.8, 0, 0.4)}};
+}
+
+PathShape circle(const Frame& f) {
+  PathShape shape{{Vec3::Zero(), f.at(0, 0, 0.5)}, {}};
+  const double radius = 0.7 * std::min({f.u_low, f.u_high, f.v_low, f.v_high});
+  for (int i = 0; i < 180; ++i) {
+    const double angle = two_pi * i / 180;
+    shape.loop.push_back(f.at(0, 0, 0.5) + radius * (std::cos(angle) * f.u + std::sin(angle) * f.v));
+  }
+  return shape;
+}
+
+PathShape lissajous(const Frame& f) {
+  PathShape shape{{Vec3::Zero(), f.at(0, 0, 0.4)}, {}};
+  for (int i = 0; i < 720; ++i) {
+    const double angle = two_pi * i / 720;
+    shape.loop.push_back(
+        f.at(0.75 * std::sin(3 * angle), 0.75 * std::sin(2 * angle), 0.4 + 0.35 * std::sin(5 * angle)));
+  }
+  return shape;
+}
+
+// From target to target, drawn in the reachable part of the box.
+PathShape reach_targets(const Frame& f, std::uint64_t seed) {
+  PathShape shape{{Vec3::Zero()}, {}};
+  for (std::uint64_t i = 0; i < 16; ++i) {
+    const auto draw = [&](std::uint64_t k) { return uniform(mix(seed, 3 * i + k)); };
+    shape.loop.push_back(f.at(1.6 * draw(0) - 0.8, 1.6 * draw(1) - 0.8, 0.1 + 0.75 * draw(2)));
+  }
+  return shape;
+}
+
+// A grid of sites: to the next one at the surface, press in, come out.
+PathShape palpation(const Frame& f) {
+  PathShape shape{{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.7), Vec3::Zero()}};
+  for (int row = -1; row <= 1; ++row)
+    for (int i = -1; i <= 1; ++i) {
+      const double a = 0.6 * (row % 2 == 0 ? i : -i), b = 0.6 * row;
+      for (const double depth : {0.05, 0.7, 0.05}) shape.loop.push_back(f.at(a, b, depth));
+    }
+  return shape;
+}
+
+// Presses in, slides sideways, leaves the box for a moment and returns, slides the other way, comes out.
+PathShape tour(const Frame& f) {
+  return {{Vec3::Zero()},
+          {Vec3::Zero(), f.at(0, 0, 0.65), f.at(0.6, 0.1, 0.6), f.at(1.2, 0.2, 0.55), f.at(0.6, 0.5, 0.5),
+           f.at(-0.2, 0.7, 0.5), f.at(-0.7, 0.2, 0.65), f.at(-0.4, -0.6, 0.45), f.at(0.3, -0.5, 0.3)}};
+}
+
+// Lines side by side over the box and a little beyond, layer by layer into the body.
+PathShape mower(const Frame& f) {
+  PathShape shape{{Vec3::Zero()}, {}};
+  const int lines = 6;
+  for (const double depth : {0.2, 0.5, 0.8})
+    for (int i = 0; i < lines; ++i) {
+      const double b = -0.9 + 1.8 * i / (lines - 1), side = i % 2 == 0 ? -1.15 : 1.15;
+      shape.loop.push_back(f.at(side, b, depth));
+      shape.loop.push_back(f.at(-side, b, depth));
+    }
+  return shape;
+}
+
+// Lines close together all over the box, layer by layer into the body: nearly every lattice cell is visited, most of
+// them once. About 5 m for a box of 7 cm.
+PathShape raster(const Frame& f) {
+  PathShape shape{{Vec3::Zero()}, {}};
+  constexpr int lines = 12, layers = 5;
+  for (int layer = 0; layer < layers; ++layer)
+    for (int i = 0; i < lines; ++i) {
+      const double b = (layer % 2 == 0 ? 1 : -1) * (-0.92 + 1.84 * i / (lines - 1)), side = i % 2 == 0 ? -1.05 : 1.05;
+      shape.loop.push_back(f.at(side, b, 0.1 + 0.2 * layer));
+      shape.loop.push_back(f.at(-side, b, 0.1 + 0.2 * layer));
+    }
+  return shape;
+}
+
+}  // namespace
+
+std::vector<std::string> path_names() {
+  return {"press", "line", "circle", "lissajous", "reach", "palpation", "tour", "mower", "raster"};
+}
+
+PathShape path_shape(const std::string& name, const DeviceContext& context) {
+  const Frame f = frame_of(context);
+  if (name == "press") return press(f);
+  if (name == "line") return line(f);
+  if (name == "circle") return circle(f);
+  if (name == "lissajous") return lissajous(f);
+  if (name == "reach") return reach_targets(f, context.seed);
+  if (name == "palpation") return palpation(f);
+  if (name == "tour") return tour(f);
+  if (name == "mower") return mower(f);
+  if (name == "raster") return raster(f);
+  throw InputError("device", fmt::format("unknown path '{}', expected one of {}", name, fmt::join(path_names(), ", ")));
+}
+
+}  // namespace forefeel

@@ -1,0 +1,375 @@
+#include "scheduling/placement/placement.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "scheduling/motion/halton.hpp"
+#include "scheduling/motion/random.hpp"
+#include "scheduling/render/session_model.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double start_share = 0.75;  // of the half box: where the first eight corners lie
+constexpr double grid_shares[] = {-1, -0.75, -0.4, 0, 0.4, 0.75, 1};
+constexpr std::size_t uniform_points = 512;
+constexpr std::size_t most_rounds = 5;  // of truth
+
+// Where the error is estimated: first a uniform sample of the box, for quantiles; then a grid up to its
+// faces.
+struct EstimatePoints {
+  std::vector<Vec3> at;
+  std::size_t uniform = 0;
+
+  explicit EstimatePoints(const Box& box) {
+    at = halton_points(box, uniform_points);
+    uniform = at.size();
+    const Vec3 centre = box.centre(), half = 0.5 * box.size();
+    for (const double x : grid_shares)
+      for (const double y : grid_shares)
+        for (const double z : grid_shares) at.push_back(centre + half.cwiseProduct(Vec3(x, y, z)));
+  }
+};
+
+double quantile(std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
+}
+
+// uniform: how many of the first values the quantiles are of; the maximum is of all.
+ErrorQuantiles quantiles_of(std::span<const double> values, std::size_t uniform) {
+  ErrorQuantiles result;
+  if (uniform == 0) return result;
+  std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(uniform));
+  std::ranges::sort(sorted);
+  result.p50 = quantile(sorted, 0.5);
+  result.p95 = quantile(sorted, 0.95);
+  result.max = *std::ranges::max_element(values);
+  return result;
+}
+
+// Tight solves at many positions; the answers do not depend on the threads.
+std::vector<State> solve_all(const std::shared_ptr<const Body>& body, std::span<const Vec3> at,
+                             const PlacementOptions& options, int threads,
+                             const std::function<void(std::size_t)>& done) {
+  std::vector<State> states(at.size());
+  std::size_t finished = 0;
+#pragma omp parallel num_threads(threads)
+  {
+    Solver solver(body);
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (options.stop.stop_requested()) {
+        states[i].at = at[i];
+        states[i].status = SolveStatus::cancelled;
+        continue;
+      }
+      states[i] =
+          solver.reference(at[i], options.space.spacing, {.want_displacements = options.want_displacements})
+              .state;
+#pragma omp critical(forefeel_placement)
+      {
+        ++finished;
+        if (omp_get_thread_num() == 0) done(finished);
+      }
+    }
+  }
+  return states;
+}
+
+std::size_t most_states(const PlacementOptions& options) {
+  const std::size_t most =
+      options.max_states > 0 ? options.max_states : lattice(options.space.box, options.space.spacing).size();
+  return std::max<std::size_t>(most, 9);
+}
+
+EstimateOptions estimate_of(const PlacementOptions& options, std::size_t known) {
+  EstimateOptions estimate = options.estimate;
+  estimate.model = for_states(estimate.model, most_states(options) + known);
+  return estimate;
+}
+
+class Placement {
+ public:
+  Placement(std::shared_ptr<const Body> body, const PlacementOptions& options, std::span<const State> known,
+            const std::function<void(State)>& sink,
+            const std::function<void(const PlacementProgress&)>& progress)
+      : body_(std::move(body)),
+        options_(options),
+        sink_(sink),
+        progress_(progress),
+        space_(options.space),
+        estimator_(space_, estimate_of(options, known.size())),
+        points_(options.space.box),
+        solver_(body_) {
+    report_.threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+    limit_ = most_states(options);
+    for (const State& state : known) {
+      if (state.usable())
+        report_.resumed += space_.insert(state).is_new ? 1 : 0;
+      else
+        failed_.push_back(state.at);
+    }
+    report_.failed = failed_.size();
+    report_.linear = is_linear(*body_);
+    // Around a place where no equilibrium was found none is tried again within half a grid cell or a spacing.
+    reach_failed_ = std::min(options.space.spacing, options.space.box.size().maxCoeff() / 12);
+  }
+
+  PlacementReport run() {
+    const auto start = std::chrono::steady_clock::now();
+    if (report_.linear)
+      place_linear();
+    else
+      place();
+    report_.states = space_.size();
+    report_.most_states = limit_;
+    report_.stopped = options_.stop.stop_requested();
+    report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report_;
+  }
+
+ private:
+  bool open() const { return !options_.stop.stop_requested() && space_.size() < limit_; }
+
+  bool has_failed(const Vec3& x) const {
+    return std::ranges::any_of(failed_, [&](const Vec3& f) { return (f - x).norm() < reach_failed_; });
+  }
+
+  // Into the space and out to the file.
+  void keep(State state) {
+    if (state.status == SolveStatus::cancelled) return;
+    if (state.usable()) {
+      space_.insert(state);
+      ++report_.solved;
+    } else {
+      failed_.push_back(state.at);
+      ++report_.failed;
+    }
+    sink_(std::move(state));
+  }
+
+  void solve(const Vec3& x) {
+    if (!open() || space_.find(x).valid() || has_failed(x)) return;
+    keep(solver_.reference(x, options_.space.spacing, {.want_displacements = options_.want_displacements})
+             .state);
+  }
+
+  Vec3 corner(int index, double share) const {
+    const Box& box = options_.space.box;
+    const Vec3 sign((index & 1) != 0 ? 1 : -1, (index & 2) != 0 ? 1 : -1, (index & 4) != 0 ? 1 : -1);
+    return box.centre() + share * 0.5 * box.size().cwiseProduct(sign);
+  }
+
+  // Three states off one plane with rest give K and so everything; the model reproduces it.
+  void place_linear() {
+    for (const int index : {0, 3, 5})
+      if (space_.size() < 3) solve(corner(index, 1));
+    refresh_estimate();
+    report_.estimate_holds = report_.truth_holds = space_.size() >= 3;
+    if (report_.estimate_holds) report_.estimate = {.p50 = 0, .p95 = 0, .max = 0};
+    if (report_.estimate_holds) look_at_truth(0);
+  }
+
+  void place() {
+    const Box& box = options_.space.box;
+    solve(box.contains(Vec3::Zero()) ? Vec3(Vec3::Zero()) : Vec3(box.centre()));
+    for (const int index : {0, 3, 5, 6}) solve(corner(index, start_share));
+    while (true) {
+      refresh_estimate();
+      if (report_.estimate_holds) {
+        if (options_.stop.stop_requested() || truth_holds()) break;
+        if (report_.truth_samples == 0) break;  // no truth to be had
+      }
+      if (!open()) break;
+      const std::optional<State> worst = report_.estimate_holds ? worst_truth() : std::nullopt;
+      if (worst) {
+        keep(*worst);
+      } else if (!solve_next()) {
+        break;
+      }
+    }
+  }
+
+  // One sample after the other until one holds that decided nothing. Where one does not, worst_truth() is of it.
+  bool truth_holds() {
+    for (std::size_t round = 0; round < most_rounds; ++round) {
+      if (!look_at_truth(round)) return false;
+      if (report_.truth_is_fresh) break;
+    }
+    return true;
+  }
+
+  // The remaining corners first, then anywhere; false where no position is left.
+  bool solve_next() {
+    std::vector<Vec3> corners;
+    for (const int index : {1, 2, 4, 7}) {
+      const Vec3 x = corner(index, start_share);
+      if (!space_.find(x).valid() && !has_failed(x)) corners.push_back(x);
+    }
+    std::span<const Vec3> candidates = points_.at;
+    if (!corners.empty()) candidates = corners;
+    std::vector<double> weights;
+    for (const Vec3& x : candidates) weights.push_back(has_failed(x) ? 0 : 1);
+    const auto worst = worst_position(estimator_, space_, candidates, weights);
+    if (!worst) return false;
+    solve(candidates[worst->index]);
+    return true;
+  }
+
+  void refresh_estimate() {
+    std::vector<double> values;
+    for (const Vec3& x : points_.at) values.push_back(estimator_(x));
+    report_.estimate = quantiles_of(values, points_.uniform);
+    report_.estimate_holds = report_.estimate.held() <= options_.error;
+    progress_({.states = space_.size(), .most_states = limit_, .estimate = report_.estimate.held()});
+  }
+
+  // Random positions in the box, then its corners and random ones on its edges and faces, where a model that was
+  // made within extrapolates; those that are states already are left out there.
+  std::vector<Vec3> truth_positions(std::size_t round) const {
+    const Box& box = options_.space.box;
+    const std::uint64_t seed = mix(options_.seed, round);
+    const auto share = [&](std::uint64_t i) {
+      const std::uint64_t key = mix(seed, i);
+      return Vec3(uniform(mix(key, 1)), uniform(mix(key, 2)), uniform(mix(key, 3)));
+    };
+    std::vector<Vec3> at;
+    for (std::size_t i = 0; i < options_.truth_samples; ++i) at.push_back(box.low + box.size().cwiseProduct(share(i)));
+    // 27 parts of the surface and the inside: -1, 0 or 1 on each axis, 0 for in between.
+    std::uint64_t key = std::uint64_t{1} << 32;
+    for (int part = 0; part < 27; ++part) {
+      const int on[] = {part % 3 - 1, part / 3 % 3 - 1, part / 9 - 1};
+      const int free = (on[0] == 0) + (on[1] == 0) + (on[2] == 0);
+      for (int i = 0; free < 3 && i < (free == 0 ? 1 : 2); ++i) {
+        Vec3 x = share(key++);
+        for (int axis = 0; axis < 3; ++axis)
+          if (on[axis] != 0) x[axis] = on[axis] > 0 ? 1 : 0;
+        x = box.low + box.size().cwiseProduct(x);
+        if (!space_.find(x).valid()) at.push_back(x);
+      }
+    }
+    return at;
+  }
+
+  // Sample `round` of the truth, solved once; true where the error holds on it (or none is wanted).
+  bool look_at_truth(std::size_t round) {
+    report_.truth_holds = true;
+    if (options_.truth_samples == 0) return true;
+    round_ = round;
+    if (rounds_.size() <= round) rounds_.resize(round + 1);
+    std::vector<State>& truth = rounds_[round];
+    if (truth.empty()) {
+      const std::vector<Vec3> at = truth_positions(round);
+      truth = solve_all(body_, at, options_, report_.threads, [&](std::size_t done) {
+        progress_({.states = space_.size(),
+                   .most_states = limit_,
+                   .estimate = report_.estimate.held(),
+                   .truth_done = done,
+                   .truth_total = at.size()});
+      });
+      report_.truth_solved +=
+          static_cast<std::size_t>(std::ranges::count_if(truth, [](const State& s) { return s.status != SolveStatus::cancelled; }));
+    }
+    const auto usable = [](const State& state) { return state.usable(); };
+    const auto within = truth.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
+    report_.truth_samples = static_cast<std::size_t>(std::count_if(truth.begin(), within, usable));
+    report_.truth_on_surface = static_cast<std::size_t>(std::count_if(within, truth.end(), usable));
+    report_.truth_unsolved =
+        static_cast<std::size_t>(std::ranges::count(truth, SolveStatus::cancelled, &State::status));
+    report_.truth_failed =
+        truth.size() - report_.truth_samples - report_.truth_on_surface - report_.truth_unsolved;
+    report_.truth = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);
+    report_.truth_is_fresh = !truth_decided();
+    report_.truth_holds = !options_.stop.stop_requested() && report_.truth.held() <= options_.error;
+    return report_.truth_holds;
+  }
+
+  bool truth_decided() const {
+    return std::ranges::any_of(rounds_[round_], [&](const State& state) { return space_.find(state.at).valid(); });
+  }
+
+  // The sampled position with the largest error that is no state yet.
+  std::optional<State> worst_truth() {
+    const State* worst = nullptr;
+    double largest = 0;
+    for (const State& state : rounds_[round_]) {
+      if (!state.usable() || space_.find(state.at).valid()) continue;
+      const double error = (estimator_.force(state.at) - state.force).norm() /
+                           std::max(state.force.norm(), options_.estimate.floor);
+      if (worst == nullptr || error > largest) {
+        worst = &state;
+        largest = error;
+      }
+    }
+    return worst != nullptr ? std::optional<State>(*worst) : std::nullopt;
+  }
+
+  std::shared_ptr<const Body> body_;
+  PlacementOptions options_;
+  const std::function<void(State)>& sink_;
+  const std::function<void(const PlacementProgress&)>& progress_;
+  StateSpace space_;
+  ErrorEstimator estimator_;
+  EstimatePoints points_;
+  Solver solver_;
+  std::vector<Vec3> failed_;
+  std::vector<std::vector<State>> rounds_;  // of truth
+  std::size_t round_ = 0, limit_ = 0;       // the round that was looked at last
+  double reach_failed_ = 0;
+  PlacementReport report_;
+};
+
+}  // namespace
+
+double ErrorQuantiles::held() const {
+  return std::max(p95, 0.5 * max);
+}
+
+std::optional<WorstPosition> worst_position(ErrorEstimator& estimator, const StateSpace& space,
+                                            std::span<const Vec3> candidates,
+                                            std::span<const double> weights) {
+  std::optional<WorstPosition> worst;
+  double largest = 0;
+  std::vector<StateId> nearest;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Vec3& x = candidates[i];
+    if (!(weights[i] > 0) || space.find(x).valid()) continue;
+    const double estimate = estimator(x);
+    double value = estimate;
+    if (!std::isfinite(estimate)) {
+      space.nearest(x, 1, nearest);
+      value = 1 + (nearest.empty() ? 0.0 : (space[nearest[0]].at - x).norm() / space.options().spacing);
+    }
+    value *= weights[i];
+    if (!worst || value > largest) {
+      worst = {.index = i, .estimate = estimate};
+      largest = value;
+    }
+  }
+  return worst;
+}
+
+ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor,
+                          std::size_t uniform) {
+  std::vector<double> errors;
+  std::size_t of_uniform = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const State& state = truth[i];
+    if (!state.usable()) continue;
+    errors.push_back((estimator.force(state.at) - state.force).norm() / std::max(state.force.norm(), floor));
+    if (i < uniform) of_uniform = errors.size();
+  }
+  return quantiles_of(errors, of_uniform);
+}
+
+PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOptions& options,
+                             std::span<const State> known, const std::function<void(State)>& sink,
+                             const std::function<void(const PlacementProgress&)>& progress) {
+  return Placement(std::move(body), options, known, sink, progress).run();
+}
+
+}  // namespace forefeel

@@ -1,0 +1,433 @@
+#include "scheduling/plan/planner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace forefeel {
+namespace {
+
+std::vector<State> failed_of(const std::vector<State>& states) {
+  std::vector<State> failed;
+  for (const State& state : states)
+    if (!state.usable()) failed.push_back(state);
+  return failed;
+}
+
+double finite(double priority) { return std::isfinite(priority) ? priority : std::numeric_limits<double>::lowest(); }
+
+}  // namespace
+
+Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
+                 Hooks hooks)
+    : options_(options), generator_(generator), link_(link), hooks_(std::move(hooks)), space_(input.space),
+      solve_seconds_(std::max(hooks_.expected_solve, 1e-6)) {
+  for (const State& state : input.known) {
+    if (!state.usable() || !space_.insert(state).is_new) continue;
+    dispatch_of_.push_back(-1);
+    if (state.displacements) {
+      auto known = std::make_shared<Equilibrium>();
+      known->at = state.at;
+      known->displacements = *state.displacements;
+      remember_start(state.at, -1, std::move(known));
+    }
+  }
+  start_ = space_.size();
+  link_.known.store(static_cast<std::uint32_t>(start_), std::memory_order_release);
+  candidates_ = std::make_unique<Candidates>(space_, failed_of(input.known), check_placement(options.placement));
+  policy_ = make_policy(options.policy, {.seed = options.seed});
+  predictor_ = make_predictor(options.predictor);
+  models_ = std::make_unique<ModelKeeper>(space_, options, link);
+  if (policy_->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, options);
+  // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
+  start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
+}
+
+// All of the first states, later one in eight: what they teach changes little then.
+void Planner::note_surprise(const State& state) {
+  constexpr std::size_t all = 64, every = 8;
+  if (!judge_ || space_.empty() || space_.find(state.at).valid()) return;
+  if (space_.size() > all && space_.size() % every != 0) return;
+  judge_->forget();
+  const Vec3 error = judge_->model_at(state.at).force(state.at) - state.force;
+  const SwitchOptions& jnd = options_.switching;
+  surprises_.resize(space_.size(), std::numeric_limits<float>::quiet_NaN());
+  surprises_.push_back(static_cast<float>(error.norm() / std::max(jnd.jnd_share * state.force.norm(), jnd.jnd_floor)));
+}
+
+bool Planner::insert(const State& state, std::int64_t dispatch) {
+  note_surprise(state);
+  if (!space_.insert(state).is_new) return false;
+  dispatch_of_.push_back(dispatch);
+  candidates_->learn(state.at);
+  link_.known.store(static_cast<std::uint32_t>(space_.size()), std::memory_order_release);
+  return true;
+}
+
+void Planner::receive(JobResult result, double now) {
+  DispatchRecord& record = dispatches_[result.dispatch];
+  Slot& slot = slots_[static_cast<std::size_t>(result.worker)];
+  const auto member = std::ranges::find(slot.members, result.dispatch, &Member::dispatch);
+  const Candidate candidate = member->candidate;
+  slot.members.erase(member);
+  slot.cancelling = slot.cancelling && slot.busy();
+  const bool began = result.state.status != SolveStatus::cancelled || result.finished > result.started;
+  record.started = began ? result.started : unknown;
+  record.finished = result.finished;
+  if (result.state.status == SolveStatus::cancelled) {
+    record.status = began ? "preempted" : "withdrawn";
+    preempted_ += began ? 1 : 0;
+    ++preemptions_[candidate.order];
+    if (result.partial) partial_[candidate.order] = std::move(result.partial);
+    candidates_->put_back(candidate);
+    return;
+  }
+  record.known = now;
+  if (slot.busy()) {   // a job's states are solved in their order
+    DispatchRecord& next = dispatches_[slot.members.front().dispatch];
+    if (std::isnan(next.started)) next.started = result.finished;
+  }
+  jobs_ += slot.counted || slot.rest ? 0 : 1;
+  slot.counted = true;
+  note_cost(result.finished - result.started, options_.rest_first && result.state.at.isZero(0));
+  if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
+  if (hooks_.on_state) hooks_.on_state(result.state);
+  if (!result.state.usable()) {
+    record.status = "failed";
+    ++failed_;
+    candidates_->fail(candidate.at);
+    notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(), result.state.at.y(),
+                                 result.state.at.z(), name(result.state.status)));
+    return;
+  }
+  record.status = "solved";
+  ++solved_;
+  insert(result.state, result.dispatch);
+  remember_start(result.state.at, result.dispatch, std::move(result.equilibrium));
+}
+
+void Planner::arrive(State state, double now) {
+  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = space_.label(state.at)};
+  record.requested = record.finished = record.known = now;
+  record.status = state.usable() ? "arrived" : "failed";
+  const std::int64_t row = record.id;
+  dispatches_.push_back(record);
+  if (hooks_.on_state) hooks_.on_state(state);
+  if (!state.usable())
+    ++failed_;
+  else if (insert(state, row))
+    ++solved_;
+}
+
+void Planner::observe(const HipSample& sample) {
+  hip_ = sample;
+  predictor_->observe(sample);
+}
+
+// What rest takes tells nothing of what the others will.
+void Planner::note_cost(double seconds, bool at_rest) {
+  if (at_rest) return;
+  costs_.push_back(seconds);
+  if (recent_costs_.size() == 31) recent_costs_.erase(recent_costs_.begin());
+  recent_costs_.push_back(seconds);
+  std::vector<double> sorted = recent_costs_;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  solve_seconds_ = std::max(sorted[sorted.size() / 2], 1e-6);
+}
+
+void Planner::remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium) {
+  if (starts_.size() >= start_limit_) {   // forget the one farthest from the HIP
+    const auto far = std::max_element(starts_.begin(), starts_.end(), [&](const Start& a, const Start& b) {
+      return (a.at - hip_.at).squaredNorm() < (b.at - hip_.at).squaredNorm();
+    });
+    *far = {at, dispatch, std::move(equilibrium)};
+  } else {
+    starts_.push_back({at, dispatch, std::move(equilibrium)});
+  }
+}
+
+const Planner::Start* Planner::nearest_start(const Vec3& x) const {
+  const Start* best = nullptr;
+  double distance = x.squaredNorm();   // rest is always known
+  for (const Start& start : starts_) {
+    const double d = (start.at - x).squaredNorm();
+    if (d < distance) {
+      distance = d;
+      best = &start;
+    }
+  }
+  return best;
+}
+
+void Planner::predict(double now) {
+  const bool truth = hooks_.future && knows_the_future(options_.policy);
+  const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0) : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
+  const int steps = truth ? 24 : 8;
+  predicted_.clear();
+  for (int i = 0; i <= steps; ++i) {
+    const double horizon = longest * i / steps;
+    Prediction p = truth ? Prediction{.horizon = horizon, .at = hooks_.future(now + horizon), .deviation = 0}
+                         : predictor_->predict(horizon);
+    p.horizon = horizon;
+    if (!p.at.allFinite()) p.at = hip_.at;
+    predicted_.push_back(p);
+  }
+}
+
+PlannerView Planner::view(double now) const {
+  return {.space = space_,
+          .now = now,
+          .hip = hip_,
+          .predicted = predicted_,
+          .solve_seconds = solve_seconds_ + 2 * options_.latency,
+          .workers = generator_.workers(),
+          .pending = pending_,
+          .with_stiffness = options_.model.data == Data::force_and_stiffness,
+          .in_cells = options_.method != "rbf",
+          .surprises = surprises_};
+}
+
+void Planner::gather_pending(const Slot* but) {
+  pending_.clear();
+  for (const Slot& slot : slots_)
+    if (!slot.cancelling && &slot != but)
+      for (const Member& member : slot.members) pending_.push_back(member.candidate.at);
+}
+
+void Planner::look(double now) {
+  predict(now);
+  candidates_->follow(predicted_, now);
+  candidates_->request_near(hip_.at, now);
+  if (policy_->reads_regions()) candidates_->refresh_regions();
+  gather_pending(nullptr);
+  policy_->look(view(now));
+}
+
+void Planner::rank(double now) {
+  const auto open = candidates_->open();
+  priorities_.resize(open.size());
+  policy_->prioritise(open, view(now), priorities_);
+  for (double& p : priorities_) p = finite(p);
+}
+
+// Equal priorities by the lattice's own order, so that the result depends on nothing else.
+std::size_t Planner::best() const {
+  const auto open = candidates_->open();
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < open.size(); ++i)
+    if (priorities_[i] != priorities_[best] ? priorities_[i] > priorities_[best] : open[i].order < open[best].order)
+      best = i;
+  return best;
+}
+
+void Planner::rank_for_many(double now) {
+  rank(now);
+  ranked_.clear();
+  const auto open = candidates_->open();
+  for (std::size_t i = 0; i < open.size(); ++i) ranked_.push_back({priorities_[i], open[i], pending_.size()});
+  std::make_heap(ranked_.begin(), ranked_.end());
+}
+
+// The best open candidate given what is pending now, when less was as they were ranked: the first of the heap are
+// ranked again until the first of all is one of them, since the others can only have fallen..
+std::size_t Planner::best_of_many(double now, double& priority) {
+  constexpr std::size_t at_once = 8;
+  std::vector<Candidate> again;
+  std::vector<double> worth;
+  for (;;) {
+    again.clear();
+    while (!ranked_.empty() && again.size() < at_once) {
+      const Ranked top = ranked_.front();
+      const bool as_now = top.pending == pending_.size();
+      if (as_now && !again.empty()) break;
+      std::pop_heap(ranked_.begin(), ranked_.end());
+      ranked_.pop_back();
+      const auto place = candidates_->index_of(top.candidate);
+      if (!place) continue;
+      if (!as_now) {
+        again.push_back(top.candidate);
+      } else if (policy_->at_most(top.priority) == top.priority) {
+        priority = top.priority;
+        return *place;
+      } else {
+        break;   // others may be worth more by now
+      }
+    }
+    if (again.empty()) {
+      rank_for_many(now);
+      const std::size_t place = best();
+      priority = priorities_[place];
+      return place;
+    }
+    worth.resize(again.size());
+    policy_->prioritise(again, view(now), worth);
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      ranked_.push_back({finite(worth[i]), again[i], pending_.size()});
+      std::push_heap(ranked_.begin(), ranked_.end());
+    }
+  }
+}
+
+// One after the other: what is worth solving depends on what was just given out.
+void Planner::plan(double now) {
+  slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
+  if (slots_.empty() || (candidates_->empty() && !candidates_->may_grow())) return;
+  auto idle_workers = std::ranges::count_if(slots_, [](const Slot& slot) { return !slot.busy(); });
+  if (idle_workers == 0) return consider_preemption(now);
+  if (rest_comes_first(now)) return;
+  look(now);
+  const bool many = idle_workers > 1 && options_.batch == 1 && std::isfinite(policy_->at_most(1));
+  if (many) rank_for_many(now);
+  for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty(); ++worker) {
+    if (slots_[worker].busy()) continue;
+    if (!many) rank(now);
+    double priority = 0;
+    const std::size_t chosen = many ? best_of_many(now, priority) : best();
+    if (!many) priority = priorities_[chosen];
+    std::vector<std::pair<double, Candidate>> near = neighbours_of(chosen);
+    const Candidate candidate = candidates_->refreshed(candidates_->take(chosen));
+    const std::vector<Candidate> beside = take_neighbours(std::move(near));
+    dispatch(static_cast<int>(worker), candidate, priority, beside, now);
+    pending_.push_back(candidate.at);
+    for (const Candidate& c : beside) pending_.push_back(c.at);
+    if (--idle_workers > 0) policy_->pend(view(now));
+  }
+}
+
+// While nothing is known. The others begin once the hand has moved a third of a spacing, or rest is known: where it goes
+// is worth the few milliseconds until then, since what they begin takes them ten times as long.
+bool Planner::rest_comes_first(double now) {
+  if (!options_.rest_first || !space_.empty()) return false;
+  if (dispatches_.empty()) {
+    const std::optional<Candidate> rest = candidates_->take_rest();
+    if (!rest) return false;
+    dispatch(0, *rest, 1.0, {}, now);
+    slots_[0].rest = true;
+    began_at_ = hip_.at;
+  }
+  return slots_[0].rest && slots_[0].busy() && (hip_.at - began_at_).norm() < space_.options().spacing / 3;
+}
+
+// The open candidates next to one, with their priorities.
+std::vector<std::pair<double, Candidate>> Planner::neighbours_of(std::size_t chosen) const {
+  std::vector<std::pair<double, Candidate>> near;
+  if (options_.batch < 2) return near;
+  const auto open = candidates_->open();
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (i != chosen && !open[i].passing && (open[i].at - open[chosen].at).norm() <= 1.1 * space_.options().spacing)
+      near.emplace_back(priorities_[i], open[i]);
+  return near;
+}
+
+// The best of them: they share a factor with the one they are next to.
+std::vector<Candidate> Planner::take_neighbours(std::vector<std::pair<double, Candidate>> near) {
+  std::vector<Candidate> taken;
+  std::ranges::sort(near, [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second.order < b.second.order;
+  });
+  for (const auto& [priority, candidate] : near) {
+    if (static_cast<int>(taken.size()) + 1 >= options_.batch) break;
+    if (const auto place = candidates_->index_of(candidate)) taken.push_back(candidates_->refreshed(candidates_->take(*place)));
+  }
+  return taken;
+}
+
+std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now) {
+  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()),
+                        .at = candidate.at,
+                        .label = candidate.region,
+                        .priority = priority};
+  record.requested = std::isfinite(candidate.requested) ? candidate.requested : now;
+  record.started = now + options_.latency;   // until the worker tells
+  record.status = "running";
+  record.worker = worker;
+  record.parent = parent;
+  dispatches_.push_back(record);
+  return record.id;
+}
+
+void Planner::dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now) {
+  const Start* start = nearest_start(candidate.at);
+  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  slot = {.cancelling = false, .counted = false, .members = {}, .since = now, .rest = false};
+  Job job{.dispatch = record_dispatch(worker, candidate, priority, start ? start->dispatch : -1, now),
+          .at = candidate.at,
+          .start = start ? start->equilibrium : nullptr,
+          .beside = {}};
+  if (const auto partial = partial_.find(candidate.order); partial != partial_.end()) {
+    job.start = std::move(partial->second);
+    partial_.erase(partial);
+  }
+  slot.members.push_back({job.dispatch, candidate});
+  for (const Candidate& c : beside) {
+    job.beside.push_back({.dispatch = record_dispatch(worker, c, priority, job.dispatch, now), .at = c.at});
+    dispatches_[job.beside.back().dispatch].started = unknown;   // not before the one before it is done
+    slot.members.push_back({job.beside.back().dispatch, c});
+  }
+  generator_.dispatch(worker, std::move(job));
+}
+
+// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twenty times as much:
+// at high speed what is predicted changes faster than states are solved, and a lower bar cancels one after the other.
+// The two are compared as if neither were being solved. No candidate is cancelled more than twice, so that every one
+// is solved in the end.
+void Planner::consider_preemption(double now) {
+  if (!options_.preempt || candidates_->empty() || now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_)) return;
+  preemption_checked_ = now;
+  look(now);
+  if (candidates_->empty()) return;
+  rank(now);
+  const Candidate waiting = candidates_->open()[best()];
+  Slot* weakest = nullptr;
+  double least = 0.05;
+  for (Slot& slot : slots_) {
+    const bool enough = std::ranges::any_of(slot.members, [&](const Member& member) {
+      const auto before = preemptions_.find(member.candidate.order);
+      return before != preemptions_.end() && before->second >= 2;
+    });
+    if (slot.cancelling || slot.rest || enough) continue;
+    gather_pending(&slot);
+    const PlannerView seen = view(now);
+    policy_->pend(seen);
+    const double gain = policy_->priority(waiting, seen);
+    const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
+    double worth = 0;
+    for (const Member& member : slot.members)
+      worth = std::max(worth, policy_->priority(candidates_->refreshed(member.candidate), seen) / left);
+    if (gain > 0 && worth < least * gain) {
+      least = worth / gain;
+      weakest = &slot;
+    }
+  }
+  if (!weakest) return;
+  weakest->cancelling = true;
+  generator_.cancel(static_cast<int>(weakest - slots_.data()));
+}
+
+void Planner::update(double now, bool time_it) { models_->update(now, hip_.at, time_it); }
+
+bool Planner::idle() const {
+  return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy(); });
+}
+
+void Planner::finish(SessionResult& result) { finish(result, *models_); }
+
+void Planner::finish(SessionResult& result, ModelKeeper& models) {
+  for (std::size_t id = 0; id < models.first_used().size(); ++id)
+    if (dispatch_of_[id] >= 0) dispatches_[static_cast<std::size_t>(dispatch_of_[id])].first_used = models.first_used()[id];
+  for (std::size_t i = 0; i < space_.size(); ++i)
+    result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
+  for (DispatchRecord& record : dispatches_)
+    if (record.status == "running" && std::isnan(record.started)) record.status = "waiting";
+  result.dispatch = std::move(dispatches_);
+  result.switches = models.take_switches();
+  result.start_solved_failed = {start_, solved_, failed_};
+  result.preempted = preempted_;
+  result.solve_seconds = std::move(costs_);
+  result.jobs = jobs_;
+  result.notes.insert(result.notes.end(), notes_.begin(), notes_.end());
+}
+
+}  // namespace forefeel

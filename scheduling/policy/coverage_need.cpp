@@ -1,0 +1,388 @@
+#include "scheduling/policy/coverage_need.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "geometry/coverage/coverage_query.hpp"
+#include "geometry/common/simd.hpp"
+#include "scheduling/motion/random.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double reach = 2;                                // of a state, in spacings H
+constexpr double surely = 2;                               // spacings: the path is as good as its deviation is below
+constexpr double least_need = 1e-15;                       // less is none
+constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};   // H / h
+constexpr std::uint32_t nobody = 0xffffffffu;
+
+double lack(Label label, int scale) {
+  switch (label) {
+    case Label::blank: return 1;
+    case Label::gap: return 0.25;
+    case Label::sparse: return scale == 0 ? 0.0 : 0.1;     // at 4 h the spacings below say it better
+    case Label::safe: return 0;
+  }
+  return 0;
+}
+
+// A hand that leaves the box turns back, as often as it takes: what the motion straight on predicts outside is
+// expected folded into the box, face by face.
+Vec3 folded(const Vec3& x, const Box& box) {
+  Vec3 inside = box.low;
+  for (int i = 0; i < 3; ++i) {
+    const double size = box.high[i] - box.low[i];
+    if (!(size > 0) || !std::isfinite(x[i])) continue;
+    const double place = std::fmod(std::abs(x[i] - box.low[i]), 2 * size);
+    inside[i] += std::min(place, 2 * size - place);
+  }
+  return inside;
+}
+
+// out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a coordinate a row.
+FOREFEEL_CLONES
+void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz, const double* q,
+               const double* need, const double* inverse, double* __restrict out) {
+  const double* __restrict x = xyz;
+  const double* __restrict y = xyz + count;
+  const double* __restrict z = xyz + 2 * count;
+  const double qx = q[0], qy = q[1], qz = q[2];
+  const double n0 = need[0], n1 = need[1], n2 = need[2], i0 = inverse[0], i1 = inverse[1], i2 = inverse[2];
+  for (std::size_t i = first; i < last; ++i) {
+    const double dx = x[i] - qx, dy = y[i] - qy, dz = z[i] - qz;
+    const double d2 = dx * dx + dy * dy + dz * dz;
+    const double m0 = 1 - d2 * i0, m1 = 1 - d2 * i1, m2 = 1 - d2 * i2;
+    out[i] += n0 * (m0 > 0 ? m0 : 0.0) + n1 * (m1 > 0 ? m1 : 0.0) + n2 * (m2 > 0 ? m2 : 0.0);
+  }
+}
+
+// Candidates in the order of the cubes they lie in, so that those within reach of a place are a few runs of them.
+class CandidateRows {
+ public:
+  CandidateRows(std::span<const Candidate> candidates, double side) : per_side_(1 / side), count_(candidates.size()) {
+    const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = -far;
+    low_ = far;
+    for (const Candidate& c : candidates) low_ = low_.cwiseMin(c.at), high = high.cwiseMax(c.at);
+    for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
+    while (cubes_[0] * cubes_[1] * cubes_[2] > std::max<std::int64_t>(1, static_cast<std::int64_t>(count_ / 4))) {
+      per_side_ /= 2;
+      for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
+    }
+    begin_.assign(static_cast<std::size_t>(cubes_[0] * cubes_[1] * cubes_[2]) + 1, 0);
+    std::vector<std::uint32_t> of(count_);
+    for (std::size_t i = 0; i < count_; ++i) ++begin_[(of[i] = row_of(candidates[i].at)) + 1];
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    order_.resize(count_);
+    xyz_.resize(3 * count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const std::size_t place = next[of[i]]++;
+      order_[place] = static_cast<std::uint32_t>(i);
+      for (std::size_t k = 0; k < 3; ++k) xyz_[k * count_ + place] = candidates[i].at[static_cast<Eigen::Index>(k)];
+    }
+  }
+  const double* xyz() const { return xyz_.data(); }
+  std::uint32_t candidate(std::size_t place) const { return order_[place]; }
+
+  // visit(first, last) for runs that hold all candidates within `radius` of q, and some others; disjoint.
+  template <class Visit>
+  void near(const Vec3& q, double radius, Visit&& visit) const {
+    std::array<std::int64_t, 3> from{}, until{};
+    for (int k = 0; k < 3; ++k) {
+      if (q[k] + radius < low_[k]) return;
+      from[static_cast<std::size_t>(k)] = cube(q[k] - radius, k, cubes_[k]);
+      until[static_cast<std::size_t>(k)] = cube(q[k] + radius, k, cubes_[k] - 1);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      if (from[k] > until[k]) return;
+    const auto run = [&](std::int64_t i, std::int64_t j, std::int64_t i_last, std::int64_t j_last) {
+      const std::size_t first = begin_[static_cast<std::size_t>((i * cubes_[1] + j) * cubes_[2] + from[2])],
+                        last = begin_[static_cast<std::size_t>((i_last * cubes_[1] + j_last) * cubes_[2] + until[2]) + 1];
+      if (first < last) visit(first, last);
+    };
+    const auto whole = [&](std::size_t k) { return from[k] == 0 && until[k] == cubes_[k] - 1; };
+    if (whole(2) && whole(1)) return run(from[0], 0, until[0], until[1]);
+    for (std::int64_t i = from[0]; i <= until[0]; ++i) {
+      if (whole(2)) {
+        run(i, from[1], i, until[1]);
+        continue;
+      }
+      for (std::int64_t j = from[1]; j <= until[1]; ++j) run(i, j, i, j);
+    }
+  }
+
+ private:
+  std::int64_t cube(double x, int axis, std::int64_t most) const {
+    return static_cast<std::int64_t>(std::clamp((x - low_[axis]) * per_side_, 0.0, static_cast<double>(most)));
+  }
+  std::uint32_t row_of(const Vec3& x) const {
+    std::int64_t row = 0;
+    for (int k = 0; k < 3; ++k) row = row * cubes_[k] + cube(x[k], k, cubes_[k] - 1);
+    return static_cast<std::uint32_t>(row);
+  }
+
+  double per_side_;   // cubes a metre
+  std::size_t count_;
+  Vec3 low_;
+  std::int64_t cubes_[3]{};
+  std::vector<std::uint32_t> begin_, order_;   // first of each cube, and whose they are
+  std::vector<double> xyz_;                    // 3 x #candidates, in that order
+};
+
+}  // namespace
+
+struct CoverageNeed::Index {
+  PointOctree points;
+  DelaunayIndex delaunay;
+  std::vector<Thresholds> limits;   // by scale
+
+  explicit Index(const StateSpaceOptions& options) {
+    const double h = options.spacing;
+    for (const int multiple : multiples) limits.emplace_back(options.coverage, multiple * h, options.merge_distance * h);
+  }
+  void insert(std::size_t k, const Vec3& at) {
+    const StateId id{static_cast<std::uint32_t>(k)};
+    if (delaunay.insert(id, at, {points.nearest(at).id}) == id) points.insert(id.value, at);
+  }
+  // Of a blank place also the axis of an empty cone that proves it, zero where there is none.
+  Label label(const Vec3& q, std::size_t scale, Vec3* axis = nullptr) const {
+    return label(q, scale, points.nearest(q, limits[scale].sparse_distance), axis);
+  }
+  // nearest: the nearest state, where it is within the distance of this scale or one that is farther.
+  Label label(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3* axis) const {
+    const CoverageQuery query(points, delaunay);
+    const Thresholds& limit = limits[scale];
+    if (nearest.id != nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
+      return query.label(q, {nearest.id}, limit);   // safe lies within the distance, too
+    if (points.size() == 0) return Label::blank;
+    Vec3 witness = Vec3::Zero();
+    const bool gap = query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, axis ? &witness : nullptr);
+    if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
+    return gap ? Label::gap : Label::blank;
+  }
+  // Whether a state at p may change the label of a place: of a sparse one or a gap those within 2 H may, of a blank one
+  // those near enough to make it sparse, and those within 8 H that fall into its empty cone.
+  bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale, double h) const {
+    const Vec3 to = p - q;
+    const double distance = to.norm(), H = multiples[scale] * h;
+    if (distance > (now == Label::blank ? 8 : 2) * H) return false;
+    if (now != Label::blank || axis.isZero(0) || distance <= 1.001 * limits[scale].sparse_distance) return true;
+    return axis.dot(to) > (limits[scale].gap_cos - 1e-6) * distance;
+  }
+};
+
+CoverageNeed::CoverageNeed(NeedOptions options) : options_(options) {}
+CoverageNeed::~CoverageNeed() = default;
+
+void CoverageNeed::begin(const StateSpace& space) {
+  space_ = &space;
+  known_ = 0;
+  missed_ = seen_ = {};
+  box_.clear();
+  const StateSpaceOptions& options = space.options();
+  const double h = options.spacing;
+  index_ = std::make_unique<Index>(options);
+  // Cubes of about 2 h that fill the box; no more than some thousand of them.
+  const Vec3 size = options.box.size();
+  double side = 2 * h;
+  const auto cubes = [&] { return (size / side).array().ceil().max(1.0).eval(); };
+  while (cubes().prod() > 2000) side *= 1.25;
+  const Eigen::Array3d count = cubes();
+  for (int i = 0; i < count[0]; ++i)
+    for (int j = 0; j < count[1]; ++j)
+      for (int k = 0; k < count[2]; ++k) {
+        const Eigen::Array3d share = (Eigen::Array3d(i, j, k) + 0.5) / count;
+        box_.push_back({.at = options.box.low + (size.array() * share).matrix()});
+      }
+}
+
+void CoverageNeed::relabel(Place& place, std::size_t s) const {
+  if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s, &place.axis[s]);
+}
+
+// Labels never get worse, so what is safe at a spacing is not asked again, nor what a state cannot change.
+void CoverageNeed::learn(const StateSpace& space, std::span<const float> surprises) {
+  const double h = space.options().spacing;
+  for (; known_ < space.size(); ++known_) {
+    const State& state = space[StateId{static_cast<std::uint32_t>(known_)}];
+    if (known_ < surprises.size() && std::isfinite(surprises[known_])) teach(state.at, surprises[known_]);
+    index_->insert(known_, state.at);
+    for (Place& place : box_)
+      for (std::size_t s = 0; s < scales; ++s)
+        if (!place.due[s] && place.label[s] != Label::safe)
+          place.due[s] = index_->may_change(place.at, place.label[s], place.axis[s], state.at, s, h);
+  }
+  for (Place& place : box_)
+    for (std::size_t s = 0; s < scales; ++s)
+      if (std::exchange(place.due[s], false)) relabel(place, s);
+}
+
+// The coarsest spacing at which the place lay in the blank or a gap before its state came.
+void CoverageNeed::teach(const Vec3& at, double surprise) {
+  for (std::size_t s = 0; s < scales; ++s) {
+    const Label label = index_->label(at, s);
+    if (label == Label::safe || label == Label::sparse) continue;
+    seen_[s] += 1;
+    missed_[s] += surprise > 1 ? 1 : 0;
+    return;
+  }
+}
+
+// Shares of misses by Laplace's rule with a prior; what a fine spacing misses a coarser one misses too.
+void CoverageNeed::weigh_scales(bool with_stiffness) {
+  constexpr double strength = 4;   // states that the prior counts as
+  const std::array<double, scales> prior = with_stiffness ? std::array{0.9, 0.5, 0.15} : std::array{0.9, 0.7, 0.4};
+  for (std::size_t s = scales; s-- > 0;) {
+    importance_[s] = (missed_[s] + strength * prior[s]) / (seen_[s] + strength);
+    if (s + 1 < scales) importance_[s] = std::max(importance_[s], importance_[s + 1]);
+  }
+}
+
+// A state asked for now is there after T. Where the hand will be at about that time counts most; what it passes
+// before is helped less, what it reaches later can wait.
+double CoverageNeed::urgency(double t, double solve) {
+  const double late = (solve - t) / solve;
+  return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
+}
+
+// A prediction with deviation s says where the hand will be as far as s is small against 2 h: that share of its weight
+// is on the predicted point, the rest on the box around it as a Gaussian of width s. What is left of the weight goes to
+// the whole box by the time to reach each place. Before the hand has moved at all there is no path: the first states
+// spread over the box.
+void CoverageNeed::weigh(const PlannerView& view) {
+  const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
+  const Box& box = view.space.options().box;
+  const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;
+  const bool still = !truth && view.space.empty() && !(view.hip.velocity.norm() > 0);
+  const double path_share = still ? 0.0 : options_.path_share;
+  double on_path = 0, in_box = 0;
+  for (const Prediction& p : view.predicted) on_path += urgency(p.horizon, solve);
+  for (Place& place : box_) in_box += place.weight = urgency(time_to_reach(place.at, view), solve);
+  for (Place& place : box_) place.weight *= in_box > 0 ? (1 - path_share) / in_box : 0;
+
+  places_.clear();
+  std::vector<double> near(box_.size());
+  for (const Prediction& p : view.predicted) {
+    const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
+    const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2)), width = std::max(p.deviation, h);
+    Place place{.at = folded(p.at, box), .weight = weight * sure};
+    const auto nearest = index_->points.nearest(place.at, index_->limits[0].sparse_distance);   // the largest
+    for (std::size_t s = 0; s < scales; ++s) place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
+    places_.push_back(place);
+    if (!(weight > 0) || sure > 0.99) continue;
+    constexpr double nothing = -40;   // e^-40, 4e-18
+    const double exponent = -0.5 / (width * width);
+    double sum = 0;
+    for (std::size_t i = 0; i < box_.size(); ++i) {
+      const double e = exponent * (box_[i].at - place.at).squaredNorm();
+      sum += near[i] = e > nothing ? std::exp(e) : 0;
+    }
+    for (std::size_t i = 0; sum > 0 && i < box_.size(); ++i) box_[i].weight += weight * (1 - sure) * near[i] / sum;
+  }
+  places_.insert(places_.end(), box_.begin(), box_.end());
+}
+
+void CoverageNeed::shuffle_labels() {
+  const std::uint64_t step = mix(options_.seed, known_);
+  for (std::size_t i = places_.size(); i > 1; --i) {
+    const std::size_t j = mix(step, i) % i;
+    std::swap(places_[i - 1].label, places_[j].label);
+  }
+}
+
+void CoverageNeed::look(const PlannerView& view) {
+  if (space_ != &view.space || known_ > view.space.size()) begin(view.space);
+  learn(view.space, view.surprises);
+  weigh_scales(view.with_stiffness);
+  weigh(view);
+  if (options_.shuffle) shuffle_labels();
+  gather_needs();
+  gather_corners(view);
+  pend(view.pending);
+}
+
+void CoverageNeed::gather_needs() {
+  NeedLeft::Needs inverses;
+  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
+  std::vector<Vec3> at;
+  std::vector<NeedLeft::Needs> all;
+  for (const Place& place : places_) {
+    NeedLeft::Needs needs;
+    for (std::size_t s = 0; s < scales; ++s) needs[s] = place.weight * importance_[s] * lack(place.label[s], static_cast<int>(s));
+    if (!(*std::ranges::max_element(needs) > least_need)) continue;
+    at.push_back(place.at);
+    all.push_back(needs);
+  }
+  left_.begin(at, all, inverses);
+}
+
+// The path in steps of half a spacing, each stretch with the weight of the prediction it leads to.
+void CoverageNeed::gather_corners(const PlannerView& view) {
+  corners_.clear();
+  if (!view.in_cells || view.predicted.empty()) return;
+  const double h = view.space.options().spacing, solve = std::max(view.solve_seconds, 1e-3);
+  const Box& box = view.space.options().box;
+  double sum = 0;
+  for (const Prediction& p : view.predicted) sum += urgency(p.horizon, solve);
+  std::map<std::tuple<long, long, long>, double> cells;   // the most urgent moment in each
+  Vec3 last = folded(view.predicted[0].at, box);
+  for (const Prediction& p : view.predicted) {
+    const Vec3 next = folded(p.at, box);
+    const double weight = options_.path_share * urgency(p.horizon, solve) / sum;
+    const int steps = 1 + static_cast<int>(std::min((next - last).norm() / (0.5 * h), 1000.0));
+    for (int i = 1; i <= steps; ++i) {
+      const Vec3 cell = ((last + (next - last) * i / steps) / h).array().floor();
+      double& most = cells[{std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}];
+      most = std::max(most, weight);
+    }
+    last = next;
+  }
+  for (const auto& [cell, weight] : cells) {
+    std::vector<Vec3> lacking;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto [i, j, k] = cell;
+      const Vec3 at = h * Vec3(static_cast<double>(i + (corner & 1)), static_cast<double>(j + (corner >> 1 & 1)),
+                               static_cast<double>(k + (corner >> 2)));
+      if (!space_->find(at).valid()) lacking.push_back(at);
+    }
+    for (const Vec3& at : lacking) corners_.emplace_back(at, weight / static_cast<double>(lacking.size()));
+  }
+}
+
+void CoverageNeed::pend(std::span<const Vec3> pending) { left_.set(pending); }
+
+void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double> out) const {
+  std::ranges::fill(out, 0.0);
+  if (!space_) return;
+  const std::size_t count = candidates.size();
+  if (count == 0) return;
+  const double h = space_->options().spacing;
+  const CandidateRows rows(candidates, reach * h);
+  std::vector<double> worth(count, 0.0);
+  double inverses[scales];
+  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * h, 2);
+  for (std::size_t i = 0; i < left_.places(); ++i) {
+    NeedLeft::Needs needs = left_.left(i);
+    double farthest = 0;   // that a state mends the place from
+    for (std::size_t s = 0; s < scales; ++s) {
+      if (!(needs[s] > least_need)) needs[s] = 0;
+      if (needs[s] > 0) farthest = std::max(farthest, reach * multiples[s] * h);
+    }
+    if (!(farthest > 0)) continue;
+    const Vec3 q = left_.at(i);
+    rows.near(q, 1.001 * farthest, [&](std::size_t first, std::size_t last) {
+      add_worth(first, last, count, rows.xyz(), q.data(), needs.data(), inverses, worth.data());
+    });
+  }
+  for (std::size_t place = 0; place < count; ++place) out[rows.candidate(place)] = worth[place];
+  for (const auto& [at, more] : corners_)
+    for (std::size_t i = 0; i < count; ++i)
+      if ((candidates[i].at - at).squaredNorm() < 1e-12 * h * h) out[i] += more;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,25 @@
+// First come, first served: what the HIP or its predicted path came near first is solved first.
+
+#include <cmath>
+
+#include "scheduling/policy/policies.hpp"
+
+namespace forefeel {
+namespace {
+
+class Fifo final : public Policy {
+ public:
+  std::string_view name() const override { return "fifo"; }
+  bool reads_regions() const override { return false; }
+  double at_most(double priority) const override { return priority; }
+  double priority(const Candidate& candidate, const PlannerView&) const override {
+    const double outward = 1e-6 / (1.0 + candidate.order);
+    return std::isfinite(candidate.requested) ? 1 / (1 + std::abs(candidate.requested)) + outward : outward;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_fifo(const PolicyOptions&) { return std::make_unique<Fifo>(); }
+
+}  // namespace forefeel

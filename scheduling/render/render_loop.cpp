@@ -1,0 +1,66 @@
+#include "scheduling/render/render_loop.hpp"
+
+namespace forefeel {
+
+RenderLoop::RenderLoop(Device& device, LoopLink& link, const SessionOptions& options, std::size_t frames)
+    : device_(device),
+      link_(link),
+      switch_(options.switching),
+      safety_({.force_limit = options.force_limit,
+               .slew_limit = options.slew_limit,
+               .ramp_seconds = options.ramp_seconds,
+               .stale_seconds = options.stale_seconds,
+               .frame = options.frame}),
+      frame_(options.frame),
+      log_(frames) {}
+
+void RenderLoop::frame(std::size_t k) noexcept {
+  hip_ = next_hip(device_, hip_, k, frame_, sent_);
+  const double t = hip_.t;
+  const Vec3 x = hip_.at;
+  link_.hip.publish(hip_);
+
+  const std::uint32_t known = link_.known.load(std::memory_order_acquire);
+  const Model* newest = link_.models.take().value_or(nullptr);
+  const ForceSwitch::Frame f = switch_.step(newest, x);
+  if (newest) newest_ = static_cast<std::uint32_t>(newest->serial());
+  if (f.took_model) model_ = newest_;   // the switch may let it wait, and takes the latest
+  give_back(f.released);
+  give_back(f.released_too);
+  sent_ = safety_.apply(f.force, x, t, t - link_.planner_beat.load(std::memory_order_relaxed));
+
+  if (done_ < log_.size()) {
+    FrameRecord& record = log_[done_++];
+    record.t = t;
+    record.at = x;
+    record.force = f.force;
+    record.sent = sent_;
+    record.undamped = f.undamped;
+    record.model = model_;
+    record.known = known;
+    record.took_model = f.took_model;
+    record.undamped_jump = f.undamped_jump;
+    record.switch_change = f.change.norm();
+    record.switch_delta = f.change;
+    record.switch_bound = f.bound;
+    record.motion_change = (f.force - rendered_ - f.change).norm();
+  }
+  rendered_ = f.force;
+}
+
+void RenderLoop::note_timing(double cost_us, double lateness_us) noexcept {
+  if (done_ == 0) return;
+  log_[done_ - 1].cost_us = cost_us;
+  log_[done_ - 1].lateness_us = lateness_us;
+}
+
+void RenderLoop::give_back(const Model* model) noexcept {
+  if (model && !link_.returned.push(model)) ++lost_models_;
+}
+
+std::vector<FrameRecord> RenderLoop::take_log() {
+  log_.resize(done_);
+  return std::move(log_);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,49 @@
+#pragma once
+// What stands between the rendered force and a device: in this order
+//   non-finite guard   a force that is not finite counts as zero
+//   watchdog           no sign of the planner for stale_seconds fades the force out over 0.2 s, and in again after
+//   start-up ramp      share t / ramp_seconds of the force
+//   clamp              |F| <= force_limit
+//   slew               |F - F_before| <= slew_limit dt, so that none of the above makes a step
+// and an energy observer (Hannaford and Ryu 2002): the work of the hand, -sum F . dx by the trapezoid rule; a passive
+// body never gives back more than was put in. Nothing here allocates or throws.
+
+#include <cstddef>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+struct SafetyOptions {
+  double force_limit = 12;       // [N]
+  double slew_limit = 1000;      // [N/s]
+  double ramp_seconds = 0.1;     // [s]
+  double stale_seconds = 0.5;    // [s]
+  double frame = 1e-3;           // [s]
+};
+
+struct SafetyCounts {
+  std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;   // frames
+};
+
+class Safety {
+ public:
+  explicit Safety(SafetyOptions options) : options_(options) {}
+  // rendered: by the switch; age: time since the planner's last sign of life [s]. Returns what the device gets [N].
+  Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept;
+
+  const SafetyCounts& counts() const { return counts_; }
+  double work() const { return work_; }              // sum of |F . dx| [J]
+  double generated() const { return generated_; }    // most that was given back beyond what was put in [J]
+
+ private:
+  void observe_energy(const Vec3& force, const Vec3& x) noexcept;
+
+  SafetyOptions options_;
+  SafetyCounts counts_;
+  Vec3 last_ = Vec3::Zero(), last_x_ = Vec3::Zero();
+  bool started_ = false;
+  double gain_ = 1, stored_ = 0, work_ = 0, generated_ = 0;
+};
+
+}  // namespace forefeel

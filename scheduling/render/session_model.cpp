@@ -1,0 +1,123 @@
+#include "scheduling/render/session_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "approx/predecessors/methods.hpp"
+#include "approx/model/model_data.hpp"
+#include "approx/select/neighbours.hpp"
+#include "geometry/common/error.hpp"
+
+namespace forefeel {
+
+namespace {
+// While so few states are known the set does not tell how far apart states are. The first ones are asked for 2 to 4 h
+// apart, and a tangent that is held beyond 4 h, as for states h apart, renders half the force at the far end of a box.
+constexpr std::size_t few = 3;
+constexpr double apart_at_first = 2;   // spacings
+constexpr double around = 4;   // spacings around the HIP whose states a lattice model holds: it is replaced before
+}
+
+void check_method(const std::string& method) {
+  if (method != "rbf" && method != "trilinear" && method != "tricubic")
+    throw InputError("session.method", fmt::format("unknown method '{}', expected rbf, trilinear, tricubic", method));
+}
+
+namespace {
+
+constexpr std::size_t always = 32;   // neighbours that are never capped: sets of fewer are made in ways of their own
+constexpr double most_bytes = 1e9;
+
+double matrix_bytes(ModelOptions options, std::size_t neighbours) {
+  options.neighbours = neighbours;
+  const double rows_each = options.data == Data::force ? 1 : 4, spare = 1.125;
+  const double rows = rows_each * spare * static_cast<double>(most_neighbours(options) + affine_places(options));
+  return rows * rows * sizeof(double);
+}
+
+ModelOptions at_first(ModelOptions options, const StateSpace& space) {
+  options.neighbours = std::min(options.neighbours, always);   // of at most `few` states
+  options.length = apart_at_first * space.options().spacing;
+  return options;
+}
+
+}  // namespace
+
+ModelOptions for_states(ModelOptions options, std::size_t states) {
+  const std::size_t asked = options.neighbours;
+  options.neighbours = std::min(asked, std::max(states, always));
+  if (matrix_bytes(options, options.neighbours) <= most_bytes) return options;
+  std::size_t low = always, high = options.neighbours;   // the one fits, the other does not
+  while (high - low > 1) (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
+  throw InputError("model.neighbours",
+                   fmt::format("is {}, and there may be {} states: a model of so many takes {:.2g} GB, expected at most {} neighbours", asked,
+                               states, 1e-9 * matrix_bytes(options, options.neighbours), low));
+}
+
+SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
+    : space_(space),
+      rbf_(space, options.model),
+      first_(space, at_first(options.model, space)),
+      with_stiffness_(options.model.data == Data::force_and_stiffness),
+      lattice_(options.method != "rbf"),
+      cubic_(options.method == "tricubic") {
+  if (options.guess.isZero(0)) return;
+  State rest;
+  rest.force = Vec3::Zero();
+  rest.stiffness = options.guess;
+  guessed_ = std::make_unique<StateSpace>(space.options());
+  guessed_->insert(rest);
+  ModelOptions tangent = at_first(options.model, space);
+  tangent.data = Data::force_and_stiffness;
+  guess_.emplace(*guessed_, tangent);
+}
+
+bool SessionModel::update_guess(const Vec3& hip, Model& out, UpdateReport* report) {
+  if (!guess_) {
+    out.impl().clear();
+    return false;
+  }
+  guess_->update(hip, out, report);
+  out.impl().states.clear();
+  out.impl().serial = ++serial_;
+  if (report != nullptr) *report = {.label = Label::blank};
+  return true;
+}
+
+bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* report) {
+  space_.within(hip, around * space_.options().spacing, near_);
+  if (near_.empty()) space_.nearest(hip, 1, near_);
+  states_.clear();
+  for (const StateId id : near_) states_.push_back(space_[id]);
+  Model::Impl& model = out.impl();
+  model.clear();
+  model.states.assign(near_.begin(), near_.end());
+  model.lattice = std::make_shared<const LatticeField>(states_, space_.options().spacing, cubic_);
+  model.known = true;
+  model.serial = ++serial_;
+  if (report != nullptr)
+    *report = {.n = near_.size(), .replaced = near_.size(), .refit = true, .label = space_.label(hip)};
+  return true;
+}
+
+bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
+  if (space_.empty()) return update_guess(hip, out, report);
+  if (lattice_) return update_lattice(hip, out, report);
+  const bool known = (with_stiffness_ && space_.size() <= few ? first_ : rbf_).update(hip, out, report);
+  if (known) out.impl().serial = ++serial_;   // one count for both
+  return known;
+}
+
+Model SessionModel::model_at(const Vec3& hip) {
+  Model model;
+  update(hip, model);
+  return model;
+}
+
+void SessionModel::forget() {
+  rbf_.forget();
+  first_.forget();
+}
+
+}  // namespace forefeel

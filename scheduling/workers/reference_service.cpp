@@ -1,0 +1,238 @@
+#include "scheduling/workers/reference_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <fstream>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/csv_table.hpp"
+#include "scheduling/motion/random.hpp"
+#include "solver/kernels/revision.hpp"
+
+namespace forefeel {
+namespace {
+
+std::string cache_name(const BodyIdentity& identity, double spacing, bool displacements) {
+  std::uint64_t low = 1, high = 2;
+  const auto take = [&](const std::string& text) {
+    for (const char c : text) low = mix(low, static_cast<unsigned char>(c)), high = mix(high, low);
+    low = mix(low, 0x100);
+  };
+  for (const auto& [name, hash] : identity) take(name), take(hash);
+  take(fmt::format("{}", spacing));
+  take(solver_revision());
+  return fmt::format("{:016x}{:016x}{}", low, high, displacements ? "-displacements" : "");
+}
+
+}  // namespace
+
+std::size_t ReferenceService::Hash::operator()(const Key& key) const {
+  return mix(mix(key.bits[0], key.bits[1]), key.bits[2]);
+}
+
+ReferenceService::Key ReferenceService::key(const Vec3& x) {
+  Key key;
+  for (int i = 0; i < 3; ++i) key.bits[i] = std::bit_cast<std::uint64_t>(x[i] + 0.0);   // -0 and 0 are one place
+  return key;
+}
+
+ReferenceService::ReferenceService(const SessionInput& input, int threads)
+    : body_(input.body),
+      linear_(linear_basis(input.body, input.space.spacing)),
+      solver_options_{.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements},
+      box_(input.space.box),
+      thread_count_(threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency())) {
+  if (input.cache_folder.empty() || input.identity.empty()) return;
+  const std::string name = cache_name(input.identity, input.space.spacing, input.displacements);
+  costs_file_ = input.cache_folder / (name + ".costs.csv");
+  rest_cost_file_ = input.cache_folder / (name + ".rest-cost.csv");
+  if (linear_) return;   // three solves are cheaper than a file
+  const auto take = [&](const StateFile& file) {
+    for (State& state : file.read_all()) {
+      const Key place = key(state.at);
+      entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
+    }
+    if (file.damaged() > 0) damage_ = damage_in_words((input.cache_folder / (name + ".states")).string(), file.damaged(), true);
+  };
+  const std::filesystem::path file = input.cache_folder / (name + ".states");
+  try {
+    std::filesystem::create_directories(input.cache_folder);
+    StateFileHeader header{.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
+    header.notes["content"] = "tight solves on the reference branch";
+    StateFile cache = StateFile::open_or_create(file, header);
+    take(cache);
+    cache.drop_damaged();
+    writer_ = std::make_unique<StateWriter>(std::move(cache));
+  } catch (const std::exception& problem) {
+    entries_.clear();
+    note_ = fmt::format("no cache of reference solves: {}", problem.what());
+    try {   // another run writes it: what it holds serves this one too
+      const StateFile cache = StateFile::open_read_only(file);
+      if (cache.header().identity != input.identity) return;
+      take(cache);
+      note_ = fmt::format("the cache of reference solves is only read: {}", problem.what());
+    } catch (const std::exception&) {
+      entries_.clear();
+    }
+  }
+}
+
+ReferenceService::~ReferenceService() {
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.clear();
+  }
+  for (auto& thread : threads_) thread.request_stop();
+  wake_.notify_all();
+  threads_.clear();
+}
+
+void ReferenceService::start_threads() {
+  while (threads_.size() < thread_count_)
+    threads_.emplace_back([this](std::stop_token stop) { work(stop); });
+}
+
+void ReferenceService::request(const Vec3& x) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!entries_.try_emplace(key(x)).second) return;
+    queue_.push_back(x);
+    start_threads();
+  }
+  wake_.notify_one();
+}
+
+State ReferenceService::get(const Vec3& x) { return *get_until(x, std::chrono::steady_clock::time_point::max()); }
+
+std::optional<State> ReferenceService::get_until(const Vec3& x, std::chrono::steady_clock::time_point end) {
+  request(x);
+  std::unique_lock lock(mutex_);
+  const Entry& entry = entries_.at(key(x));   // references into the map stay valid
+  if (!entry.ready) {
+    // What is waited for goes first.
+    const Key wanted = key(x);
+    const auto found = std::find_if(queue_.begin(), queue_.end(), [&](const Vec3& q) { return key(q) == wanted; });
+    if (found != queue_.end()) {
+      queue_.erase(found);
+      queue_.push_front(x);
+    }
+    const auto settled = [&] { return entry.ready || failure_; };
+    if (end == std::chrono::steady_clock::time_point::max())
+      ready_.wait(lock, settled);
+    else if (!ready_.wait_until(lock, end, settled))
+      return std::nullopt;
+  }
+  if (!entry.ready) std::rethrow_exception(failure_);
+  return entry.state;
+}
+
+std::size_t ReferenceService::solved() const {
+  const std::lock_guard lock(mutex_);
+  return solved_;
+}
+
+void ReferenceService::learn(std::span<const State> states) {
+  const std::lock_guard lock(mutex_);
+  for (const State& state : states) entries_.try_emplace(key(state.at), Entry{.ready = true, .state = state});
+}
+
+void ReferenceService::work(std::stop_token stop) {
+  try {
+    StateSolver solver(body_, linear_, solver_options_);
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [&] { return stop.stop_requested() || !queue_.empty(); });
+      if (stop.stop_requested()) return;
+      const Vec3 x = queue_.front();
+      queue_.pop_front();
+      lock.unlock();
+      SolveOutcome outcome = solver.reference(x);
+      outcome.state.at = x;
+      outcome.state.parent = Vec3::Zero();
+      outcome.state.force.array() += 0.0;   // -0 does not survive the cache
+      outcome.state.stiffness.array() += 0.0;
+      lock.lock();
+      if (writer_) writer_->push(outcome.state);
+      Entry& entry = entries_.at(key(x));
+      entry.state = std::move(outcome.state);
+      entry.ready = true;
+      ++solved_;
+      ready_.notify_all();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    ready_.notify_all();
+  }
+}
+
+// Measured once however many ask at the same time: all of them get the same list.
+RecordedCosts ReferenceService::recorded_costs() {
+  const std::lock_guard lock(costs_mutex_);
+  if (!costs_.solves.empty()) return costs_;
+  costs_.solves = kept(costs_file_, &ReferenceService::measured_costs);
+  std::vector<double> rest = kept(rest_cost_file_, &ReferenceService::measured_rest_costs);
+  std::ranges::sort(rest);
+  costs_.rest = rest.empty() ? 1e-9 : rest[rest.size() / 2];
+  return costs_;
+}
+
+std::vector<double> ReferenceService::measured_costs() {
+  constexpr std::uint64_t samples = 48;
+  StateSolver solver(body_, linear_, solver_options_);
+  std::vector<double> seconds;
+  for (std::uint64_t i = 0; i < samples; ++i) {
+    const Vec3 share(uniform(mix(11, 3 * i)), uniform(mix(11, 3 * i + 1)), uniform(mix(11, 3 * i + 2)));
+    const Vec3 x = box_.low + share.cwiseProduct(box_.size());
+    const double length = std::max(x.norm(), 1e-12);
+    const Vec3 parent = x * std::max(0.0, 1 - solver_options_.spacing / length);   // a spacing nearer to rest
+    const SolveOutcome start = solver.reference(parent);
+    const auto before = std::chrono::steady_clock::now();
+    const SolveOutcome outcome = solver.from(start.equilibrium.get(), x, {});
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+    if (outcome.state.usable()) seconds.push_back(std::max(took.count(), 1e-9));
+  }
+  return seconds;
+}
+
+// Between solves elsewhere, as in a session; the first one, which lays out the factor, is not counted.
+std::vector<double> ReferenceService::measured_rest_costs() {
+  constexpr int samples = 15;
+  StateSolver solver(body_, linear_, solver_options_);
+  std::vector<double> seconds;
+  for (int i = 0; i < samples; ++i) {
+    solver.from(nullptr, solver_options_.spacing * Vec3::Unit(i % 3), {});
+    const auto before = std::chrono::steady_clock::now();
+    const SolveOutcome outcome = solver.from(nullptr, Vec3::Zero(), {});
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+    if (outcome.state.usable()) seconds.push_back(std::max(took.count(), 1e-9));
+  }
+  return seconds;
+}
+
+std::vector<double> ReferenceService::kept(const std::filesystem::path& file,
+                                           std::vector<double> (ReferenceService::*measured)()) {
+  constexpr std::string_view columns[] = {"seconds"};
+  if (!file.empty() && std::filesystem::exists(file)) try {
+      if (std::vector<double> values = read_csv(file, columns).values; !values.empty()) return values;
+    } catch (const InputError&) {  // damaged: measured anew, as any cache is made anew
+    }
+  std::vector<double> seconds = (this->*measured)();
+  if (file.empty() || seconds.empty()) return seconds;
+  try {
+    std::filesystem::create_directories(file.parent_path());
+    OutputFile out(file);
+    out.write("seconds\n");
+    for (const double s : seconds) out.write(fmt::format("{}\n", s));
+    out.commit();
+  } catch (const std::exception& problem) {
+    note_ = fmt::format("recorded costs are not kept: {}", problem.what());
+  }
+  return seconds;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,90 @@
+#pragma once
+// States on the reference branch, solved by threads and kept on disk: a value is a function of (body, x) alone, so
+// neither the number of threads nor the order of requests changes it. The file is a state file in the cache folder,
+// keyed by the body's identity and the continuation step.
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/states/state_file.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/session/session.hpp"
+#include "scheduling/workers/state_solver.hpp"
+
+namespace forefeel {
+
+class ReferenceService {
+ public:
+  // threads 0: as many as the machine has. Threads start with the first request that is not cached.
+  ReferenceService(const SessionInput& input, int threads);
+  ~ReferenceService();   // drops what nobody waits for
+  ReferenceService(const ReferenceService&) = delete;
+  ReferenceService& operator=(const ReferenceService&) = delete;
+
+  void request(const Vec3& x);   // starts on it unless known; returns at once
+  State get(const Vec3& x);      // waits for it
+  std::optional<State> get_until(const Vec3& x, std::chrono::steady_clock::time_point end);   // nothing where it is late
+  std::size_t solved() const;    // not found in the cache
+  // Takes states that were solved elsewhere, tight and on the reference branch; they do not enter the file.
+  void learn(std::span<const State> states);
+  const std::optional<std::string>& note() const { return note_; }   // why there is no cache, if one was asked for
+
+  // One line where records of the cache had a wrong checksum: which file, and how many. They are solved anew and replaced.
+  const std::optional<std::string>& damage() const { return damage_; }
+
+  // Times of a fixed sample of solves from a neighbour and of the state at rest, measured once per body and kept beside
+  // the cache.
+  RecordedCosts recorded_costs();
+
+ private:
+  struct Key {
+    std::uint64_t bits[3];
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  struct Hash {
+    std::size_t operator()(const Key& key) const;
+  };
+  struct Entry {
+    bool ready = false;
+    State state;
+  };
+  static Key key(const Vec3& x);
+  void work(std::stop_token stop);
+  void start_threads();
+
+  std::shared_ptr<const Body> body_;
+  std::shared_ptr<LinearBasis> linear_;
+  StateSolverOptions solver_options_;
+  Box box_;
+  std::filesystem::path costs_file_, rest_cost_file_;
+  std::size_t thread_count_;
+  std::vector<double> measured_costs();
+  std::vector<double> measured_rest_costs();
+  // Those in the file, else measured now and written there.
+  std::vector<double> kept(const std::filesystem::path& file, std::vector<double> (ReferenceService::*measured)());
+  std::mutex costs_mutex_;
+  RecordedCosts costs_;
+  std::optional<std::string> note_, damage_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_, ready_;
+  std::unordered_map<Key, Entry, Hash> entries_;
+  std::deque<Vec3> queue_;
+  std::size_t solved_ = 0;
+  std::exception_ptr failure_;
+  std::unique_ptr<StateWriter> writer_;
+  std::vector<std::jthread> threads_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,109 @@
+#include "scheduling/workers/worker_threads.hpp"
+
+#include <chrono>
+
+namespace forefeel {
+
+WorkerThreads::WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now)
+    : body_(std::move(body)), options_(options), linear_(linear_basis(body_, options.spacing)), now_(std::move(now)) {}
+
+void WorkerThreads::serve() {
+  int worker = -1;
+  try {
+    StateSolver solver(body_, linear_, options_);
+    solver.prepare();   // at the same time as the others; the session may wait for its first state
+    std::unique_lock lock(mutex_);
+    if (stopped_) return;
+    worker = static_cast<int>(slots_.size());
+    Slot& slot = slots_.emplace_back();
+    for (;;) {
+      slot.wake.wait(lock, [&] { return stopped_ || slot.job; });
+      if (stopped_) return;
+      const Job job = std::move(*slot.job);
+      slot.job.reset();
+      const std::stop_token stop = slot.stop.get_token();
+      lock.unlock();
+      run(solver, worker, job, stop);
+      lock.lock();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    done_.notify_one();
+  }
+}
+
+void WorkerThreads::give(JobResult result) {
+  const std::lock_guard lock(mutex_);
+  results_.push_back(std::move(result));
+  done_.notify_one();
+}
+
+// The state that is waited for first, and at once; then its neighbours together.
+void WorkerThreads::run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop) {
+  const auto result_of = [&](std::uint32_t dispatch, const Vec3& at, double started, SolveOutcome outcome) {
+    outcome.state.at = at;
+    return JobResult{.dispatch = dispatch,
+                     .worker = worker,
+                     .started = started,
+                     .finished = now_(),
+                     .state = std::move(outcome.state),
+                     .equilibrium = std::move(outcome.equilibrium),
+                     .partial = std::move(outcome.partial)};
+  };
+  const double started = now_();
+  SolveOutcome first = solver.from(job.start.get(), job.at, stop);
+  const std::shared_ptr<const Equilibrium> near = first.equilibrium ? first.equilibrium : job.start;
+  give(result_of(job.dispatch, job.at, started, std::move(first)));
+  if (job.beside.empty()) return;
+  const double later = now_();
+  std::vector<Vec3> xs;
+  for (const Job::Neighbour& neighbour : job.beside) xs.push_back(neighbour.at);
+  std::vector<SolveOutcome> outcomes = solver.beside(near.get(), xs, stop);
+  for (std::size_t i = 0; i < xs.size(); ++i) {
+    JobResult result = result_of(job.beside[i].dispatch, xs[i], later, std::move(outcomes[i]));
+    if (result.state.status != SolveStatus::cancelled) result.finished = result.started + result.state.seconds;   // its share
+    give(std::move(result));
+  }
+}
+
+void WorkerThreads::stop() {
+  const std::lock_guard lock(mutex_);
+  stopped_ = true;
+  for (Slot& slot : slots_) {
+    slot.stop.request_stop();
+    slot.wake.notify_one();
+  }
+}
+
+int WorkerThreads::workers() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(slots_.size());
+}
+
+void WorkerThreads::dispatch(int worker, Job job) {
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  slot.stop = std::stop_source();
+  slot.job = std::move(job);
+  slot.wake.notify_one();
+}
+
+void WorkerThreads::cancel(int worker) {
+  const std::lock_guard lock(mutex_);
+  slots_[static_cast<std::size_t>(worker)].stop.request_stop();
+}
+
+void WorkerThreads::collect(std::vector<JobResult>& out, double timeout) {
+  out.clear();
+  std::unique_lock lock(mutex_);
+  done_.wait_for(lock, std::chrono::duration<double>(timeout), [&] { return !results_.empty() || failure_; });
+  std::swap(out, results_);
+}
+
+std::exception_ptr WorkerThreads::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,57 @@
+#pragma once
+// Solver workers of the real clock: each thread that calls serve() is one worker. The planner's thread dispatches,
+// cancels and collects; all of it under one lock that is held for a few instructions.
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/state_solver.hpp"
+
+namespace forefeel {
+
+class WorkerThreads final : public RealWorkers {
+ public:
+  using Now = std::function<double()>;   // session time [s]
+  WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now);
+
+  // A worker's whole life: returns after stop(). Does not throw; see failure().
+  void serve();
+  void stop() override;
+
+  int workers() const override;
+  void dispatch(int worker, Job job) override;
+  void cancel(int worker) override;
+
+  void collect(std::vector<JobResult>& out, double timeout) override;
+  std::exception_ptr failure() const override;
+
+ private:
+  struct Slot {
+    std::optional<Job> job;
+    std::stop_source stop;
+    std::condition_variable wake;
+  };
+  void run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop);
+  void give(JobResult result);
+
+  std::shared_ptr<const Body> body_;
+  StateSolverOptions options_;
+  std::shared_ptr<LinearBasis> linear_;
+  Now now_;
+  mutable std::mutex mutex_;
+  std::deque<Slot> slots_;               // references stay valid while it grows
+  std::vector<JobResult> results_;
+  std::condition_variable done_;
+  bool stopped_ = false;
+  std::exception_ptr failure_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,42 @@
+#pragma once
+// A body: mesh, hyperelastic law, clamped nodes, and contact nodes that translate rigidly with the HIP by x.
+// Energy densities (F deformation gradient, J = det F, C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2)/2,
+// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu)(1 - 2 nu))) are written out in law.hpp.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/mesh/tet_mesh.hpp"
+
+namespace forefeel {
+
+enum class Law { linear, st_venant_kirchhoff, neo_hookean, stable_neo_hookean, mooney_rivlin };
+std::string_view name(Law law);                              // "neo-hookean", …
+std::vector<std::string> law_names();                        // those this build solves
+
+// linear: four-node tetrahedra, one point. quadratic: ten-node tetrahedra (straight edges, four points) on the same
+// mesh, which do not lock above nu = 0.45.
+enum class Element { linear, quadratic };
+std::string_view name(Element element);                      // "linear", "quadratic"
+std::vector<std::string> element_names();
+
+struct Material {
+  Law law = Law::neo_hookean;
+  double young = 5000;       // E [Pa], > 0
+  double poisson = 0.45;     // nu, in (-1, 0.5)
+};
+
+struct Body {
+  TetMesh mesh;
+  Material material;
+  std::vector<NodeIndex> clamp;      // sorted, not empty
+  std::vector<NodeIndex> contact;    // sorted, not empty, disjoint from clamp
+  Element element = Element::linear;
+};
+
+// Throws InputError(where.key, …) for what cannot be solved: empty or out-of-range node sets, contact on a clamped
+// node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5). Returns warnings (nu > 0.45 locks …).
+std::vector<std::string> check(const Body& body, const std::string& where);
+
+}  // namespace forefeel

@@ -1,0 +1,46 @@
+#include "solver/body/contact_stiffness.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace forefeel {
+namespace {
+
+struct Patch {
+  double area = 0;             // [m^2]
+  Vec3 normal = Vec3::Zero();  // outward
+};
+
+Patch contact_patch(const Body& body) {
+  Patch patch;
+  for (const Triangle& triangle : boundary_triangles(body.mesh)) {
+    const auto touched = std::ranges::count_if(
+        triangle, [&](NodeIndex node) { return std::ranges::binary_search(body.contact, node); });
+    if (touched == 0) continue;
+    const auto corner = [&](std::size_t i) { return body.mesh.nodes[static_cast<std::size_t>(triangle[i])]; };
+    const Vec3 area = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    const double tributary = static_cast<double>(touched) / 3;
+    patch.area += 0.5 * (tributary + (touched == 3 ? 1 : 0)) * area.norm();
+    patch.normal += tributary * area;
+  }
+  patch.normal = patch.normal.norm() > 0 ? Vec3(patch.normal.normalized()) : Vec3(Vec3::UnitZ());
+  return patch;
+}
+
+}  // namespace
+
+double contact_area(const Body& body) { return contact_patch(body).area; }
+
+Mat3 disc_stiffness(const Body& body) {
+  const Patch patch = contact_patch(body);
+  const auto [law, young, poisson] = body.material;
+  const double shear = young / (2 * (1 + poisson)), a = std::sqrt(patch.area / std::numbers::pi);
+  const double s = 1 - 2 * poisson;   // ln(1 + 2 s) / s tends to 2
+  const double normal = 4 * shear * a * (s > 1e-8 ? std::log1p(2 * s) / s : 2);
+  const double tangential = 8 * shear * a / (2 - poisson);
+  return tangential * Mat3::Identity() + (normal - tangential) * patch.normal * patch.normal.transpose();
+}
+
+}  // namespace forefeel

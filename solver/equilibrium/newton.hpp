@@ -1,0 +1,54 @@
+#pragma once
+// Static Newton at a held contact: r_f(u) = 0, u_c = x. Steps d = -H_ff^{-1} r_f, halved until J > 0 (where the law
+// needs it) and the energy or the residual falls; where H_ff is not positive definite, a multiple of the stiffness
+// at rest is added. An equilibrium counts as converged only if H_ff is positive definite there: it is stable.
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "geometry/states/state.hpp"
+#include "solver/system/factorisation.hpp"
+
+namespace forefeel {
+
+struct NewtonReport {
+  SolveStatus status = SolveStatus::stalled;
+  int iterations = 0;
+  double residual = 0;          // |r_f| / max(|f|, floor)
+  double energy = 0;            // [J]
+  double min_jacobian = 0;
+  Vec3 force = Vec3::Zero();    // of the body on the HIP [N]
+};
+
+// Work space of one body for one thread.
+class NewtonSolver {
+ public:
+  explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
+
+  // u, a local vector with the contact already at x, becomes the equilibrium. On success `factor()` is of H(u) itself;
+  // with keep_factor it may be of an iterate before, and then the last step with it took the residual down fivefold.
+  NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations, const std::stop_token& stop,
+                     bool keep_factor = false);
+  // V = du/dx and K at u from the factor, be it of H(u) or of one nearby (`left`: the share of an error that a step with
+  // it leaves): see lane_solver.hpp. False where that factor fits too badly.
+  bool condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness);
+  double contraction() const { return contraction_; }   // of the last steps with the factor; 0: it is of H(u)
+  const Factorisation& factor() const { return factor_; }
+  bool factorise(const std::vector<double>& u);       // H(u); false unless positive definite
+
+  const Discretisation& discretisation() const { return *d_; }
+
+ private:
+  double residual() const;
+  void evaluate(const std::vector<double>& u, NewtonReport& report);
+  bool factorise_shifted(const std::vector<double>& u);
+  bool line_search(std::vector<double>& u, NewtonReport& report);
+
+  std::shared_ptr<const Discretisation> d_;
+  Factorisation factor_;
+  std::vector<double> gradient_, step_, trial_, trial_gradient_, blocks_, rest_blocks_, product_, lanes_;
+  double shift_ = 0, contraction_ = 0;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,214 @@
+#include "solver/lattice/sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "geometry/common/simd.hpp"
+
+namespace forefeel {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+// A force that differs by more than this share from what the stiffness of a neighbour foretells is looked into; with an
+// element turned inside out, one that differs by this share from the cubic through the corners of its cell.
+constexpr double suspicious = 0.1, suspicious_inverted = 1e-2;
+constexpr double coarse_tolerance = 1e-7;
+constexpr int prediction_iterations = 12;     // of Newton from a prediction, before the straight way is gone
+constexpr double fallback_tolerance = 1e-8;
+constexpr int fallback_iterations = 60;
+
+// One corner's part in predict_hermite.
+FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v, double share,
+                                const double* move, const double* slope, const double* keep, double* __restrict to,
+                                double* __restrict tangent) {
+  const double *__restrict va = v, *__restrict vb = v + size, *__restrict vc = v + 2 * size;
+  double *__restrict ta = tangent, *__restrict tb = tangent + size, *__restrict tc = tangent + 2 * size;
+  const double ma = 0.5 * move[0], mb = 0.5 * move[1], mc = 0.5 * move[2];
+  const double sa = slope[0], sb = slope[1], sc = slope[2], ka = keep[0], kb = keep[1], kc = keep[2];
+  for (std::size_t i = 0; i < size; ++i) {
+    const double a = ma * va[i], b = mb * vb[i], c = mc * vc[i], all = u[i] + a + b + c;
+    to[i] += share * all;
+    ta[i] += sa * (all - a) + ka * va[i];
+    tb[i] += sb * (all - b) + kb * vb[i];
+    tc[i] += sc * (all - c) + kc * vc[i];
+  }
+}
+
+void scale_into(const std::vector<double>& from, double factor, std::vector<double>& to) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * from[i];
+}
+
+}  // namespace
+
+SweepWorker::SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options)
+    : d_(std::move(discretisation)), options_(options), path_(d_), lanes_(d_) {}
+
+// Newton from the prediction.
+void SweepWorker::correct_alone(SweepNode& node) {
+  const NewtonReport report =
+      path_.correct(node.field.u, node.state.at, coarse_tolerance, prediction_iterations, options_.stop);
+  if (report.status == SolveStatus::converged) take(node, report);
+}
+
+// Where the straight way does not arrive: continuation from the first of the given nodes. What it finds is some
+// equilibrium, not the reference branch's.
+void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
+  State& s = node.state;
+  node.field = {};
+  if (starts.empty() || s.status == SolveStatus::cancelled) return;
+  const SweepNode& start = *starts.front();
+  path_.begin_at(start.state.at, start.field);
+  const NewtonReport report = path_.advance(s.at, 0, fallback_tolerance, fallback_iterations, options_.stop);
+  if (report.status != SolveStatus::converged) return;      // the straight way's status stays: it is the reason
+  s.parent = start.state.at;
+  s.multivalued = true;
+  take(node, report);
+}
+
+// The trapezium rule on the stiffnesses foretells the force to third order, their Hermite mean over the corners of a cell
+// to fourth. Where they do not fit, or where a neighbour is known to have another branch, the straight way from rest in
+// steps of h decides. With an element turned inside out there is mostly another way to settle, so a coarse state with one
+// (which the fine ones are predicted from) always goes it.
+bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const {
+  const State& s = node.state;
+  const bool inverted = s.min_jacobian <= 0;
+  if (inverted && (coarse || neighbours.empty())) return true;
+  Vec3 mean = Vec3::Zero();
+  for (const SweepNode* other : neighbours) {
+    const State& o = other->state;
+    mean += (o.force - 0.5 * o.stiffness * (s.at - o.at)) / static_cast<double>(neighbours.size());
+  }
+  if (jumps(node, neighbours)) return true;
+  return inverted && !((mean - s.force).norm() <= suspicious_inverted * std::max(s.force.norm(), d_->force_floor));
+}
+
+bool SweepWorker::jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const {
+  const State& s = node.state;
+  return std::any_of(neighbours.begin(), neighbours.end(), [&](const SweepNode* other) {
+    const State& o = other->state;
+    const Vec3 foretold = o.force - 0.5 * (o.stiffness + s.stiffness) * (s.at - o.at);
+    return !((foretold - s.force).norm() <= suspicious * std::max({s.force.norm(), o.force.norm(), d_->force_floor}));
+  });
+}
+
+void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
+  State& s = node.state;
+  s.status = report.status;
+  s.force = report.force;
+  s.energy = report.energy;
+  s.stiffness = path_.stiffness();
+  s.residual = report.residual;
+  s.min_jacobian = report.min_jacobian;
+  s.iterations += path_.iterations();
+  node.field = path_.field();
+}
+
+void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
+  std::vector<double> middle(static_cast<std::size_t>(d_->local_size()), 0.0);
+  for (const SweepNode* node : nodes) scale_into(node->field.u, 1.0 / static_cast<double>(nodes.size()), middle);
+  if (!path_.newton().factorise(middle)) return;
+  std::vector<LocalField*> fields;
+  for (SweepNode* node : nodes) fields.push_back(&node->field);
+  std::array<LaneResult, lane_count> results;
+  lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!results[i].converged) continue;
+    if (!results[i].stiffness_settled && !condense_alone(path_.newton(), nodes[i]->field, results[i])) continue;
+    forefeel::take(nodes[i]->state, results[i]);
+  }
+}
+
+void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond) {
+  const auto start = SteadyClock::now();
+  node.state.status = SolveStatus::stalled;
+  // beside a state with an element turned inside out a prediction leads anywhere
+  if (!parents.empty() && parents.front()->state.min_jacobian > 0) {
+    const SweepNode& parent = *parents.front();
+    node.state.parent = parent.state.at;
+    const Vec3 move = node.state.at - parent.state.at;
+    LocalField slope = parent.field;
+    if (beyond) {   // V changes evenly along the three nodes
+      scale_into(parent.field.tangent, 0.5, slope.tangent);
+      scale_into(beyond->field.tangent, -0.5, slope.tangent);
+    }
+    predict(*d_, slope, move, node.state.at, node.field.u);
+    correct_alone(node);
+  }
+  if (!node.solved() || doubtful(node, parents, true)) {
+    walk({&node});
+    if (!node.solved()) fall_back(node, parents);
+    if (node.solved() && jumps(node, parents)) node.state.multivalued = true;
+  }
+  node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+// u = mean of u_c + V_c (x - x_c)/2 over the corners; along an axis j between two corners the tangent is the
+// derivative of the cubic there, 3/2 (u+ - u-)/(2h) - V_j/2, and elsewhere the corners' mean.
+bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const {
+  std::array<bool, 3> between{};
+  std::size_t wanted = 1;
+  for (std::size_t j = 0; j < 3; ++j) {
+    between[j] = node.index[j] % 2 != 0;
+    if (between[j]) wanted *= 2;
+  }
+  if (corners.size() != wanted) return false;
+  const double share = 1.0 / static_cast<double>(wanted), h = options_.spacing;
+  LocalField& f = node.field;
+  const std::size_t size = static_cast<std::size_t>(d_->local_size());
+  f.u.assign(size, 0.0);
+  f.tangent.assign(3 * size, 0.0);
+  for (const SweepNode* corner : corners) {
+    Vec3 move = node.state.at - corner->state.at, slope, keep;
+    for (int j = 0; j < 3; ++j) {
+      const bool mid = between[static_cast<std::size_t>(j)];
+      if (!mid) move[j] = 0;
+      // towards +j from this corner the state lies at +h: the corner is on the low side
+      slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
+      keep[j] = (mid ? -0.5 : 1.0) * share;
+    }
+    add_corner(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(), slope.data(), keep.data(),
+               f.u.data(), f.tangent.data());
+  }
+  return true;
+}
+
+void SweepWorker::predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const {
+  if (!predict_hermite(node, corners)) {
+    const SweepNode& corner = *corners.front();
+    node.field.tangent = corner.field.tangent;
+    predict(*d_, corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
+  }
+  for (int i = 0; i < 3; ++i) node.field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];
+}
+
+void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners) {
+  const auto start = SteadyClock::now();
+  std::vector<SweepNode*> together;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i].state.status = SolveStatus::stalled;
+    if (corners[i].empty()) continue;
+    nodes[i].state.parent = corners[i].front()->state.at;
+    predict_fine(nodes[i], corners[i]);
+    together.push_back(&nodes[i]);
+  }
+  if (!together.empty()) run_lanes(together);
+  const double each = std::chrono::duration<double>(SteadyClock::now() - start).count() /
+                      static_cast<double>(std::max<std::size_t>(1, nodes.size()));
+  const auto later = SteadyClock::now();
+  std::vector<SweepNode*> walking;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (!nodes[i].solved() || doubtful(nodes[i], corners[i], false)) walking.push_back(&nodes[i]);
+  if (!walking.empty()) walk(walking);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i].state.seconds = each;
+    if (std::find(walking.begin(), walking.end(), &nodes[i]) == walking.end()) continue;
+    if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
+    if (nodes[i].solved() && jumps(nodes[i], corners[i])) nodes[i].state.multivalued = true;
+  }
+  for (SweepNode* node : walking)
+    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() / static_cast<double>(walking.size());
+}
+
+}  // namespace forefeel

@@ -1,0 +1,79 @@
+#pragma once
+// The two-level sweep of a lattice of spacing h, behind generate_lattice():
+// 1. the coarse lattice (2h) outward from rest, each state predicted to second order from its parent and corrected by Newton
+//    that keeps its factor while it contracts;
+// 2. the fine states of each coarse cell (seven of its eight), predicted from the coarse corners around them by
+//    u = mean of u_c + V_c (x - x_c)/2, an O(h^4) cubic Hermite value, and solved side by side on one factor.
+// What does not contract, and what does not fit the states around it, goes its straight way from rest (sweep_rays.cpp): that
+// is what the reference branch means. A state's value depends on the body, the lattice and its
+// place alone: not on threads, and not on what a resumed file already holds.
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+
+#include "solver/equilibrium/continuation.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+
+using LatticeIndex = std::array<int, 3>;     // x = h k, or 2h k on the coarse lattice
+
+struct SweepNode {
+  LatticeIndex index{};
+  State state;
+  LocalField field;          // empty unless converged
+  bool solved() const { return state.status == SolveStatus::converged; }
+};
+
+struct SweepOptions {
+  double spacing = 0.006;            // h [m]
+  // Of the lanes, |r_f|/|f|. The force is corrected by V^T r_f afterwards and far better than that.
+  double residual_tolerance = 1e-5;
+  std::stop_token stop;
+  // A solved node of the coarse lattice, or null. Asked only for nodes nearer to rest than the one being solved.
+  std::function<const SweepNode*(const LatticeIndex&)> coarse;
+};
+
+// One thread's work space.
+class SweepWorker {
+ public:
+  SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options);
+
+  // node.index is coarse. parents: coarse nodes nearer to rest that are solved, the first of them the one to start
+  // from (none: from rest); beyond: the node opposite to this one across the first parent, or null.
+  void solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond);
+
+  // The fine states of one cell; corners[i]: solved coarse nodes around nodes[i], with the fine index of each doubled.
+  void solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners);
+
+ private:
+  void predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
+  bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
+  void take(SweepNode& node, const NewtonReport& report);      // of path_
+  void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
+  void correct_alone(SweepNode& node);
+  bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;
+  bool jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const;
+  void run_lanes(std::vector<SweepNode*>& nodes);
+
+  // Where a straight way is joined: the step-th of the `steps` equal steps to the node; 0: at rest.
+  struct Anchor {
+    int step = 0, steps = 1;
+    LocalField field;
+  };
+  void walk(const std::vector<SweepNode*>& nodes);
+  std::vector<Anchor> find_anchors(const std::vector<SweepNode*>& nodes);
+  std::vector<Anchor> candidates_of(const SweepNode& node, int steps) const;
+  std::optional<double> predict_between(const SweepNode& node, const Vec3& x, LocalField& field) const;
+  bool linked(const Anchor& anchor, const SweepNode& node) const;
+  void settle(SweepNode& node, const NewtonReport& report);
+
+  std::shared_ptr<const Discretisation> d_;
+  SweepOptions options_;
+  Continuation path_;
+  LaneSolver lanes_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,176 @@
+// The straight ways from rest of a sweep. What defines the reference branch is continuation straight from rest to x in n
+// equal steps of at most h. Such a way runs through the cells of the coarse lattice, whose corners are solved already: at
+// the point x m/n
+//   u = sum over the corners of w_c (u_c + V_c (x m/n - x_c)/2),  w_c trilinear,
+// is exact to second order, and where the iteration on one common factor takes it, by little, to an equilibrium, the
+// corners and it lie on one sheet. The outermost such point is where the way is joined; from there on it is gone as
+// it stands. Where there is none it is gone from rest.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solver/lattice/sweep.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double between_tolerance = 1e-4;    // on the way
+constexpr double arrival_tolerance = 1e-7;
+constexpr int most_iterations = 60;
+constexpr double other_branch = 1e-4;         // values on two branches differ by more than this share
+constexpr double sheet_thickness = 0.2;       // [h] an anchor lies no further from its prediction
+constexpr double smooth_move = 0.08;          // [h] no node is further from where a smooth step leads it
+constexpr double snap = 0.3;                  // a kink of the way where an element has snapped through: two equilibria are near
+constexpr int last_steps = 4;
+
+double distance(const std::vector<double>& a, const std::vector<double>& b, std::size_t rows) {
+  double largest = 0;
+  for (std::size_t i = 0; i < rows; ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+}  // namespace
+
+// The least det F over the corners, or nothing where not all of them are known.
+std::optional<double> SweepWorker::predict_between(const SweepNode& node, const Vec3& x, LocalField& field) const {
+  const double spacing = 2 * options_.spacing;
+  const std::size_t size = static_cast<std::size_t>(d_->local_size());
+  field.u.assign(size, 0.0);
+  field.tangent.assign(3 * size, 0.0);
+  LatticeIndex low{};
+  Vec3 share;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double q = x[static_cast<int>(axis)] / spacing, nearest = std::round(q);
+    const double at = std::abs(q - nearest) < 1e-9 ? nearest : std::floor(q);
+    low[axis] = static_cast<int>(at);
+    share[static_cast<int>(axis)] = std::abs(q - nearest) < 1e-9 ? 0.0 : q - at;
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    LatticeIndex c = low;
+    double weight = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool high = ((corner >> axis) & 1) != 0;
+      c[axis] += high ? 1 : 0;
+      weight *= high ? share[static_cast<int>(axis)] : 1 - share[static_cast<int>(axis)];
+    }
+    if (weight == 0) continue;
+    if ((spacing * Vec3(c[0], c[1], c[2]) - node.state.at).norm() < 1e-6 * spacing) return std::nullopt;   // itself
+    const SweepNode* known = options_.coarse ? options_.coarse(c) : nullptr;
+    if (!known) return std::nullopt;
+    least = std::min(least, known->state.min_jacobian);
+    const Vec3 half = 0.5 * (x - known->state.at);
+    const double *u = known->field.u.data(), *v = known->field.tangent.data();
+    for (std::size_t i = 0; i < size; ++i)
+      field.u[i] += weight * (u[i] + half[0] * v[i] + half[1] * v[size + i] + half[2] * v[2 * size + i]);
+    for (std::size_t i = 0; i < 3 * size; ++i) field.tangent[i] += weight * v[i];
+  }
+  for (int i = 0; i < 3; ++i) field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = x[i];
+  return least;
+}
+
+// Steps of the way to a node that an anchor is looked for at: the last four, and the last at which no corner around it
+// has an element turned inside out.
+std::vector<SweepWorker::Anchor> SweepWorker::candidates_of(const SweepNode& node, int steps) const {
+  std::vector<Anchor> candidates;
+  for (int step = steps - 1; step > 0; --step) {
+    Anchor candidate{step, steps, {}};
+    const std::optional<double> least = predict_between(node, node.state.at * step / steps, candidate.field);
+    const bool easy = least && *least > 0;
+    if (least && (easy || step >= steps - last_steps)) candidates.push_back(std::move(candidate));
+    if (easy) break;
+  }
+  return candidates;
+}
+
+std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<SweepNode*>& nodes) {
+  const std::size_t rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  std::vector<Anchor> anchors(nodes.size());
+  std::vector<std::pair<std::size_t, Anchor>> candidates;     // with the node's place in nodes
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    anchors[i].steps = std::max(1, static_cast<int>(std::ceil(nodes[i]->state.at.norm() / options_.spacing * (1 - 1e-12))));
+    for (Anchor& candidate : candidates_of(*nodes[i], anchors[i].steps)) candidates.emplace_back(i, std::move(candidate));
+  }
+  // those that share a factor are equally far out
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.second.steps - a.second.step < b.second.steps - b.second.step;
+  });
+  for (std::size_t first = 0; first < candidates.size();) {
+    std::vector<double> middle(rows + 6, 0.0);
+    std::vector<LocalField> predicted;
+    std::vector<LocalField*> fields;
+    std::vector<std::size_t> taken;
+    for (; first < candidates.size() && fields.size() < lane_count; ++first) {
+      auto& [node, candidate] = candidates[first];
+      if (candidate.step <= anchors[node].step) continue;      // has one further out
+      taken.push_back(first);
+      predicted.push_back({candidate.field.u, {}});
+      fields.push_back(&candidate.field);
+    }
+    if (fields.empty()) break;
+    for (const LocalField* field : fields)
+      for (std::size_t i = 0; i < middle.size(); ++i) middle[i] += field->u[i] / static_cast<double>(fields.size());
+    if (!path_.newton().factorise(middle)) continue;
+    std::array<LaneResult, lane_count> results;
+    lanes_.solve(path_.newton().factor(), fields, between_tolerance, results, 1);
+    for (std::size_t l = 0; l < fields.size(); ++l) {
+      auto& [node, candidate] = candidates[taken[l]];
+      if (!results[l].converged || candidate.step <= anchors[node].step) continue;
+      if (distance(candidate.field.u, predicted[l].u, rows) > sheet_thickness * options_.spacing) continue;
+      anchors[node] = std::move(candidate);
+    }
+  }
+  return anchors;
+}
+
+// Whether the trapezium rule on V leads from the anchor to the node's equilibrium: no jump lies between.
+bool SweepWorker::linked(const Anchor& anchor, const SweepNode& node) const {
+  const std::size_t size = node.field.u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  const Vec3 half = 0.5 * (1 - static_cast<double>(anchor.step) / anchor.steps) * node.state.at;
+  const double *va = anchor.field.tangent.data(), *vb = node.field.tangent.data();
+  double largest = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    double left = node.field.u[i] - anchor.field.u[i];
+    for (std::size_t c = 0; c < 3; ++c) left -= half[static_cast<int>(c)] * (va[c * size + i] + vb[c * size + i]);
+    largest = std::max(largest, std::abs(left));
+  }
+  return largest <= smooth_move * options_.spacing;
+}
+
+void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {
+  const std::vector<Anchor> anchors = find_anchors(nodes);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Anchor& anchor = anchors[i];
+    const Vec3& x = nodes[i]->state.at;
+    if (anchor.step > 0 && nodes[i]->solved() && linked(anchor, *nodes[i])) continue;
+    if (anchor.step > 0)
+      path_.begin_at(x * anchor.step / anchor.steps, anchor.field);
+    else
+      path_.begin_at_rest();
+    const double step = x.norm() / anchor.steps;
+    settle(*nodes[i], path_.advance(x, step, arrival_tolerance, most_iterations, options_.stop, between_tolerance));
+    if (path_.kink() > snap) nodes[i]->state.multivalued = true;
+  }
+}
+
+// report: of path_, at the node on the reference branch. Without one a solved node stays as it is, marked.
+void SweepWorker::settle(SweepNode& node, const NewtonReport& report) {
+  State& s = node.state;
+  const bool arrived = report.status == SolveStatus::converged;
+  if (node.solved()) {
+    if (arrived && (report.force - s.force).norm() <= other_branch * report.force.norm()) return;
+    s.multivalued = true;
+    if (!arrived) return;
+  }
+  s.parent = Vec3::Zero();
+  if (arrived) {
+    take(node, report);
+    return;
+  }
+  s.status = report.status;
+  s.iterations += path_.iterations();
+  s.residual = report.residual;
+  s.min_jacobian = report.min_jacobian;
+}
+
+}  // namespace forefeel

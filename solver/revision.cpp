@@ -1,9 +1,0 @@
-#include "solver/revision.hpp"
-
-#include "solver/kernels.hpp"
-
-namespace forefeel {
-
-std::string solver_revision() { return std::string(FOREFEEL_SOLVER_SOURCES) + " " + instruction_set(); }
-
-}  // namespace forefeel

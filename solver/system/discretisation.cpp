@@ -1,0 +1,201 @@
+#include "solver/system/discretisation.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "solver/body/law.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::array<std::array<int, 2>, 6> tet_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+// Nodes of each element: the tetrahedron's own, then (quadratic) those in the middle of its edges.
+std::vector<std::int32_t> connect(const Body& body, std::vector<std::array<NodeIndex, 2>>& edges) {
+  const bool quadratic = body.element == Element::quadratic;
+  std::vector<std::int32_t> nodes;
+  std::map<std::array<NodeIndex, 2>, std::int32_t> known;
+  for (const Tet& tet : body.mesh.tets) {
+    nodes.insert(nodes.end(), tet.begin(), tet.end());
+    if (!quadratic) continue;
+    for (const auto& [a, b] : tet_edges) {
+      const std::array<NodeIndex, 2> edge{std::min(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)]),
+                                          std::max(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)])};
+      const auto fresh = static_cast<std::int32_t>(body.mesh.nodes.size() + edges.size());
+      const auto [at, added] = known.emplace(edge, fresh);
+      if (added) edges.push_back(edge);
+      nodes.push_back(at->second);
+    }
+  }
+  return nodes;
+}
+
+// The nodes of a set, and the mid-edge nodes between two of them.
+std::vector<char> members(const std::vector<NodeIndex>& set, const Discretisation& d) {
+  std::vector<char> in(static_cast<std::size_t>(d.nodes), 0);
+  for (const NodeIndex node : set) in[static_cast<std::size_t>(node)] = 1;
+  const std::size_t first = in.size() - d.edges.size();
+  for (std::size_t e = 0; e < d.edges.size(); ++e)
+    in[first + e] = in[static_cast<std::size_t>(d.edges[e][0])] && in[static_cast<std::size_t>(d.edges[e][1])];
+  return in;
+}
+
+void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, Discretisation& d) {
+  const std::vector<char> clamped = members(body.clamp, d), touched = members(body.contact, d);
+  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element);
+  std::vector<char> used(clamped.size(), 0);
+  for (const std::int32_t node : elements) used[static_cast<std::size_t>(node)] = 1;
+  std::vector<std::int32_t> number(clamped.size(), -1);
+  std::vector<Vec3> positions;
+  for (std::size_t node = 0; node < number.size(); ++node) {
+    if (!used[node] || clamped[node] || touched[node]) continue;
+    number[node] = static_cast<std::int32_t>(positions.size());
+    const std::size_t corners = body.mesh.nodes.size();
+    positions.push_back(node < corners
+                            ? body.mesh.nodes[node]
+                            : Vec3(0.5 * (body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][0])] +
+                                          body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][1])])));
+  }
+  std::vector<std::vector<std::int32_t>> adjacency(positions.size());
+  for (std::size_t first = 0; first < elements.size(); first += per_element)
+    for (std::size_t a = 0; a < per_element; ++a)
+      for (std::size_t b = 0; b < per_element; ++b) {
+        const std::int32_t i = number[static_cast<std::size_t>(elements[first + a])];
+        const std::int32_t j = number[static_cast<std::size_t>(elements[first + b])];
+        if (i >= 0 && j >= 0 && i != j) adjacency[static_cast<std::size_t>(i)].push_back(j);
+      }
+  for (auto& list : adjacency) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  const std::vector<std::int32_t> order = elimination_order(adjacency, positions);
+  std::vector<std::int32_t> rank(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) rank[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+  d.free_nodes = static_cast<std::int64_t>(order.size());
+  d.local.resize(number.size());
+  for (std::size_t node = 0; node < number.size(); ++node) {
+    d.local[node] = static_cast<std::int32_t>(d.free_nodes + 1);
+    if (number[node] >= 0) d.local[node] = rank[static_cast<std::size_t>(number[node])];
+    if (touched[node]) d.local[node] = static_cast<std::int32_t>(d.free_nodes);
+  }
+}
+
+void fill_groups(const Body& body, const std::vector<std::int32_t>& elements, Discretisation& d) {
+  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element), count = body.mesh.tets.size();
+  const std::size_t groups = (count + lane_count - 1) / lane_count;
+  d.element_node.assign(groups * per_element * lane_count, static_cast<std::int32_t>(d.free_nodes + 1));
+  d.element_gradient.assign(groups * 12 * lane_count, 0.0);
+  d.element_volume.assign(groups * lane_count, 0.0);
+  for (std::size_t e = 0; e < count; ++e) {
+    const std::size_t group = e / lane_count, lane = e % lane_count;
+    for (std::size_t a = 0; a < per_element; ++a)
+      d.element_node[(group * per_element + a) * lane_count + lane] =
+          d.local[static_cast<std::size_t>(elements[e * per_element + a])];
+    const Tet& tet = body.mesh.tets[e];
+    Mat3 sides;
+    for (int i = 0; i < 3; ++i)
+      sides.col(i) = body.mesh.nodes[static_cast<std::size_t>(tet[static_cast<std::size_t>(i + 1)])] -
+                     body.mesh.nodes[static_cast<std::size_t>(tet[0])];
+    const Mat3 inverse = sides.inverse();      // rows: gradients of barycentric coordinates 1 to 3
+    Eigen::Matrix<double, 4, 3> gradients;
+    gradients.row(0) = -inverse.colwise().sum();
+    gradients.bottomRows<3>() = inverse;
+    for (int a = 0; a < 4; ++a)
+      for (int i = 0; i < 3; ++i)
+        d.element_gradient[(group * 12 + static_cast<std::size_t>(3 * a + i)) * lane_count + lane] = gradients(a, i);
+    d.element_volume[group * lane_count + lane] = sides.determinant() / 6;
+  }
+}
+
+void fill_pattern(Discretisation& d) {
+  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element);
+  const std::size_t groups = d.element_volume.size() / lane_count, pairs = per_element * (per_element + 1) / 2;
+  const auto clamp = static_cast<std::int32_t>(d.free_nodes + 1);
+  std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(d.free_nodes + 1));
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(static_cast<std::int32_t>(i));
+  const auto at = [&](std::size_t group, std::size_t a, std::size_t lane) {
+    return d.element_node[(group * per_element + a) * lane_count + lane];
+  };
+  for (std::size_t group = 0; group < groups; ++group)
+    for (std::size_t lane = 0; lane < lane_count; ++lane)
+      for (std::size_t b = 0; b < per_element; ++b)
+        for (std::size_t a = 0; a <= b; ++a) {
+          const std::int32_t i = at(group, a, lane), j = at(group, b, lane);
+          if (i != clamp && j != clamp) rows[static_cast<std::size_t>(std::min(i, j))].push_back(std::max(i, j));
+        }
+  d.pattern.row_start.assign(1, 0);
+  for (auto& row : rows) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    d.pattern.column.insert(d.pattern.column.end(), row.begin(), row.end());
+    d.pattern.row_start.push_back(d.pattern.size());
+  }
+  d.element_block.assign(groups * pairs * lane_count, static_cast<std::int32_t>(d.pattern.size()));
+  d.element_block_kind.assign(groups * pairs * lane_count, 0);
+  for (std::size_t group = 0; group < groups; ++group)
+    for (std::size_t lane = 0; lane < lane_count; ++lane)
+      for (std::size_t b = 0; b < per_element; ++b)
+        for (std::size_t a = 0; a <= b; ++a) {
+          const std::int32_t i = at(group, a, lane), j = at(group, b, lane);
+          if (i == clamp || j == clamp) continue;
+          const auto row = static_cast<std::size_t>(std::min(i, j));
+          const auto first = d.pattern.column.begin() + d.pattern.row_start[row];
+          const auto last = d.pattern.column.begin() + d.pattern.row_start[row + 1];
+          const std::size_t slot = (group * pairs + b * (b + 1) / 2 + a) * lane_count + lane;
+          d.element_block[slot] =
+              static_cast<std::int32_t>(std::lower_bound(first, last, std::max(i, j)) - d.pattern.column.begin());
+          d.element_block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
+        }
+}
+
+}  // namespace
+
+ElementView Discretisation::view() const {
+  ElementView v;
+  v.groups = static_cast<std::int64_t>(element_volume.size()) / lane_count;
+  v.nodes_per_element = nodes_per_element;
+  v.node = element_node.data();
+  v.gradient = element_gradient.data();
+  v.volume = element_volume.data();
+  v.block = element_block.data();
+  v.block_kind = element_block_kind.data();
+  v.constants = constants;
+  return v;
+}
+
+void Discretisation::to_local(const std::vector<double>& by_node, double* u) const {
+  std::fill(u, u + local_size(), 0.0);
+  const auto clamp = static_cast<std::int32_t>(free_nodes + 1);
+  for (std::size_t node = 0; node < local.size(); ++node)
+    if (local[node] != clamp) std::copy_n(&by_node[3 * node], 3, u + 3 * static_cast<std::int64_t>(local[node]));
+}
+
+std::vector<double> Discretisation::to_nodes(const double* u) const {
+  std::vector<double> by_node(3 * local.size());
+  for (std::size_t node = 0; node < local.size(); ++node)
+    std::copy_n(u + 3 * static_cast<std::int64_t>(local[node]), 3, &by_node[3 * node]);
+  return by_node;
+}
+
+Discretisation discretise(const Body& body) {
+  Discretisation d;
+  d.nodes_per_element = body.element == Element::quadratic ? 10 : 4;
+  const std::vector<std::int32_t> elements = connect(body, d.edges);
+  d.nodes = static_cast<std::int64_t>(body.mesh.nodes.size() + d.edges.size());
+  number_nodes(body, elements, d);
+  fill_groups(body, elements, d);
+  fill_pattern(d);
+  const double length = longest_side(body.mesh);
+  d.force_floor = 1e-12 * body.material.young * length * length;
+  const LawConstants moduli = law_constants(body.material);
+  d.round_off = 1e-16 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length;
+  d.needs_positive_jacobian = needs_positive_jacobian(body.material.law);
+  d.constants = law_constants(body.material);
+  d.kernels = &element_kernels(static_cast<int>(body.material.law));
+  return d;
+}
+
+}  // namespace forefeel

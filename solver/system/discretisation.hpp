@@ -1,0 +1,56 @@
+#pragma once
+// A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact, whose nodes all move
+// by x; n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. With all contact nodes one local node, the row of the
+// contact in dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
+// stiffness K in its place.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "solver/body/body.hpp"
+#include "solver/kernels/kernels.hpp"
+
+namespace forefeel {
+
+// Upper triangle of d2W/du2 in 3 x 3 blocks, over the free nodes and the contact: row i holds columns j >= i, ascending,
+// its diagonal first. Block `size` of a value array is a dummy that takes what the clamp would get.
+struct BlockPattern {
+  std::vector<std::int64_t> row_start;   // n + 2
+  std::vector<std::int32_t> column;
+  std::int64_t size() const { return static_cast<std::int64_t>(column.size()); }
+};
+
+struct Discretisation {
+  std::int64_t free_nodes = 0;                          // n
+  std::int64_t nodes = 0;                               // of the elements: mesh nodes, then mid-edge nodes
+  std::vector<std::array<NodeIndex, 2>> edges;          // of the mid-edge nodes (quadratic elements)
+  std::vector<std::int32_t> local;                      // node -> local node
+  BlockPattern pattern;
+  double force_floor = 0;                               // 1e-12 E L^2 [N]
+  double round_off = 0;                                 // no residual can be told from zero below this [N]
+  bool needs_positive_jacobian = false;
+  const ElementKernels* kernels = nullptr;
+
+  std::vector<std::int32_t> element_node, element_block;
+  std::vector<double> element_gradient, element_volume;
+  std::vector<std::int8_t> element_block_kind;
+  LawConstants constants;
+  int nodes_per_element = 4;
+  ElementView view() const;
+
+  std::int64_t local_size() const { return 3 * (free_nodes + 2); }
+  // #V x 3 by node (mesh nodes, then mid-edge nodes) <-> local vector. A node that no element uses stays at rest.
+  void to_local(const std::vector<double>& by_node, double* u) const;
+  std::vector<double> to_nodes(const double* u) const;
+};
+
+// The mesh need not be clamped or touched (then all nodes are free).
+Discretisation discretise(const Body& body);
+
+// A fill-reducing elimination order of a graph given as sorted adjacency lists: order[i] is the node eliminated i-th.
+// positions [m] by node serve nested dissection.
+std::vector<std::int32_t> elimination_order(const std::vector<std::vector<std::int32_t>>& adjacency,
+                                            const std::vector<Vec3>& positions);
+
+}  // namespace forefeel

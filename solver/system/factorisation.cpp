@@ -1,0 +1,238 @@
+#include "solver/system/factorisation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+// A supernode before layout: nodes first .. first + pivots - 1 with these later nodes in common.
+struct Supernode {
+  std::int32_t first = 0, pivots = 0;
+  std::vector<std::int32_t> rest;      // sorted; the contact, numbered n, is last where present
+};
+
+double elimination_flops(double pivots, double rest) {
+  const double k = 3 * pivots, m = 3 * (pivots + rest);
+  return k * m * m - k * k * m + k * k * k / 3;
+}
+
+// What a front costs besides its flops: its bookkeeping, and handing its update matrix to the parent.
+double front_cost(const Supernode& s) {
+  const double rest = static_cast<double>(s.rest.size());
+  return 10000 + 150 * rest * rest + elimination_flops(s.pivots, rest);
+}
+
+std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free_nodes) {
+  const auto n = static_cast<std::size_t>(free_nodes);
+  std::vector<std::vector<std::int32_t>> column(n), children(n);
+  std::vector<std::size_t> mark(n + 1, n + 1);
+  std::vector<Supernode> result;
+  for (std::size_t j = 0; j < n; ++j) {
+    const auto take = [&](std::int32_t i) {
+      if (static_cast<std::size_t>(i) <= j || mark[static_cast<std::size_t>(i)] == j) return;
+      mark[static_cast<std::size_t>(i)] = j;
+      column[j].push_back(i);
+    };
+    for (std::int64_t s = pattern.row_start[j]; s < pattern.row_start[j + 1]; ++s)
+      take(pattern.column[static_cast<std::size_t>(s)]);
+    for (const std::int32_t child : children[j])
+      for (const std::int32_t i : column[static_cast<std::size_t>(child)]) take(i);
+    std::sort(column[j].begin(), column[j].end());
+    if (!column[j].empty() && static_cast<std::size_t>(column[j][0]) < n)
+      children[static_cast<std::size_t>(column[j][0])].push_back(static_cast<std::int32_t>(j));
+    Supernode fresh{static_cast<std::int32_t>(j), 1, column[j]};
+    // Joined with the supernode before it while that is a child and the joint front is the cheaper.
+    while (!result.empty()) {
+      const Supernode& last = result.back();
+      const bool child = !last.rest.empty() && last.rest[0] >= fresh.first && last.rest[0] < fresh.first + fresh.pivots;
+      if (!child) break;
+      Supernode joint{last.first, last.pivots + fresh.pivots, fresh.rest};
+      const bool same = last.rest.size() == fresh.rest.size() + static_cast<std::size_t>(fresh.pivots);
+      if (!same && front_cost(joint) > front_cost(last) + front_cost(fresh)) break;
+      result.pop_back();
+      fresh = std::move(joint);
+    }
+    result.push_back(std::move(fresh));
+    for (const std::int32_t child : children[j]) std::vector<std::int32_t>().swap(column[static_cast<std::size_t>(child)]);
+  }
+  return result;
+}
+
+std::int64_t padded(std::int64_t count) { return (count + lane_count - 1) / lane_count * lane_count; }
+
+}  // namespace
+
+// The layout of all fronts: fixed by the pattern, shared by all factors of one body.
+struct FactorLayout {
+  std::vector<Front> fronts;
+  std::vector<std::int32_t> rows, children, place;
+  std::vector<ExtendRun> runs;
+  std::vector<std::int64_t> row_start;
+  std::int64_t free_nodes = 0, panel_size = 0, stack_size = 0, most_rest = 0;
+  double flops = 0;
+
+  FactorLayout(const BlockPattern& pattern, std::int64_t n) : row_start(pattern.row_start), free_nodes(n) {
+    place_fronts(supernodes(pattern, n));
+    place_blocks(pattern);
+    place_stack();
+  }
+
+  FrontTree tree() const {
+    FrontTree t;
+    t.count = static_cast<std::int64_t>(fronts.size());
+    t.free_nodes = free_nodes;
+    t.fronts = fronts.data();
+    t.rows = rows.data();
+    t.children = children.data();
+    t.runs = runs.data();
+    t.row_start = row_start.data();
+    t.place = place.data();
+    t.block_count = static_cast<std::int64_t>(place.size());
+    return t;
+  }
+
+ private:
+  // Position of a node within a front: pivots first, then the rest.
+  std::int32_t position(const Front& f, std::int32_t node) const {
+    if (node < f.first + f.pivots) return node - f.first;
+    const auto begin = rows.begin() + f.rows, end = begin + f.rest;
+    return f.pivots + static_cast<std::int32_t>(std::lower_bound(begin, end, node) - begin);
+  }
+
+  void place_fronts(const std::vector<Supernode>& supernode) {
+    std::vector<std::int32_t> owner(static_cast<std::size_t>(free_nodes));
+    for (std::size_t s = 0; s < supernode.size(); ++s)
+      for (std::int32_t i = 0; i < supernode[s].pivots; ++i)
+        owner[static_cast<std::size_t>(supernode[s].first + i)] = static_cast<std::int32_t>(s);
+    for (const Supernode& s : supernode) {
+      Front f;
+      f.first = s.first;
+      f.pivots = s.pivots;
+      f.rest = static_cast<std::int32_t>(s.rest.size());
+      f.rows = static_cast<std::int64_t>(rows.size());
+      rows.insert(rows.end(), s.rest.begin(), s.rest.end());
+      if (!s.rest.empty() && s.rest[0] < free_nodes) f.parent = owner[static_cast<std::size_t>(s.rest[0])];
+      f.ld = padded(3 * (f.pivots + f.rest));
+      f.panel = panel_size;
+      panel_size += 3 * f.pivots * f.ld;
+      f.update_ld = padded(3 * f.rest);
+      most_rest = std::max<std::int64_t>(most_rest, f.rest);
+      flops += elimination_flops(f.pivots, f.rest);
+      fronts.push_back(f);
+    }
+    std::vector<std::vector<std::int32_t>> of(fronts.size());
+    for (std::size_t s = 0; s < fronts.size(); ++s)
+      if (fronts[s].parent >= 0) of[static_cast<std::size_t>(fronts[s].parent)].push_back(static_cast<std::int32_t>(s));
+    for (std::size_t s = 0; s < fronts.size(); ++s) {
+      fronts[s].children = static_cast<std::int64_t>(children.size());
+      fronts[s].child_count = static_cast<std::int64_t>(of[s].size());
+      children.insert(children.end(), of[s].begin(), of[s].end());
+    }
+    for (Front& f : fronts) {
+      f.runs = static_cast<std::int64_t>(runs.size());
+      if (f.parent < 0) continue;
+      const Front& parent = fronts[static_cast<std::size_t>(f.parent)];
+      for (std::int32_t i = 0; i < f.rest; ++i) {
+        const std::int32_t to = position(parent, rows[static_cast<std::size_t>(f.rows + i)]);
+        const bool goes_on = f.run_count > 0 && runs.back().to + runs.back().length == to;
+        if (goes_on)
+          ++runs.back().length;
+        else
+          runs.push_back({i, to, 1}), ++f.run_count;
+      }
+    }
+  }
+
+  void place_blocks(const BlockPattern& pattern) {
+    place.resize(pattern.column.size());
+    for (const Front& f : fronts)
+      for (std::int32_t i = f.first; i < f.first + f.pivots; ++i)
+        for (std::int64_t s = row_start[static_cast<std::size_t>(i)]; s < row_start[static_cast<std::size_t>(i) + 1]; ++s)
+          place[static_cast<std::size_t>(s)] = position(f, pattern.column[static_cast<std::size_t>(s)]);
+  }
+
+  // Two stacks, for fronts of even and odd depth: a front's update matrix is made on the one while those of its children
+  // lie on top of the other, so that nothing has to be moved.
+  void place_stack() {
+    std::vector<char> odd(fronts.size(), 0);
+    for (std::size_t s = fronts.size(); s-- > 0;)
+      if (fronts[s].parent >= 0) odd[s] = !odd[static_cast<std::size_t>(fronts[s].parent)];
+    std::int64_t top[2] = {0, 0}, size[2] = {0, 0};
+    for (std::size_t s = 0; s < fronts.size(); ++s) {
+      Front& f = fronts[s];
+      const std::size_t mine = odd[s] != 0 ? 1 : 0;
+      f.update = top[mine];
+      size[mine] = std::max(size[mine], f.update + 3 * f.rest * f.update_ld);
+      if (f.child_count > 0)
+        top[1 - mine] = fronts[static_cast<std::size_t>(children[static_cast<std::size_t>(f.children)])].update;
+      if (f.parent >= 0) top[mine] = f.update + 3 * f.rest * f.update_ld;
+    }
+    for (std::size_t s = 0; s < fronts.size(); ++s)
+      if (odd[s] != 0) fronts[s].update += size[0];
+    stack_size = size[0] + size[1];
+  }
+};
+
+struct Factorisation::Impl {
+  std::shared_ptr<const FactorLayout> layout;
+  const FrontKernels& kernels = front_kernels();
+  std::vector<double> panels, stack;
+  mutable std::vector<double> work;
+  double corner[9] = {};
+  std::int64_t free_nodes;
+
+  explicit Impl(const Discretisation& d)
+      : layout(std::make_shared<const FactorLayout>(d.pattern, d.free_nodes)), free_nodes(d.free_nodes) {
+    panels.resize(static_cast<std::size_t>(layout->panel_size + 2 * lane_count));
+    stack.resize(static_cast<std::size_t>(layout->stack_size + 2 * lane_count));
+    work.resize(static_cast<std::size_t>((3 * layout->most_rest + lane_count) * lane_count));
+  }
+};
+
+Factorisation::Factorisation(const Discretisation& discretisation) : impl_(std::make_unique<Impl>(discretisation)) {}
+Factorisation::~Factorisation() = default;
+Factorisation::Factorisation(Factorisation&&) noexcept = default;
+
+bool Factorisation::compute(const double* blocks) {
+  Impl& f = *impl_;
+  return f.kernels.factor(f.layout->tree(), blocks, f.panels.data(), f.stack.data(), f.corner);
+}
+
+void Factorisation::solve(double* b) const {
+  const Impl& f = *impl_;
+  const FrontTree tree = f.layout->tree();
+  std::fill_n(b + 3 * f.free_nodes, 3, 0.0);
+  f.kernels.forward(tree, f.panels.data(), b, f.work.data());
+  std::fill_n(b + 3 * f.free_nodes, 3, 0.0);
+  f.kernels.backward(tree, f.panels.data(), b, f.work.data());
+}
+
+void Factorisation::solve_lanes(double* b) const {
+  const Impl& f = *impl_;
+  const FrontTree tree = f.layout->tree();
+  std::fill_n(b + 3 * f.free_nodes * lane_count, 3 * lane_count, 0.0);
+  f.kernels.forward_lanes(tree, f.panels.data(), b, f.work.data());
+  std::fill_n(b + 3 * f.free_nodes * lane_count, 3 * lane_count, 0.0);
+  f.kernels.backward_lanes(tree, f.panels.data(), b, f.work.data());
+}
+
+Mat3 Factorisation::stiffness() const { return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(impl_->corner); }
+
+void Factorisation::tangent(double* v) const {
+  const Impl& f = *impl_;
+  const std::int64_t n = 3 * f.free_nodes;
+  std::vector<double> lanes(static_cast<std::size_t>((n + 6) * lane_count), 0.0);
+  for (int c = 0; c < 3; ++c) lanes[static_cast<std::size_t>((n + c) * lane_count + c)] = 1;
+  f.kernels.backward_lanes(f.layout->tree(), f.panels.data(), lanes.data(), f.work.data());
+  for (int c = 0; c < 3; ++c)
+    for (std::int64_t i = 0; i < n + 6; ++i) v[c * (n + 6) + i] = lanes[static_cast<std::size_t>(i * lane_count + c)];
+}
+
+FactorCost Factorisation::cost() const {
+  const FactorLayout& l = *impl_->layout;
+  return {static_cast<std::int64_t>(l.fronts.size()), l.flops,
+          8 * static_cast<std::int64_t>(impl_->panels.size()), 8 * static_cast<std::int64_t>(impl_->stack.size())};
+}
+
+}  // namespace forefeel

@@ -1,0 +1,136 @@
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <random>
+
+#include "geometry/common/error.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "tests/support/mesh_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace forefeel;
+using test::TemporaryFolder;
+
+namespace {
+
+std::string error_of(const std::filesystem::path& file) {
+  try {
+    TetMesh mesh = read_mesh(file);
+    check_and_orient(mesh, file.string());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Any outcome but a valid mesh or one clear line is a failure (a crash shows itself).
+bool sound(const std::filesystem::path& file) {
+  try {
+    TetMesh mesh = read_mesh(file);
+    check_and_orient(mesh, file.string());
+    return quality(mesh).volume > 0;
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    return line.find(file.string()) == 0 && line.find('\n') == std::string::npos;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every format gives the same mesh") {
+  const TemporaryFolder folder;
+  const TetMesh expected = test::sample_mesh();
+  for (const auto& [name, content] : test::sample_mesh_files()) {
+    INFO(name);
+    const TetMesh mesh = read_mesh(folder.write(name, content));
+    REQUIRE(mesh.nodes.size() == expected.nodes.size());
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) CHECK(mesh.nodes[i] == expected.nodes[i]);
+    CHECK(mesh.tets == expected.tets);
+    if (name.ends_with(".msh")) CHECK(mesh.groups.at("held") == expected.groups.at("held"));
+    if (name.ends_with(".mesh")) CHECK(mesh.groups.at("ref_vertices_7") == expected.groups.at("held"));
+  }
+}
+
+TEST_CASE("a written mesh is read back bit for bit") {
+  const TemporaryFolder folder;
+  TetMesh mesh = phantom("ball", 300);
+  mesh.groups["a name with spaces"] = {1, 5, 9};
+  write_msh(folder / "ball.msh", mesh);
+  const TetMesh again = read_mesh(folder / "ball.msh");
+  CHECK(again.nodes == mesh.nodes);
+  CHECK(again.tets == mesh.tets);
+  for (const auto& [name, nodes] : mesh.groups) CHECK(again.groups.at(name) == nodes);
+  CHECK(folder.entries() == 1);     // no temporary file is left
+}
+
+TEST_CASE("a mesh file cut at any byte is refused in one line, or still a valid mesh") {
+  const TemporaryFolder folder;
+  for (const auto& [name, content] : test::sample_mesh_files())
+    for (std::size_t length = 0; length < content.size(); ++length) {
+      const auto file = folder.write("cut_" + name, content.substr(0, length));
+      if (!sound(file)) FAIL_CHECK(name << " cut after " << length << " bytes");
+    }
+}
+
+TEST_CASE("a mesh file with damaged bytes is refused in one line, or still a valid mesh") {
+  const TemporaryFolder folder;
+  std::mt19937 random(1);
+  for (const auto& [name, content] : test::sample_mesh_files())
+    for (int trial = 0; trial < 400; ++trial) {
+      std::string damaged = content;
+      for (int k = 0; k < 1 + trial % 3; ++k) {
+        const std::size_t at = random() % damaged.size();
+        damaged[at] = trial % 2 ? static_cast<char>(random()) : "0123456789-.e \n"[random() % 15];
+      }
+      const auto file = folder.write("damaged_" + name, damaged);
+      if (!sound(file)) FAIL_CHECK(name << " trial " << trial);
+    }
+}
+
+TEST_CASE("mesh errors name file and line") {
+  const TemporaryFolder folder;
+  const std::string good = test::sample_mesh_files().at("gmsh22_ascii.msh");
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return error_of(folder.write("bad.msh", text.replace(at, from.size(), to)));
+  };
+  CHECK(error_of(folder / "absent.msh").find("absent.msh: cannot be read") != std::string::npos);
+  CHECK(error_of(folder.write("empty.msh", "")).find("empty.msh: is empty") != std::string::npos);
+  CHECK(error_of(folder.path()).find("unknown kind of mesh") != std::string::npos);
+  CHECK(error_of(folder.write("what.stl", "solid")).find("expected .msh, .vtk, .vtu or .mesh") != std::string::npos);
+  CHECK(error_of(folder.write("hello.msh", "hello")).find("hello.msh:1: is not a Gmsh file") != std::string::npos);
+  CHECK(changed("1.25", "one").find("bad.msh:12: 'one' is not a number") != std::string::npos);
+  CHECK(changed("1.25", "nan").find("not finite") != std::string::npos);
+  CHECK(changed(" 13 ", " 14 ").find("names node 14, which is not in $Nodes") != std::string::npos);
+  CHECK(changed("2.2 0 8", "4.0 0 8").find("bad.msh:2: Gmsh format 4.0 is not read") != std::string::npos);
+  CHECK(changed(" 4 2 1 1", " 5 2 1 1").find("is not a linear tetrahedron") != std::string::npos);
+  CHECK(changed("$Nodes\n6", "$Nodes\n999999999").find("cut short") != std::string::npos);
+  CHECK(changed("$Nodes\n6", "$Nodes\n-6").find("negative") != std::string::npos);
+  const std::string no_tets = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 15 2 0 1 1\n$EndElements\n";
+  CHECK(error_of(folder.write("points.msh", no_tets)).find("holds no tetrahedra") != std::string::npos);
+}
+
+TEST_CASE("a mesh that cannot be written says so and leaves nothing") {
+  const TemporaryFolder folder;
+  const TetMesh mesh = test::sample_mesh();
+  CHECK_THROWS_AS(write_msh(folder / "no/such/folder.msh", mesh), InputError);
+  CHECK_THROWS_AS(write_msh(folder.path(), mesh), InputError);
+  CHECK_THROWS_WITH(write_msh("/dev/full", mesh), Catch::Contains("cannot be written: No space left"));
+  CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("real Gmsh 2.2 files", "[shared]") {
+  if (test::shared_folder().empty()) {
+    WARN("no reference data beside the sources, skipped");
+    return;
+  }
+  const TetMesh liver = read_mesh(test::shared_folder() + "/liver/liver_1777.msh");
+  CHECK(liver.nodes.size() == 501);
+  CHECK(liver.tets.size() == 1725);
+  CHECK(longest_side(liver) == Approx(0.22).epsilon(0.02));
+  const TetMesh beam = read_mesh(test::shared_folder() + "/beam/beam.msh");
+  CHECK(quality(beam).volume == Approx(0.1 * 0.02 * 0.02).epsilon(1e-12));
+}
