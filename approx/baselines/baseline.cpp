@@ -33,11 +33,13 @@ struct Functions {
 Functions choose() {
 #ifdef FOREFEEL_MULTIVERSION
   if (approx_instruction_set() == InstructionSet::avx512)
-    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum, avx512::scalar_hermite_sum};
+    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum,
+            avx512::scalar_hermite_sum};
   if (approx_instruction_set() == InstructionSet::avx2)
     return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum, avx2::scalar_hermite_sum};
 #endif
-  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum, portable::scalar_hermite_sum};
+  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum,
+          portable::scalar_hermite_sum};
 }
 
 const Functions& functions() {
@@ -82,8 +84,8 @@ void scalar_evaluate(std::size_t n, const double* positions, const double* coeff
                      double f[3]) {
   functions().sum(n, positions, coefficients, x, f);
 }
-void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial, const double x[3],
-                             double f[3]) {
+void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial,
+                             const double x[3], double f[3]) {
   functions().hermite_sum(n, centres, polynomial, x, f);
 }
 

@@ -34,7 +34,7 @@ void scalar_evaluate(std::size_t n, const double* positions, const double* coeff
                      double f[3]);
 // r^5 on force and stiffness, quadratic p. centres: n x 15, position, coefficients of the force, of the stiffness
 // (3 x 3); polynomial: 3 x 10 over 1 x y z xx yy zz xy xz yz.
-void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial, const double x[3],
-                             double f[3]);
+void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial,
+                             const double x[3], double f[3]);
 
 }  // namespace forefeel

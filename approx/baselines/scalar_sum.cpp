@@ -24,7 +24,7 @@ void scalar_sum(std::size_t n, const double* positions, const double* coefficien
 }
 
 void scalar_hermite_sum(std::size_t n, const double* centres, const double* polynomial, const double* x,
-                            double* f) {
+                        double* f) {
   const double terms[10] = {1,           x[0],        x[1],        x[2],        x[0] * x[0],
                             x[1] * x[1], x[2] * x[2], x[0] * x[1], x[0] * x[2], x[1] * x[2]};
   for (std::size_t c = 0; c < 3; ++c) {

@@ -252,8 +252,7 @@ double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const double w = slot_[slot].sample.weight;
   const int k = level_.power - (functional > 0 ? 2 : 0);
   const double given =
-      options_.ridge +
-      (weighted_ ? least_ridge(level_.power, level_.hermite, functional == 0) : 0);
+      options_.ridge + (weighted_ ? least_ridge(level_.power, level_.hermite, functional == 0) : 0);
   if (w >= 1) return given;
   const double h =
       (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;

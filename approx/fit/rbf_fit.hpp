@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "approx/fit/dense_factor.hpp"
-#include "approx/model/model_data.hpp"
 #include "approx/fit/polynomial.hpp"
+#include "approx/model/model_data.hpp"
 
 namespace forefeel {
 

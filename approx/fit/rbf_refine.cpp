@@ -4,22 +4,24 @@
 #include <cmath>
 #include <limits>
 
-#include "approx/loops/exact_sums.hpp"
 #include "approx/fit/rbf_fit.hpp"
+#include "approx/loops/exact_sums.hpp"
 
 namespace forefeel {
 namespace {
 
 // States watched at a time: an evaluation of a small set costs little beside its update.
-constexpr std::size_t watched(std::size_t n) { return n <= 16 ? n : n <= 32 ? 16 : 8; }
+constexpr std::size_t watched(std::size_t n) {
+  return n <= 16 ? n : n <= 32 ? 16 : 8;
+}
 // Where digits count as lost. Factors of lattices, fresh or not, stay below these: by a factor of two or more
 // for 25 to 75 Hermite and 100 to 300 plain states.
-constexpr double lost = 3e-14;            // misfit, per 100 rows, and P^T lambda, in units of the largest force
-constexpr double least_pivot = 1e-5;      // of K
-constexpr double least_determined = 1e-3; // pivot ratio of P
+constexpr double lost = 3e-14;        // misfit, per 100 rows, and P^T lambda, in units of the largest force
+constexpr double least_pivot = 1e-5;  // of K
+constexpr double least_determined = 1e-3;  // pivot ratio of P
 constexpr int most_refinements = 6;
 constexpr std::size_t most_refined = 32;  // states; a refit of more takes less time than a refinement
-constexpr double settled = 1e-8;  // last correction against the coefficients
+constexpr double settled = 1e-8;          // last correction against the coefficients
 
 }  // namespace
 
@@ -36,7 +38,8 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
   double largest = 0;
   for (const std::uint32_t s : living_) largest = std::max(largest, slot_array(force_norm)[s]);
   double sums[3 * max_terms];
-  dense::loops().dots3(q, factor_.rows(), orthogonal_.data() + q * row_stride_, lagrange_.data(), row_stride_, sums);
+  dense::loops().dots3(q, factor_.rows(), orthogonal_.data() + q * row_stride_, lagrange_.data(), row_stride_,
+                       sums);
   for (std::size_t k = 0; k < 3 * q; ++k)
     if (!(std::abs(sums[k]) <= lost * largest)) {
       worn_ = updated_;
@@ -53,7 +56,8 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
     out.raw(y, f);
     double squared = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double left = slot_array(force + c)[s] - f[c] - sign_ * ridge(s, 0) * out.data[(3 + c) * out.stride + i];
+      const double left =
+          slot_array(force + c)[s] - f[c] - sign_ * ridge(s, 0) * out.data[(3 + c) * out.stride + i];
       squared += left * left;
     }
     return !(squared <= allowed * allowed);
@@ -115,13 +119,16 @@ void RbfFit::correct(Model::Impl& out, double by) {
     const double* lambda = correction_.data() + c * row_stride_;
     for (std::size_t i = 0; i < living_.size(); ++i)
       for (std::size_t t = 0; t < b; ++t)
-        out.data[(3 + (t == 0 ? c : 2 + 3 * c + t)) * out.stride + i] += by * sign_ * lambda[living_[i] * b + t];
+        out.data[(3 + (t == 0 ? c : 2 + 3 * c + t)) * out.stride + i] +=
+            by * sign_ * lambda[living_[i] * b + t];
     for (std::size_t t = 0; t < max_terms; ++t) out.polynomial[t][c] += by * polynomial_correction_[c][t];
   }
 }
 
 // Each round sums over all pairs of states in twice the working precision.
-bool RbfFit::refit_is_cheaper() const { return mode_ == Mode::automatic && updated_ && alive_ > most_refined; }
+bool RbfFit::refit_is_cheaper() const {
+  return mode_ == Mode::automatic && updated_ && alive_ > most_refined;
+}
 
 // False where it did not converge: more has been lost than the factor can bring back.
 bool RbfFit::refine(Model::Impl& out) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "approx/loops/kernel_sums.hpp"
 #include "approx/fit/rbf_fit.hpp"
+#include "approx/loops/kernel_sums.hpp"
 
 namespace forefeel {
 // min |Y_P c - Y_f| by modified Gram-Schmidt on [Y_P Y_f], whose last columns become the residual; then
@@ -83,7 +83,8 @@ double largest_of(const double* values, std::size_t n) {
 // The bound B; where no stiffness is known, twice the largest secant from the mean of the states stands for K.
 void RbfFit::set_bound(Model::Impl& out) {
   double largest = 0;
-  for (std::size_t s = 0; s < slots_; ++s) largest = std::max(largest, slot_array(share)[s] * slot_array(stiffness_norm)[s]);
+  for (std::size_t s = 0; s < slots_; ++s)
+    largest = std::max(largest, slot_array(share)[s] * slot_array(stiffness_norm)[s]);
   if (largest == 0) {
     Vec3 at = Vec3::Zero(), mean = Vec3::Zero();  // position, force
     double total = 0, squared = 0;
@@ -100,8 +101,10 @@ void RbfFit::set_bound(Model::Impl& out) {
     mean /= total;
     const double least = 0.5 * std::sqrt(std::max(0.0, squared / total - at.squaredNorm()));
     for (std::size_t s = 0; s < slots_; ++s) {
-      const double w = slot_array(share)[s], apart = std::max(least, (slot_[s].sample.at - centre_ - at).norm());
-      if (w > 0 && apart > 0) largest = std::max(largest, 2 * w * (slot_[s].sample.force - mean).norm() / apart);
+      const double w = slot_array(share)[s],
+                   apart = std::max(least, (slot_[s].sample.at - centre_ - at).norm());
+      if (w > 0 && apart > 0)
+        largest = std::max(largest, 2 * w * (slot_[s].sample.force - mean).norm() / apart);
     }
   }
   out.largest_stiffness = largest;
@@ -151,7 +154,8 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
   const Sample& base = slot_[first].sample;
 
   const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;
-  const double radius = std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? mean.squaredNorm() : 0))) * scale_;
+  const double radius =
+      std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? mean.squaredNorm() : 0))) * scale_;
   double length = radius;
   if (weighted_ && half_ball > 0) {  // 0.68 of it is the usual spread; no more than that of what counts
     double counted[5];
@@ -173,8 +177,8 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
   if (out.power != 0 && bridge > 0) write_hull(out, out.whole, false, y);
 
   const double origin[3] = {px_[first], py_[first], pz_[first]};
-  loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), slot_data_.data(), slot_stride_,
-                slot_array(away), nearest, farthest, origin, sum);
+  loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), slot_data_.data(),
+                slot_stride_, slot_array(away), nearest, farthest, origin, sum);
   bool known = true;
   for (std::size_t s = 0; s < slots_ && known; ++s)
     known = slot_array(stiffness_norm)[s] > 0 || slot_array(in_use)[s] == 0 ||
@@ -233,7 +237,8 @@ void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool ne
 
 // Where not every stiffness is known: the force of a state and the slope of the sum there, never steeper than
 // what is known; the mean of those about as near as the nearest where the HIP is outside, where it may count.
-void RbfFit::write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest, double farthest) {
+void RbfFit::write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest,
+                                  double farthest) {
   const Sample& base = slot_[first].sample;
   out.tangent_at = base.at;
   out.tangent_force = base.force;
@@ -248,7 +253,9 @@ void RbfFit::write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t
   Mat3 jacobian = Mat3::Zero();
   for (std::size_t s = 0; s < slots_; ++s) {
     if (!slot_[s].alive || (!outside && s != first)) continue;
-    const double near = outside && behind > 0 ? 1 - (slot_array(away)[s] - nearest) / behind : s == first ? 1 : 0;
+    const double near = outside && behind > 0 ? 1 - (slot_array(away)[s] - nearest) / behind
+                        : s == first          ? 1
+                                              : 0;
     if (!(near > 0)) continue;
     const double share_of = near * near * slot_array(share)[s];
     const Mat3 slope = slope_of_sum(out, slot_[s].sample.at);

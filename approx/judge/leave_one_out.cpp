@@ -43,12 +43,14 @@ Eigen::RowVectorXd monomials(const Row& row, int degree) {
   if (row.axis < 0) {
     p[0] = 1;
     if (degree >= 1) p.segment<3>(1) = x.transpose();
-    if (degree == 2) p.tail<6>() << x[0] * x[0], x[1] * x[1], x[2] * x[2], x[0] * x[1], x[0] * x[2], x[1] * x[2];
+    if (degree == 2)
+      p.tail<6>() << x[0] * x[0], x[1] * x[1], x[2] * x[2], x[0] * x[1], x[0] * x[2], x[1] * x[2];
     return p;
   }
   if (degree >= 1) p[1 + row.axis] = 1;
   if (degree == 2) {
-    const int other[3][2] = {{7, 8}, {7, 9}, {8, 9}};  // of xy, xz, yz those with this axis, lower partner first
+    const int other[3][2] = {
+        {7, 8}, {7, 9}, {8, 9}};  // of xy, xz, yz those with this axis, lower partner first
     const int partner[3][2] = {{1, 2}, {0, 2}, {0, 1}};
     p[4 + row.axis] = 2 * x[row.axis];
     for (int t = 0; t < 2; ++t) p[other[row.axis][t]] = x[partner[row.axis][t]];
@@ -130,7 +132,8 @@ class Crossed {
     MatrixXd k(m, m);
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j <= i; ++j)
-        k(i, j) = k(j, i) = (power == 3 ? 1 : -1) * kernel(rows_[std::size_t(i)], rows_[std::size_t(j)], power);
+        k(i, j) = k(j, i) =
+            (power == 3 ? 1 : -1) * kernel(rows_[std::size_t(i)], rows_[std::size_t(j)], power);
     const MatrixXd z = MatrixXd(qr.householderQ()).rightCols(m - q);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(z.transpose() * k * z);
     values_ = eigen.eigenvalues();

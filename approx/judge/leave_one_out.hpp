@@ -20,8 +20,8 @@ namespace forefeel {
 std::vector<Vec3> leave_one_out(std::span<const State> states, const ModelOptions& options);
 
 struct RidgeChoice {
-  double ridge = 0;     // in the units of ModelOptions::ridge
-  double missed = 0;    // root mean square of the forces missed with it [N]
+  double ridge = 0;       // in the units of ModelOptions::ridge
+  double missed = 0;      // root mean square of the forces missed with it [N]
   double unsmoothed = 0;  // the same with none [N]
 };
 

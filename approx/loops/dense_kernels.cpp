@@ -10,9 +10,9 @@ namespace {
 
 using dense::border;
 using dense::most_rows;
-constexpr std::size_t block = 8;                           // columns that a solve takes at a time
+constexpr std::size_t block = 8;                            // columns that a solve takes at a time
 constexpr std::size_t most_together = width == 8 ? 20 : 8;  // vectors of an update that fit into registers
-constexpr std::size_t rows_together = width == 8 ? 4 : 2;  // rows whose factors fit into registers
+constexpr std::size_t rows_together = width == 8 ? 4 : 2;   // rows whose factors fit into registers
 
 // action(n) with n, Least <= n <= Most, known when this is compiled.
 template <std::size_t Least, std::size_t Most, class Action>
@@ -94,7 +94,8 @@ FOREFEEL_INLINE void subtract_block(const double* __restrict l, std::size_t stri
 
 // The last columns, fewer than a block.
 FOREFEEL_INLINE void solve_end(const double* l, std::size_t stride, const double* inverse, const double* y,
-                               std::size_t c, std::size_t m, double* __restrict row, double* __restrict side) {
+                               std::size_t c, std::size_t m, double* __restrict row,
+                               double* __restrict side) {
   for (std::size_t t = c; t < m; ++t) {
     double value = row[t];
     for (std::size_t s = c; s < t; ++s) value -= row[s] * l[s * stride + t];
@@ -119,9 +120,10 @@ void solve_rows(const double* l, std::size_t stride, const double* inverse, cons
       double* x = rows + r * row_stride;
       double* s = side + r * border;
       const std::size_t some = count - r < rows_together ? count - r : rows_together;
-      with_count<1, 4>(some, [&](auto rows_of) __attribute__((always_inline)) {
-        subtract_block<rows_of>(l, stride, y, m, c, x, row_stride, s);
-      });
+      with_count<1, 4>(
+          some, [&](auto rows_of) __attribute__((always_inline)) {
+            subtract_block<rows_of>(l, stride, y, m, c, x, row_stride, s);
+          });
     }
   }
   for (std::size_t r = 0; r < count; ++r)
@@ -250,7 +252,8 @@ struct Columns {
   double *l, *y, *v, *side;
   std::size_t stride, vs, m, col;
 
-  inline __attribute__((always_inline)) void rows(const Corner<G, C>& corner, std::size_t i, std::size_t skip = 0) const {
+  inline __attribute__((always_inline)) void rows(const Corner<G, C>& corner, std::size_t i,
+                                                  std::size_t skip = 0) const {
     double* at[C];
     for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
     reflect_rows<G, C>(corner.h, at, v + i, vs, skip);
@@ -280,8 +283,9 @@ struct Columns {
 // soon as their rows are there: their roots and divisions take their time while the rest of the rows is reflected.
 template <std::size_t G, std::size_t C>
 FOREFEEL_INLINE std::size_t update_by(double* __restrict l, std::size_t stride, double* __restrict inverse,
-                                      double* __restrict y, std::size_t first, std::size_t last, std::size_t m,
-                                      double* __restrict v, std::size_t vs, double* __restrict side) {
+                                      double* __restrict y, std::size_t first, std::size_t last,
+                                      std::size_t m, double* __restrict v, std::size_t vs,
+                                      double* __restrict side) {
   Columns<G, C> columns{l, y, v, side, stride, vs, m, first};
   if constexpr (G <= 8) {
     for (; columns.col + C <= last; columns.col += C) {
@@ -321,9 +325,10 @@ void update_columns(double* l, std::size_t stride, double* inverse, double* y, s
     if (count > 12) return update_by<16>(l, stride, inverse, y, first, last, m, v, vs, side);
     if (count > 8) return update_by<12>(l, stride, inverse, y, first, last, m, v, vs, side);
   }
-  with_count<1, 8>(count, [&](auto together) __attribute__((always_inline)) {
-    update_by<together>(l, stride, inverse, y, first, last, m, v, vs, side);
-  });
+  with_count<1, 8>(
+      count, [&](auto together) __attribute__((always_inline)) {
+        update_by<together>(l, stride, inverse, y, first, last, m, v, vs, side);
+      });
 }
 
 // Rows from `begin` on of one column.
@@ -400,8 +405,7 @@ void solve_transposed3(const double* l, std::size_t stride, const double* invers
       const double z3 = (z[3] - s[3]) * inverse[c0 + 3];
       const double z2 = (z[2] - s[2] - b2[c0 + 3] * z3) * inverse[c0 + 2];
       const double z1 = (z[1] - s[1] - b1[c0 + 3] * z3 - b1[c0 + 2] * z2) * inverse[c0 + 1];
-      const double z0 =
-          (z[0] - s[0] - b[c0 + 3] * z3 - b[c0 + 2] * z2 - b[c0 + 1] * z1) * inverse[c0];
+      const double z0 = (z[0] - s[0] - b[c0 + 3] * z3 - b[c0 + 2] * z2 - b[c0 + 1] * z1) * inverse[c0];
       store_four(z, z0, z1, z2, z3);
     }
   }
@@ -481,7 +485,9 @@ void orthogonalise(std::size_t q, std::size_t m, double* columns, std::size_t st
     for (std::size_t k = j + 1; k < all; ++k)
       (k < q ? upper[j * q + k] : right[(k - q) * q + j]) = products[k - j] / length;
     double* c = columns + j * stride;
-    with_count<3, 12>(all - j - 1, [&](auto after) __attribute__((always_inline)) { take_out<after>(m, c, stride, products); });
+    with_count<3, 12>(
+        all - j - 1, [&](auto after)
+                         __attribute__((always_inline)) { take_out<after>(m, c, stride, products); });
   }
   double* rest = columns + q * stride;
   if (q == 10) {
@@ -534,7 +540,7 @@ void dots3(std::size_t q, std::size_t m, const double* a, const double* v, std::
 }  // namespace
 
 extern const dense::Loops dense_loops;
-const dense::Loops dense_loops = {most_together,     solve_rows,        row_products, update_columns, pick, compact,
-                                  solve_transposed3, columns_of,   orthogonalise,  gram, dots3};
+const dense::Loops dense_loops = {most_together,     solve_rows, row_products,  update_columns, pick, compact,
+                                  solve_transposed3, columns_of, orthogonalise, gram,           dots3};
 
 }  // namespace forefeel::FOREFEEL_ISA

@@ -32,9 +32,9 @@ struct Loops {
   // Positive update L L^T := L L^T + V V^T of the columns first <= c < last by `count` vectors at v[t *
   // vector_stride] with borders at side[16 * t]; one reflection a column. Where count > 8, as many vectors as
   // make it a multiple of 4 are changed too: they must be zero in these columns.
-  void (*update_columns)(double* l, std::size_t stride, double* inverse_diagonal, double* y, std::size_t first,
-                         std::size_t last, std::size_t m, double* v, std::size_t vector_stride, double* side,
-                         std::size_t count);
+  void (*update_columns)(double* l, std::size_t stride, double* inverse_diagonal, double* y,
+                         std::size_t first, std::size_t last, std::size_t m, double* v,
+                         std::size_t vector_stride, double* side, std::size_t count);
   // to[i] = the i-th kept row of a column, i >= begin; 0 before.
   void (*pick)(const double* column, const Kept& kept, std::size_t begin, double* to);
   // The lower triangle moves up and left.

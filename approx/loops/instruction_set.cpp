@@ -13,13 +13,13 @@
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_LOOPS(isa)        \
-  namespace isa {                          \
-  extern const dense::Loops dense_loops;   \
-  extern const rows::Loops row_loops;      \
-  extern const sums::Loops sum_loops;      \
-  extern const exact::Loops exact_loops;   \
-  extern const view::Loops view_loops;     \
+#define FOREFEEL_DECLARE_LOOPS(isa)      \
+  namespace isa {                        \
+  extern const dense::Loops dense_loops; \
+  extern const rows::Loops row_loops;    \
+  extern const sums::Loops sum_loops;    \
+  extern const exact::Loops exact_loops; \
+  extern const view::Loops view_loops;   \
   }
 FOREFEEL_DECLARE_LOOPS(portable)
 #ifdef FOREFEEL_MULTIVERSION
@@ -57,10 +57,10 @@ InstructionSet choose() {
 }
 
 #ifdef FOREFEEL_MULTIVERSION
-#define FOREFEEL_CHOSEN(loops)                                    \
-  (approx_instruction_set() == InstructionSet::avx512 ? avx512::loops    \
-   : approx_instruction_set() == InstructionSet::avx2 ? avx2::loops      \
-                                               : portable::loops)
+#define FOREFEEL_CHOSEN(loops)                                        \
+  (approx_instruction_set() == InstructionSet::avx512 ? avx512::loops \
+   : approx_instruction_set() == InstructionSet::avx2 ? avx2::loops   \
+                                                      : portable::loops)
 #else
 #define FOREFEEL_CHOSEN(loops) portable::loops
 #endif

@@ -64,22 +64,21 @@ inline __attribute__((always_inline)) void project_of(std::size_t m, const doubl
   }
 }
 
-void values(int power, std::size_t n, const double* px, const double* py, const double* pz,
-                            const double a[3], double* out) {
+void values(int power, std::size_t n, const double* px, const double* py, const double* pz, const double a[3],
+            double* out) {
   if (power == 1) return values_of<1>(n, px, py, pz, a, out);
   if (power == 3) return values_of<3>(n, px, py, pz, a, out);
   values_of<5>(n, px, py, pz, a, out);
 }
 
 void hermite(int power, std::size_t n, const double* px, const double* py, const double* pz,
-                             const double a[3], double* out, std::size_t stride) {
+             const double a[3], double* out, std::size_t stride) {
   if (power == 3) return hermite_of<3>(n, px, py, pz, a, out, stride);
   hermite_of<5>(n, px, py, pz, a, out, stride);
 }
 
-void project(std::size_t q, std::size_t m, const double* l, const double* v,
-                             std::size_t stride, const double* la, const double* va, const double* weight,
-                             double* out) {
+void project(std::size_t q, std::size_t m, const double* l, const double* v, std::size_t stride,
+             const double* la, const double* va, const double* weight, double* out) {
   if (q == 1) return project_of<1>(m, l, v, stride, la, va, weight, out);
   if (q == 4) return project_of<4>(m, l, v, stride, la, va, weight, out);
   project_of<10>(m, l, v, stride, la, va, weight, out);

@@ -123,7 +123,7 @@ FOREFEEL_INLINE void add_hermite(const double* data, std::size_t stride, std::si
   const Pack low = power_of<K - 2>(d.r2, d.r);  // phi = low r^2
   const Pack phi = low * d.r2, slope = -double(K) * low;
   const Pack gx = slope * d.dx, gy = slope * d.dy, gz = slope * d.dz;
-  const auto add = [&](std::size_t c, Pack& s, Pack& t) __attribute__((always_inline)) {
+  const auto add = [&](std::size_t c, Pack & s, Pack & t) __attribute__((always_inline)) {
     const double* b = data + (6 + 3 * c) * stride + i;
     s = times_plus(phi, load(data + (3 + c) * stride + i), times_plus(gx, load(b), s));
     t = times_plus(gy, load(b + stride), times_plus(gz, load(b + 2 * stride), t));
@@ -154,13 +154,17 @@ template <int K>
 FOREFEEL_INLINE void finish(const Pack s[4], const double* p, const Pack y[3], double* f) {
 #if defined(__AVX2__)
   const Four at[3] = {first_four(y[0]), first_four(y[1]), first_four(y[2])};
-  const auto all_of = [&](int t) __attribute__((always_inline)) { return load_quad(p + 4 * t); };
+  const auto all_of = [&](int t) __attribute__((always_inline)) {
+    return load_quad(p + 4 * t);
+  };
   const Four all = sums_of(s) + value_of<K>(all_of, at);
   for (int c = 0; c < 3; ++c) f[c] = all[c];
 #else
   const double at[3] = {y[0][0], y[1][0], y[2][0]};
   for (int c = 0; c < 3; ++c) {
-    const auto one_of = [&](int t) __attribute__((always_inline)) { return p[4 * t + c]; };
+    const auto one_of = [&](int t) __attribute__((always_inline)) {
+      return p[4 * t + c];
+    };
     f[c] = sum_of(s[c]) + value_of<K>(one_of, at);
   }
 #endif
@@ -171,7 +175,9 @@ FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, c
   finish<K>(s, p, y, f);
   const double at[3] = {y[0][0], y[1][0], y[2][0]};
   for (int c = 0; c < 3; ++c) {
-    const auto one_of = [&](int k) __attribute__((always_inline)) { return p[4 * k + c]; };
+    const auto one_of = [&](int k) __attribute__((always_inline)) {
+      return p[4 * k + c];
+    };
     for (int d = 0; d < 3; ++d) j[3 * c + d] = sum_of(t[3 * c + d]) + slope_of<K>(one_of, at, d);
   }
 }
@@ -180,7 +186,8 @@ FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, c
 // G vectors of centres step by step together, so that little waits for what stands just before it; the last D take
 // their roots from the divider. phi = h + h e (1/2 + 3/8 e + 5/16 e^2), h = x^(K/2) by the estimated root.
 template <int K, std::size_t G, std::size_t D>
-FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::size_t i, const Pack y[3], Pack s[3]) {
+FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
+                                  Pack s[3]) {
   constexpr std::size_t E = G - D;
   Pack r2[G], phi[G], e[G], series[G];
   for (std::size_t d = 0; d < 3; ++d)
@@ -208,7 +215,8 @@ FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::s
 
 // In fours. Those left over come first: a root that takes long had better not be waited for at the end.
 template <int K>
-FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_t stride, const Pack y[3],
+                                   Pack s[3]) {
   n &= ~std::size_t{7};
   const std::size_t odd = n % (4 * width);
   if (odd == width) add_together<K, 1, 1>(data, stride, 0, y, s);
@@ -219,7 +227,8 @@ FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_
 #endif
 
 template <int K>
-FOREFEEL_INLINE void add_all_hermite(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+FOREFEEL_INLINE void add_all_hermite(std::size_t n, const double* data, std::size_t stride, const Pack y[3],
+                                     Pack s[3]) {
   HermiteSums sums;
   n &= ~std::size_t{7};
   for (std::size_t i = 0; i < n; i += width) add_hermite<K>(data, stride, i, y, sums);
@@ -229,7 +238,8 @@ FOREFEEL_INLINE void add_all_hermite(std::size_t n, const double* data, std::siz
 }
 
 template <int K, bool hermite>
-FOREFEEL_INLINE void add_all(std::size_t n, const double* data, std::size_t stride, const Pack y[3], Pack s[3]) {
+FOREFEEL_INLINE void add_all(std::size_t n, const double* data, std::size_t stride, const Pack y[3],
+                             Pack s[3]) {
   if constexpr (hermite) return add_all_hermite<K>(n, data, stride, y, s);
 #if defined(__AVX512F__)
   return add_all_plain<K>(n, data, stride, y, s);
@@ -267,7 +277,9 @@ bool quick(const sums::Sum& m, const double x[3], double f[3]) {
   Pack s[4] = {};
 #if defined(__AVX2__)
   const Four at[3] = {first_four(y[0]), first_four(y[1]), first_four(y[2])};
-  const auto all_of = [&](int t) __attribute__((always_inline)) { return load_quad(m.polynomial + 4 * t); };
+  const auto all_of = [&](int t) __attribute__((always_inline)) {
+    return load_quad(m.polynomial + 4 * t);
+  };
   Four polynomial = value_of<K>(all_of, at);
   asm("" : "+x"(polynomial));
   add_all<K, hermite>(m.n, m.data, m.stride, y, s);
@@ -432,9 +444,13 @@ void tangent(std::size_t n, const double* __restrict px, const double* __restric
 extern const sums::Loops sum_loops;
 const sums::Loops sum_loops = {
     {{quick<1, false>, quick<3, false>, quick<5, false>}, {nullptr, quick<3, true>, quick<5, true>}},
-    plain,     hermite,
-    plain_jacobian, hermite_jacobian,
-    supports,  extent,
-    distances, tangent};
+    plain,
+    hermite,
+    plain_jacobian,
+    hermite_jacobian,
+    supports,
+    extent,
+    distances,
+    tangent};
 
 }  // namespace forefeel::FOREFEEL_ISA

@@ -6,10 +6,12 @@
 namespace forefeel::FOREFEEL_ISA {
 namespace {
 
-std::size_t seen(std::size_t n, const double* x, const double* y, const double* z, const double* distance, const double v[3],
-                 double cosine, double scale, double depth, double* seen, double* nearest) {
+std::size_t seen(std::size_t n, const double* x, const double* y, const double* z, const double* distance,
+                 const double v[3], double cosine, double scale, double depth, double* seen,
+                 double* nearest) {
   constexpr std::size_t block = 32;
-  const Pack a = same(v[0]), b = same(v[1]), c = same(v[2]), from = same(cosine), steep = same(scale), none = {};
+  const Pack a = same(v[0]), b = same(v[1]), c = same(v[2]), from = same(cosine), steep = same(scale),
+             none = {};
   Pack least = same(1e300);
   *nearest = 1e300;
   std::size_t i = 0;
@@ -27,8 +29,8 @@ std::size_t seen(std::size_t n, const double* x, const double* y, const double* 
   return i;
 }
 
-void towards(std::size_t n, const double* x, const double* y, const double* z, const double* seen, double nearest,
-             double depth, double out[3]) {
+void towards(std::size_t n, const double* x, const double* y, const double* z, const double* seen,
+             double nearest, double depth, double out[3]) {
   const Pack slope = same(-1 / depth), at = same(1 + nearest / depth), none = {};
   Pack sum[3] = {};
   for (std::size_t i = 0; i < n; i += width) {

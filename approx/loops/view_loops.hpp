@@ -9,8 +9,9 @@ namespace forefeel::view {
 struct Loops {
   // Distances as they seem along v: seen[i] = |x_i - x| + scale max(0, cosine - u_i . v)^2, for i below the number
   // returned; beyond it all are above *nearest, the least of them, by more than depth. distance: ascending.
-  std::size_t (*seen)(std::size_t n, const double* x, const double* y, const double* z, const double* distance,
-                      const double v[3], double cosine, double scale, double depth, double* seen, double* nearest);
+  std::size_t (*seen)(std::size_t n, const double* x, const double* y, const double* z,
+                      const double* distance, const double v[3], double cosine, double scale, double depth,
+                      double* seen, double* nearest);
   // out = sum_i max(0, 1 - (seen[i] - nearest) / depth)^2 u_i
   void (*towards)(std::size_t n, const double* x, const double* y, const double* z, const double* seen,
                   double nearest, double depth, double out[3]);

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "approx/loops/kernel_sums.hpp"
-#include "approx/predecessors/methods.hpp"
 #include "approx/model/model_data.hpp"
+#include "approx/predecessors/methods.hpp"
 #include "approx/select/neighbours.hpp"
 
 namespace forefeel {
@@ -40,7 +40,6 @@ struct Axes {
   }
 };
 const Axes axes;
-
 
 // h(a): a itself up to keep, then smoothly on to limit; with its derivative.
 double soften(double a, double keep, double limit, double& derivative) {
@@ -161,7 +160,8 @@ double Model::Impl::Hull::outside(const double y[3], double gradient[3]) const n
   return largest * root;
 }
 
-void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n, double trusted) {
+void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n,
+                            double trusted) {
   sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
   for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
@@ -279,7 +279,8 @@ double Model::hold_distance() const noexcept {
   return impl_->known ? impl_->hold : 0;
 }
 void Model::reserve(const ModelOptions& options) {
-  impl_->reserve(most_neighbours(options) + affine_places(options), options.data == Data::force_and_stiffness);
+  impl_->reserve(most_neighbours(options) + affine_places(options),
+                 options.data == Data::force_and_stiffness);
 }
 
 }  // namespace forefeel

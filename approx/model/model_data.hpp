@@ -36,31 +36,33 @@ struct Model::Impl {
   int degree = 0;
   std::size_t padded = 0;  // centres, padded to a multiple of 8
   std::size_t stride = 0;
-  AlignedArray data;                                   // see kernel_sums.hpp
-  std::array<std::array<double, 4>, 10> polynomial{};  // over 1 x y z xx yy zz xy xz yz, per component (and 0)
+  AlignedArray data;  // see kernel_sums.hpp
+  std::array<std::array<double, 4>, 10>
+      polynomial{};  // over 1 x y z xx yy zz xy xz yz, per component (and 0)
   Vec3 centre = Vec3::Zero();
   double scale = 1, inverse_scale = 1;
 
-  std::shared_ptr<const LatticeField> lattice;         // where it is set, it is the model and the rest counts nothing
+  std::shared_ptr<const LatticeField>
+      lattice;  // where it is set, it is the model and the rest counts nothing
 
   bool known = false;  // false: zero everywhere
   Vec3 tangent_at = Vec3::Zero(), tangent_force = Vec3::Zero();
   Mat3 tangent_jacobian = Mat3::Zero();
-  double hold = 0;                       // D [m]
-  double trust = 0;                      // in scaled coordinates
+  double hold = 0;   // D [m]
+  double trust = 0;  // in scaled coordinates
   struct Hull {
     double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
     std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
     void set(const double* px, const double* py, const double* pz, std::size_t n, double trusted);
     double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
   };
-  double quick = -1;  // |y|^2 up to which f~ is the sum alone; < 0: nowhere
-  Hull hull, whole;   // of the states, in a gap those of the nearer side; of both
-  double bridge = 0;  // beta: how much the second counts
-  double bound = 0;                      // B [N]
-  sums::Sum alone;                       // what an evaluation reads where f~ is the sum alone
-  sums::Quick quick_sum = nullptr;       // and what evaluates it there; null: nowhere
-  double largest_stiffness = 0;          // K [N/m]
+  double quick = -1;                // |y|^2 up to which f~ is the sum alone; < 0: nowhere
+  Hull hull, whole;                 // of the states, in a gap those of the nearer side; of both
+  double bridge = 0;                // beta: how much the second counts
+  double bound = 0;                 // B [N]
+  sums::Sum alone;                  // what an evaluation reads where f~ is the sum alone
+  sums::Quick quick_sum = nullptr;  // and what evaluates it there; null: nowhere
+  double largest_stiffness = 0;     // K [N/m]
   std::uint64_t serial = 0;
 
   void reserve(std::size_t states_wanted, bool with_stiffness);

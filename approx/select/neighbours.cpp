@@ -318,7 +318,8 @@ double NeighbourSelector::extent(double end) {
   double most = 0;
   for (const Candidate& c : candidates_) {
     if (!(c.key < beyond * end)) continue;
-    const double inside = end < infinite ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
+    const double inside =
+        end < infinite ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
     const double whole = std::min(1.0, c.narrow / full_narrow);  // cubed: c_i is a cube root
     most = std::max(most, inside * whole * whole * whole * c.key * c.narrow);
   }
@@ -331,8 +332,8 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
   nearest_ = (space_[found_.front()].at - hip).norm();
   const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(weighted_));  // of a half ball of n, in spacings
   const double limit = std::max(farthest * h_, nearest_ + fading * h_);
-  const double wide =
-      std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit)) + (shell + entering) * h_;
+  const double wide = std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit)) +
+                      (shell + entering) * h_;
   whole_ = gather(hip, std::max(few, 2 * most_), wide) - shell * h_;
   look_round();
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "approx/select/neighbours.hpp"
 #include "approx/fit/polynomial.hpp"
 #include "approx/fit/rbf_fit.hpp"
+#include "approx/select/neighbours.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {

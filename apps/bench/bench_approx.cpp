@@ -18,9 +18,9 @@
 #include "approx/predecessors/methods.hpp"
 #include "apps/bench/bench_approx.hpp"
 
-#include "apps/scene_input/scene.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 
@@ -112,8 +112,9 @@ class Bench {
           too_few[n].push_back(kind.name);
       }
     for (const auto& [n, names] : too_few)
-      notes.push_back(fmt::format("{} with n = {}: needs {} states ({} to replace), the lattice has {}, left out",
-                                  fmt::join(names, ", "), n, n + replacements[2], replacements[2], space_.size()));
+      notes.push_back(
+          fmt::format("{} with n = {}: needs {} states ({} to replace), the lattice has {}, left out",
+                      fmt::join(names, ", "), n, n + replacements[2], replacements[2], space_.size()));
     for (const Method method : all_methods())
       if (method != Method::rbf) {
         progress_.show(0.9, std::string(name(method)));
@@ -152,7 +153,8 @@ class Bench {
     m.method = kind.name;
     m.n = n;
     m.inside = judge(case_.inside, space_, options);
-    for (const auto& plane : case_.outside) m.outside.push_back(judge(plane.references, *half_space_, options));
+    for (const auto& plane : case_.outside)
+      m.outside.push_back(judge(plane.references, *half_space_, options));
     count_states(m, [&](const Sparser& s) {
       ModelOptions fewer = options;
       fewer.neighbours = std::min(n, s.space.size());
@@ -204,7 +206,8 @@ class Bench {
     m.refit = now_us() - start;
     m.inside = judge(case_.inside, [&](const Vec3& x) { return field.force(x); });
     for (const auto& plane : case_.outside) m.outside.push_back(judged(plane.references, half_, h));
-    count_states(m, [&](const Sparser& s) { return judged(case_.inside, s.states, s.space.options().spacing).p95; });
+    count_states(
+        m, [&](const Sparser& s) { return judged(case_.inside, s.states, s.space.options().spacing).p95; });
     std::vector<Vec3> at;
     for (const State& s : case_.inside) at.push_back(s.at);
     std::vector<double> times;
@@ -347,12 +350,15 @@ class Bench {
       for (std::size_t k = 0; k < 15; ++k) centres[15 * i + k] = data.data[k * data.stride + i];
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t t = 0; t < 10; ++t) polynomial[10 * c + t] = data.polynomial[t][c];
-    beside_scalar(model, [&](const Vec3& x) {
-      const Vec3 y = (x - data.centre) * data.inverse_scale;
-      Vec3 f;
-      scalar_evaluate_hermite(n, centres.data(), polynomial.data(), y.data(), f.data());
-      return f;
-    }, at, m);
+    beside_scalar(
+        model,
+        [&](const Vec3& x) {
+          const Vec3 y = (x - data.centre) * data.inverse_scale;
+          Vec3 f;
+          scalar_evaluate_hermite(n, centres.data(), polynomial.data(), y.data(), f.data());
+          return f;
+        },
+        at, m);
   }
 
   template <class Scalar>
@@ -360,9 +366,13 @@ class Bench {
     constexpr int repeats = 400;
     std::vector<double> ours, theirs;
     double apart = 0;
-    for (const Vec3& x : at) apart = std::max(apart, (scalar(x) - model.force(x)).norm() / model.force_bound());
-    if (!(apart < 1e-9)) warn(globals_, fmt::format("evaluate {} with {}: the scalar baseline gives another force", m.method, m.n));
-    for (int block = 0; block < 25 * blocks; ++block) {  // in turn, so that both meet what else the machine does
+    for (const Vec3& x : at)
+      apart = std::max(apart, (scalar(x) - model.force(x)).norm() / model.force_bound());
+    if (!(apart < 1e-9))
+      warn(globals_,
+           fmt::format("evaluate {} with {}: the scalar baseline gives another force", m.method, m.n));
+    for (int block = 0; block < 25 * blocks;
+         ++block) {  // in turn, so that both meet what else the machine does
       ours.push_back(evaluation([&](const Vec3& x) { return model.force(x); }, at, repeats));
       theirs.push_back(evaluation(scalar, at, repeats));
     }
@@ -379,7 +389,8 @@ class Bench {
     r["ratio"] = number(b / a);
     r["ours_us"] = number(a);
     r["baseline_us"] = number(b);
-    r["error"] = {{"p50", number(m.inside.p50)}, {"p95", number(m.inside.p95)}, {"max", number(m.inside.max)}};
+    r["error"] = {
+        {"p50", number(m.inside.p50)}, {"p95", number(m.inside.p95)}, {"max", number(m.inside.max)}};
     r["n"] = m.n;
     r["k"] = k ? Json(*k) : Json(nullptr);
     r["by_refit"] = number(by_refit);
@@ -390,8 +401,8 @@ class Bench {
     r["tolerance"] = 1e-9;
     rows.push_back(r);
     lines_.push_back(fmt::format("{:18} {:4} {:>3} {:10.3f} {:>26} {:10.3f} {:7.2f} {:9.1e} {:9.1e} {:>8}",
-                                 r["name"].get<std::string>(), m.n, k ? std::to_string(*k) : "-", a, baseline, b,
-                                 b / a, m.inside.p50, m.inside.p95,
+                                 r["name"].get<std::string>(), m.n, k ? std::to_string(*k) : "-", a, baseline,
+                                 b, b / a, m.inside.p50, m.inside.p95,
                                  std::isfinite(by_refit) ? fmt::format("{:.0f} %", 100 * by_refit) : "-"));
   }
 
@@ -399,22 +410,29 @@ class Bench {
   void print() const {
     say(globals_, fmt::format("{}: {} states, {} instructions, one thread; medians\n", case_.name,
                               space_.size(), name(approx_instruction_set())));
-    say(globals_, fmt::format("{:18} {:>4} {:>3} {:>10} {:>26} {:>10} {:>7} {:>9} {:>9} {:>8}", "", "n", "k", "ours us",
-                              "baseline", "us", "ratio", "error p50", "p95", "by refit"));
+    say(globals_, fmt::format("{:18} {:>4} {:>3} {:>10} {:>26} {:>10} {:>7} {:>9} {:>9} {:>8}", "", "n", "k",
+                              "ours us", "baseline", "us", "ratio", "error p50", "p95", "by refit"));
     for (const std::string& line : lines_) say(globals_, line);
-    say(globals_, "evaluate: three force components on n centres and the polynomial (r3 linear, hermite-r5 quadratic), from a "
-                  "position in metres; ours with the check of its bound, the baseline centre by centre. update, refit: from the states to the "
-                  "coefficients, three right-hand sides; ours with the tangent and bound of the model. by refit: "
-                  "updates that the updater made by a refit, as it does where that is cheaper.");
+    say(globals_,
+        "evaluate: three force components on n centres and the polynomial (r3 linear, hermite-r5 quadratic), "
+        "from a "
+        "position in metres; ours with the check of its bound, the baseline centre by centre. update, refit: "
+        "from the states to the "
+        "coefficients, three right-hand sides; ours with the tangent and bound of the model. by refit: "
+        "updates that the updater made by a refit, as it does where that is cheaper.");
     std::string head;
     for (const auto& plane : case_.outside) head += fmt::format(" {:>8.0f} mm", 1e3 * plane.distance);
-    say(globals_, fmt::format("\n{:13} {:>4} | us: refit  k = 1      5     20  evaluate | inside p50      p95      "
-                              "max | outside p50:{} | states for 1 %, 7 %",
-                              "method", "n", head));
+    say(globals_,
+        fmt::format("\n{:13} {:>4} | us: refit  k = 1      5     20  evaluate | inside p50      p95      "
+                    "max | outside p50:{} | states for 1 %, 7 %",
+                    "method", "n", head));
     for (const Measured& m : table) say(globals_, table_line(m));
-    say(globals_, "inside: within the lattice. outside: of the half up to the front, at the given distance beyond it. states: the "
-                  "fewest, of the lattice and of every second, third, fourth and sixth of its planes, whose p95 is below that; at "
-                  "the same inside positions, also where a thinned lattice ends before them.");
+    say(globals_,
+        "inside: within the lattice. outside: of the half up to the front, at the given distance beyond it. "
+        "states: the "
+        "fewest, of the lattice and of every second, third, fourth and sixth of its planes, whose p95 is "
+        "below that; at "
+        "the same inside positions, also where a thinned lattice ends before them.");
   }
 
  private:
@@ -423,9 +441,10 @@ class Bench {
   }
 
   std::string table_line(const Measured& m) const {
-    std::string line = fmt::format("{:13} {:4} |   {} {} {} {} {:>9} |", m.method, m.n, short_number(m.refit, 7),
-                                   short_number(m.update[0], 6), short_number(m.update[1], 6),
-                                   short_number(m.update[2], 6), short_number(m.evaluate, 9));
+    std::string line =
+        fmt::format("{:13} {:4} |   {} {} {} {} {:>9} |", m.method, m.n, short_number(m.refit, 7),
+                    short_number(m.update[0], 6), short_number(m.update[1], 6), short_number(m.update[2], 6),
+                    short_number(m.evaluate, 9));
     line += fmt::format(" {:10.1e} {:8.1e} {:8.1e} |            ", m.inside.p50, m.inside.p95, m.inside.max);
     for (const Errors& e : m.outside)
       line += std::isfinite(e.p50) ? fmt::format("    {:7.1e}", e.p50) : fmt::format("{:>11}", "-");
@@ -457,7 +476,8 @@ Json methods_json(const Case& taken, const std::vector<Measured>& table) {
     one["method"] = m.method;
     one["n"] = m.n;
     one["refit_us"] = number(m.refit);
-    for (std::size_t t = 0; t < 3; ++t) one["update_us"]["k" + std::to_string(replacements[t])] = number(m.update[t]);
+    for (std::size_t t = 0; t < 3; ++t)
+      one["update_us"]["k" + std::to_string(replacements[t])] = number(m.update[t]);
     one["evaluate_us"] = number(m.evaluate);
     one["error"] = errors_json(m.inside);
     for (std::size_t p = 0; p < m.outside.size(); ++p)
@@ -487,7 +507,8 @@ void write_folder(const Globals& globals, const std::string& folder, const Case&
 }  // namespace
 
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder) {
-  scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set);   // a bad one leaves no folder behind
+  scene.empty() ? built_in_scene(globals.set)
+                : load_scene(scene, globals.set);  // a bad one leaves no folder behind
   if (!folder.empty()) {
     std::error_code failed;
     const bool there = std::filesystem::exists(folder, failed);

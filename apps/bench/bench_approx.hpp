@@ -44,7 +44,7 @@ struct Measured {
   double refit = unknown, evaluate = unknown;
   double update[3] = {unknown, unknown, unknown};  // k = 1, 5, 20
   Errors inside;
-  std::vector<Errors> outside;                     // as Case::outside
+  std::vector<Errors> outside;                            // as Case::outside
   std::optional<std::size_t> states_for_1, states_for_7;  // fewest whose p95 is below 1 % and 7 %
 };
 

@@ -51,8 +51,9 @@ void take_positions(Case& bench, std::uint64_t seed) {
     if (bench.front + distance <= box.high[0] + 1e-9)
       plane.references.resize(outside_count);
     else
-      bench.notes.push_back(fmt::format("outside at {:.0f} mm: the lattice ends {:.3g} mm beyond the front, left out",
-                                        1e3 * distance, 1e3 * (box.high[0] - bench.front)));
+      bench.notes.push_back(
+          fmt::format("outside at {:.0f} mm: the lattice ends {:.3g} mm beyond the front, left out",
+                      1e3 * distance, 1e3 * (box.high[0] - bench.front)));
     for (State& s : plane.references) {
       s.at = any();
       s.at[0] = bench.front + distance;
@@ -83,12 +84,14 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
                    },
                    {});
   if (const std::size_t missing = expected - bench.states.size(); missing > 0)
-    bench.notes.push_back(fmt::format("{} of {} lattice positions have no state; errors inside are also taken beside them",
-                                      missing, expected));
+    bench.notes.push_back(
+        fmt::format("{} of {} lattice positions have no state; errors inside are also taken beside them",
+                    missing, expected));
   if ((bench.options.box.low - bench.reach.low).norm() + (bench.options.box.high - bench.reach.high).norm() >
       1e-6 * bench.options.spacing)
-    bench.notes.push_back(fmt::format("the box is no multiple of the spacing: inside is within the lattice, {:.4g} x {:.4g} x {:.4g} mm",
-                                      1e3 * bench.reach.size()[0], 1e3 * bench.reach.size()[1], 1e3 * bench.reach.size()[2]));
+    bench.notes.push_back(fmt::format(
+        "the box is no multiple of the spacing: inside is within the lattice, {:.4g} x {:.4g} x {:.4g} mm",
+        1e3 * bench.reach.size()[0], 1e3 * bench.reach.size()[1], 1e3 * bench.reach.size()[2]));
   take_positions(bench, globals.seed);
   std::vector<State*> wanted;
   for (State& s : bench.inside) wanted.push_back(&s);
@@ -108,8 +111,11 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
   const auto failed = [](const State& s) { return s.status != SolveStatus::converged; };
   std::size_t unsolved = std::erase_if(bench.inside, failed);
   for (auto& plane : bench.outside) unsolved += std::erase_if(plane.references, failed);
-  if (unsolved > 0) bench.notes.push_back(fmt::format("{} of {} positions to judge by have no reference", unsolved, wanted.size()));
-  if (bench.inside.empty()) throw InputError(bench.name, "no position inside the lattice could be solved, expected some");
+  if (unsolved > 0)
+    bench.notes.push_back(
+        fmt::format("{} of {} positions to judge by have no reference", unsolved, wanted.size()));
+  if (bench.inside.empty())
+    throw InputError(bench.name, "no position inside the lattice could be solved, expected some");
   return bench;
 }
 

@@ -15,16 +15,17 @@
 #include "apps/bench/bench_regions.hpp"
 #include "apps/console/command.hpp"
 #include "apps/console/provenance.hpp"
-#include "geometry/index/delaunay_index.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/delaunay_index.hpp"
 
 namespace forefeel {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Triangulation = CGAL::Delaunay_triangulation_3<
-    Kernel, CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>>>;
+    Kernel,
+    CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>>>;
 using Point = Kernel::Point_3;
 using Clock = std::chrono::steady_clock;
 
@@ -33,9 +34,13 @@ constexpr double h = 0.006;
 struct Cloud {
   std::vector<Vec3> points;
   std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<Eigen::Index>(axis)];
+  }
   template <class Bounds>
-  bool kdtree_get_bbox(Bounds&) const { return false; }
+  bool kdtree_get_bbox(Bounds&) const {
+    return false;
+  }
 };
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3>;
 
@@ -45,15 +50,19 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double microseconds(Clock::time_point start) { return std::chrono::duration<double, std::micro>(Clock::now() - start).count(); }
+double microseconds(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
 
-Point point(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Point point(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 // n states of a jittered lattice (density one a cell of h), in boustrophedon order so that a plain hint works well,
 // and a smooth path through the middle, new states on it off the lattice.
 struct Field {
   std::vector<Vec3> states;
-  double half = 0;   // side of the populated cube / 2 [m]
+  double half = 0;  // side of the populated cube / 2 [m]
 };
 
 Field make_field(std::size_t n, std::uint64_t seed) {
@@ -67,14 +76,15 @@ Field make_field(std::size_t n, std::uint64_t seed) {
       for (long i = 0; i < side; ++i) {
         const long row = k % 2 ? side - 1 - j : j, column = (k + j) % 2 ? side - 1 - i : i;
         const Vec3 cell(static_cast<double>(column), static_cast<double>(row), static_cast<double>(k));
-        field.states.push_back(h * cell - Vec3::Constant(field.half) + Vec3(jitter(random), jitter(random), jitter(random)));
+        field.states.push_back(h * cell - Vec3::Constant(field.half) +
+                               Vec3(jitter(random), jitter(random), jitter(random)));
       }
   return field;
 }
 
 std::vector<Vec3> make_path(const Field& field, std::size_t steps, double phase) {
   std::vector<Vec3> path;
-  const double r = 0.8 * field.half, advance = 0.06e-3 / r;   // 60 mm/s at 1 kHz
+  const double r = 0.8 * field.half, advance = 0.06e-3 / r;  // 60 mm/s at 1 kHz
   for (std::size_t i = 0; i < steps; ++i) {
     const double s = phase + advance * static_cast<double>(i);
     path.emplace_back(r * std::sin(s), r * std::sin(1.3 * s + 0.4), r * std::sin(0.7 * s + 1.1));
@@ -88,7 +98,7 @@ struct Row {
   std::size_t n;
 };
 
-struct Sums {   // keeps the optimiser honest
+struct Sums {  // keeps the optimiser honest
   double value = 0;
 };
 
@@ -137,12 +147,14 @@ class CoverageBench {
     PathWalk walk, counted;
     for (int b = 0; b < batches; ++b) {
       const std::vector<Vec3> path = make_path(field_, steps, 0.3 * b);
-      ours.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i], walk)); }));
+      ours.push_back(
+          batch(steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i], walk)); }));
       cgal.push_back(batch(steps, [&](std::size_t i) {
         hint = plain_.locate(point(path[i]), hint);
         return static_cast<double>(hint->vertex(1)->info());
       }));
-      octree.push_back(batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); }));
+      octree.push_back(
+          batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); }));
       nano.push_back(batch(steps, [&](std::size_t i) { return nearest(path[i]); }));
     }
     rows.push_back({"delaunay query path", "CGAL locate", median(ours), median(cgal), field_.states.size()});
@@ -155,7 +167,8 @@ class CoverageBench {
     std::vector<double> ours, cgal, nano, octree;
     for (int b = 0; b < batches; ++b) {
       std::vector<Vec3> q;
-      for (std::size_t i = 0; i < count; ++i) q.emplace_back(uniform(random_), uniform(random_), uniform(random_));
+      for (std::size_t i = 0; i < count; ++i)
+        q.emplace_back(uniform(random_), uniform(random_), uniform(random_));
       ours.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(space_.label(q[i])); }));
       Triangulation::Cell_handle hint;
       cgal.push_back(batch(count, [&](std::size_t i) {
@@ -165,7 +178,8 @@ class CoverageBench {
       octree.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(octree_.label(q[i])); }));
       nano.push_back(batch(count, [&](std::size_t i) { return nearest(q[i]); }));
     }
-    rows.push_back({"delaunay query random", "CGAL locate", median(ours), median(cgal), field_.states.size()});
+    rows.push_back(
+        {"delaunay query random", "CGAL locate", median(ours), median(cgal), field_.states.size()});
     rows.push_back({"delaunay query random", "nanoflann", median(ours), median(nano), field_.states.size()});
     rows.push_back({"octree query random", "nanoflann", median(octree), median(nano), field_.states.size()});
   }
@@ -228,28 +242,41 @@ int bench_coverage(const Globals& globals) {
   double sum = 0;
   const std::vector<std::size_t> sizes{1000, 10'000, 100'000, 1'000'000};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    progress.show(static_cast<double>(i) / static_cast<double>(sizes.size()), fmt::format("{} states", sizes[i]));
+    progress.show(static_cast<double>(i) / static_cast<double>(sizes.size()),
+                  fmt::format("{} states", sizes[i]));
     CoverageBench bench(sizes[i], globals.seed);
     for (Row& row : bench.run()) rows.push_back(std::move(row));
     if (sizes[i] <= 100'000)
       for (const RegionCost& cost : bench_regions(sizes[i], globals.seed)) {
-        rows.push_back({"region update " + cost.name, "delaunay insert", cost.look_us, bench.insert_us(), cost.states});
-        rows.push_back({"region settle " + cost.name, "delaunay insert", cost.whole_us, bench.insert_us(), cost.states});
+        rows.push_back(
+            {"region update " + cost.name, "delaunay insert", cost.look_us, bench.insert_us(), cost.states});
+        rows.push_back(
+            {"region settle " + cost.name, "delaunay insert", cost.whole_us, bench.insert_us(), cost.states});
         sum += cost.sum;
       }
     sum += bench.sum();
   }
   nlohmann::ordered_json out;
   out["rows"] = nlohmann::ordered_json::array();
-  say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12}{:>14}{:>9}", "", "baseline", "n", "ours [us]", "baseline [us]", "ratio"));
+  say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12}{:>14}{:>9}", "", "baseline", "n", "ours [us]",
+                           "baseline [us]", "ratio"));
   for (const Row& row : rows) {
     const double ratio = row.baseline_us / row.ours_us;
-    out["rows"].push_back({{"name", row.name}, {"baseline", row.baseline}, {"ratio", ratio}, {"ours_us", row.ours_us},
-                           {"baseline_us", row.baseline_us}, {"error", {{"p50", 0}, {"p95", 0}, {"max", 0}}}, {"n", row.n},
-                           {"k", 1}, {"scene", "jittered lattice, 6 mm"}, {"law", nullptr}, {"elements", nullptr},
-                           {"threads", 1}, {"tolerance", nullptr}});
-    say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9.3g}", row.name, row.baseline, row.n, row.ours_us,
-                             row.baseline_us, ratio));
+    out["rows"].push_back({{"name", row.name},
+                           {"baseline", row.baseline},
+                           {"ratio", ratio},
+                           {"ours_us", row.ours_us},
+                           {"baseline_us", row.baseline_us},
+                           {"error", {{"p50", 0}, {"p95", 0}, {"max", 0}}},
+                           {"n", row.n},
+                           {"k", 1},
+                           {"scene", "jittered lattice, 6 mm"},
+                           {"law", nullptr},
+                           {"elements", nullptr},
+                           {"threads", 1},
+                           {"tolerance", nullptr}});
+    say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9.3g}", row.name, row.baseline, row.n,
+                             row.ours_us, row.baseline_us, ratio));
   }
   report_agreement(globals, out);
   if (globals.json) {

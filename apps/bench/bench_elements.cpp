@@ -13,14 +13,14 @@
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "solver/system/discretisation.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "solver/system/discretisation.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr double ratios[] = {0.3, 0.4, 0.45, 0.49, 0.499};
-constexpr double depth = 0.012, spacing = 0.006;      // [m]
+constexpr double depth = 0.012, spacing = 0.006;  // [m]
 constexpr std::size_t mesh_elements = 450;
 
 struct Variant {
@@ -40,22 +40,26 @@ Body refined(const Body& body) {
   fine.mesh.tets.clear();
   std::map<std::array<NodeIndex, 2>, NodeIndex> middles;
   const auto middle = [&](NodeIndex a, NodeIndex b) {
-    const auto [at, fresh] = middles.emplace(std::array{std::min(a, b), std::max(a, b)}, static_cast<NodeIndex>(fine.mesh.nodes.size()));
+    const auto [at, fresh] = middles.emplace(std::array{std::min(a, b), std::max(a, b)},
+                                             static_cast<NodeIndex>(fine.mesh.nodes.size()));
     if (fresh)
-      fine.mesh.nodes.push_back(0.5 * (fine.mesh.nodes[static_cast<std::size_t>(a)] + fine.mesh.nodes[static_cast<std::size_t>(b)]));
+      fine.mesh.nodes.push_back(0.5 * (fine.mesh.nodes[static_cast<std::size_t>(a)] +
+                                       fine.mesh.nodes[static_cast<std::size_t>(b)]));
     return at->second;
   };
   for (const Tet& t : body.mesh.tets) {
     const NodeIndex m01 = middle(t[0], t[1]), m02 = middle(t[0], t[2]), m03 = middle(t[0], t[3]);
     const NodeIndex m12 = middle(t[1], t[2]), m13 = middle(t[1], t[3]), m23 = middle(t[2], t[3]);
-    for (const Tet& part : {Tet{t[0], m01, m02, m03}, Tet{m01, t[1], m12, m13}, Tet{m02, m12, t[2], m23}, Tet{m03, m13, m23, t[3]},
-                            Tet{m01, m02, m03, m13}, Tet{m01, m12, m02, m13}, Tet{m02, m03, m13, m23}, Tet{m02, m13, m12, m23}})
+    for (const Tet& part : {Tet{t[0], m01, m02, m03}, Tet{m01, t[1], m12, m13}, Tet{m02, m12, t[2], m23},
+                            Tet{m03, m13, m23, t[3]}, Tet{m01, m02, m03, m13}, Tet{m01, m12, m02, m13},
+                            Tet{m02, m03, m13, m23}, Tet{m02, m13, m12, m23}})
       fine.mesh.tets.push_back(part);
   }
-  const auto complete = [&](std::vector<NodeIndex>& set) {     // the middle of two nodes of a set is in it
+  const auto complete = [&](std::vector<NodeIndex>& set) {  // the middle of two nodes of a set is in it
     const std::vector<NodeIndex> corners = set;
     for (const auto& [edge, node] : middles)
-      if (std::binary_search(corners.begin(), corners.end(), edge[0]) && std::binary_search(corners.begin(), corners.end(), edge[1]))
+      if (std::binary_search(corners.begin(), corners.end(), edge[0]) &&
+          std::binary_search(corners.begin(), corners.end(), edge[1]))
         set.push_back(node);
     std::sort(set.begin(), set.end());
   };
@@ -95,15 +99,18 @@ int bench_elements(const Globals& globals) {
   std::size_t done = 0;
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (std::size_t turn = 0; turn < count; ++turn) {      // the longest first
+  for (std::size_t turn = 0; turn < count; ++turn) {  // the longest first
     const std::size_t job = count - 1 - turn, kind = job % kinds;
     all[job] = measure(plain, variants[kind], ratios[job / kinds], x);
 #pragma omp critical(forefeel_elements)
-    progress.show(static_cast<double>(++done) / static_cast<double>(count), fmt::format("{} of {}", done, count));
+    progress.show(static_cast<double>(++done) / static_cast<double>(count),
+                  fmt::format("{} of {}", done, count));
   }
   nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
-  say(globals, fmt::format("Liver phantom, {} tetrahedra, neo-Hookean, 2 cm patch pressed by {:g} mm: force over the refined quadratic "
-                           "one, and F(nu)/F(0.3)", plain.mesh.tets.size(), 1e3 * depth));
+  say(globals, fmt::format("Liver phantom, {} tetrahedra, neo-Hookean, 2 cm patch pressed by {:g} mm: force "
+                           "over the refined quadratic "
+                           "one, and F(nu)/F(0.3)",
+                           plain.mesh.tets.size(), 1e3 * depth));
   say(globals, fmt::format("| element | free nodes | ms a state |{}", [] {
         std::string head;
         for (const double nu : ratios) head += fmt::format(" nu {} |", nu);
@@ -112,15 +119,21 @@ int bench_elements(const Globals& globals) {
   say(globals, "|---|---|---|---|---|---|---|---|");
   bool converged = true;
   for (std::size_t kind = 0; kind < kinds; ++kind) {
-    std::string line = fmt::format("| {} | {} | {:.0f} |", variants[kind].text, all[kind].free_nodes, 1e3 * all[kind].seconds);
+    std::string line = fmt::format("| {} | {} | {:.0f} |", variants[kind].text, all[kind].free_nodes,
+                                   1e3 * all[kind].seconds);
     for (std::size_t i = 0; i < std::size(ratios); ++i) {
       const Measured& m = all[i * kinds + kind];
       const double error = m.force / all[i * kinds + reference].force - 1, rise = m.force / all[kind].force;
       converged = converged && m.converged;
       line += fmt::format(" {:+.1f} %, {:.2f} |", 100 * error, rise);
-      document["rows"].push_back({{"element", variants[kind].text}, {"poisson", ratios[i]}, {"force", number(m.force)},
-                                  {"error", number(error)}, {"over_nu_0.3", number(rise)}, {"free_nodes", m.free_nodes},
-                                  {"seconds", number(m.seconds)}, {"converged", m.converged}});
+      document["rows"].push_back({{"element", variants[kind].text},
+                                  {"poisson", ratios[i]},
+                                  {"force", number(m.force)},
+                                  {"error", number(error)},
+                                  {"over_nu_0.3", number(rise)},
+                                  {"free_nodes", m.free_nodes},
+                                  {"seconds", number(m.seconds)},
+                                  {"converged", m.converged}});
     }
     say(globals, line);
   }

@@ -5,6 +5,6 @@
 
 namespace forefeel {
 
-int bench_elements(const Globals& globals);      // `forefeel bench solver elements`
+int bench_elements(const Globals& globals);  // `forefeel bench solver elements`
 
 }  // namespace forefeel

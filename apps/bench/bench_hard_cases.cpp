@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "apps/bench/bench_hard_cases.hpp"
-#include "apps/picture/page.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/picture/page.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -31,7 +31,8 @@ struct HardCase {
   std::optional<bool> other_branch;
 };
 
-constexpr Law laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean, Law::mooney_rivlin};
+constexpr Law laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
+                        Law::mooney_rivlin};
 
 std::shared_ptr<Body> liver(bool one_node) {
   auto body = std::make_shared<Body>();
@@ -66,17 +67,40 @@ void add_scaled(std::vector<HardCase>& cases) {
   for (const double length : {1e-3, 10.0}) {
     auto body = std::make_shared<Body>(*plain);
     scale_to_length(body->mesh, length);
-    cases.push_back({fmt::format("liver {} m long", length), "2 cm patch, scaled", "press by 0.15 of it", body, 0.15 * length * inward, 0.03 * length, {}, {}});
+    cases.push_back({fmt::format("liver {} m long", length),
+                     "2 cm patch, scaled",
+                     "press by 0.15 of it",
+                     body,
+                     0.15 * length * inward,
+                     0.03 * length,
+                     {},
+                     {}});
   }
   for (const double young : {1.0, 1e9}) {
     auto body = std::make_shared<Body>(*plain);
     body->material.young = young;
-    cases.push_back({fmt::format("liver, E = {:g} Pa", young), "2 cm patch", "press 3 cm", body, 0.03 * inward, 0.006, {}, {}});
+    cases.push_back({fmt::format("liver, E = {:g} Pa", young),
+                     "2 cm patch",
+                     "press 3 cm",
+                     body,
+                     0.03 * inward,
+                     0.006,
+                     {},
+                     {}});
   }
-  auto sliver = std::make_shared<Body>(*plain);      // flattened until its flattest tetrahedra have about a degree
+  auto sliver =
+      std::make_shared<Body>(*plain);  // flattened until its flattest tetrahedra have about a degree
   for (double share = 1; quality(sliver->mesh).min_dihedral_deg > 1.0 && share > 1e-3; share *= 0.8)
     for (Vec3& node : sliver->mesh.nodes) node[2] *= 0.8;
-  cases.push_back({fmt::format("liver flattened to slivers of {:.2f} deg", quality(sliver->mesh).min_dihedral_deg), "patch", "pull 1 mm", sliver, -0.001 * inward, 0.001, {}, {}});
+  cases.push_back(
+      {fmt::format("liver flattened to slivers of {:.2f} deg", quality(sliver->mesh).min_dihedral_deg),
+       "patch",
+       "pull 1 mm",
+       sliver,
+       -0.001 * inward,
+       0.001,
+       {},
+       {}});
 }
 
 void add_beams(std::vector<HardCase>& cases) {
@@ -87,18 +111,27 @@ void add_beams(std::vector<HardCase>& cases) {
   auto thin = std::make_shared<Body>(*beam);
   for (Vec3& node : thin->mesh.nodes) node[2] *= 0.2;
   cases.push_back({"beam a fifth as thick", "patch", "bend 3 cm", thin, Vec3(0, 0, 0.03), 0.003, {}, {}});
-  auto near = std::make_shared<Body>(*beam);         // the free surface node nearest to a clamped one
+  auto near = std::make_shared<Body>(*beam);  // the free surface node nearest to a clamped one
   double least = 1e300;
   for (const NodeIndex node : surface_nodes(near->mesh)) {
     if (std::binary_search(near->clamp.begin(), near->clamp.end(), node)) continue;
     for (const NodeIndex held : near->clamp) {
-      const double distance = (near->mesh.nodes[static_cast<std::size_t>(node)] - near->mesh.nodes[static_cast<std::size_t>(held)]).norm();
+      const double distance = (near->mesh.nodes[static_cast<std::size_t>(node)] -
+                               near->mesh.nodes[static_cast<std::size_t>(held)])
+                                  .norm();
       if (distance >= least) continue;
       least = distance;
       near->contact = {node};
     }
   }
-  cases.push_back({"beam, contact beside the clamp", "one node", "pull 0.9 of the distance", near, 0.9 * least * Vec3(0.6, 0.6, 0.53), 0.001, {}, {}});
+  cases.push_back({"beam, contact beside the clamp",
+                   "one node",
+                   "pull 0.9 of the distance",
+                   near,
+                   0.9 * least * Vec3(0.6, 0.6, 0.53),
+                   0.001,
+                   {},
+                   {}});
 }
 
 void solve(HardCase& c) {
@@ -128,18 +161,28 @@ nlohmann::ordered_json to_json(const HardCase& c) {
   return row;
 }
 
-constexpr const char* columns[] = {"body", "contact", "motion", "law", "nu", "ended", "iterations", "least J", "other branch", "ms"};
+constexpr const char* columns[] = {"body",  "contact",    "motion",  "law",          "nu",
+                                   "ended", "iterations", "least J", "other branch", "ms"};
 
 std::vector<std::string> cells(const HardCase& c) {
   const State& s = c.outcome.state;
-  return {c.group, c.contact, c.motion, std::string(name(c.body->material.law)), fmt::format("{}", c.body->material.poisson),
+  return {c.group,
+          c.contact,
+          c.motion,
+          std::string(name(c.body->material.law)),
+          fmt::format("{}", c.body->material.poisson),
           std::string(name(s.status)) + (s.usable() && s.min_jacobian <= 0 ? ", inverted elements" : ""),
-          fmt::format("{}", s.iterations), fmt::format("{:.3f}", s.min_jacobian),
-          !c.other_branch ? "unknown" : *c.other_branch ? "yes" : "no", fmt::format("{:.0f}", 1e3 * s.seconds)};
+          fmt::format("{}", s.iterations),
+          fmt::format("{:.3f}", s.min_jacobian),
+          !c.other_branch   ? "unknown"
+          : *c.other_branch ? "yes"
+                            : "no",
+          fmt::format("{:.0f}", 1e3 * s.seconds)};
 }
 
 // hard_cases.csv and hard_cases.html in the folder.
-void write_report(const std::filesystem::path& folder, const std::vector<HardCase>& cases, const std::string& summary) {
+void write_report(const std::filesystem::path& folder, const std::vector<HardCase>& cases,
+                  const std::string& summary) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed || !std::filesystem::is_directory(folder))
@@ -155,18 +198,21 @@ void write_report(const std::filesystem::path& folder, const std::vector<HardCas
     std::string row;
     for (const std::string& cell : cells(c)) {
       const bool comma = cell.find(',') != std::string::npos;
-      table.write(fmt::format("{}{}{}{}", row.empty() ? "" : ",", comma ? "\"" : "", cell, comma ? "\"" : ""));
+      table.write(
+          fmt::format("{}{}{}{}", row.empty() ? "" : ",", comma ? "\"" : "", cell, comma ? "\"" : ""));
       row += fmt::format("<td>{}</td>", html_escaped(cell));
     }
     table.write("\n");
     rows += "<tr>" + row + "</tr>\n";
   }
-  page.write(html_page("Forefeel: hard cases",
-                       fmt::format("<h1>Hard cases</h1>\n<p>{} Each is solved from rest in steps of its spacing. \"Other branch\" "
-                                   "tells whether a way along the axes, one after the other, ends in another stable "
-                                   "equilibrium; unknown where that way does not arrive. Least J is the least det F over "
-                                   "the elements.</p>\n<table><tr>{}</tr>\n{}</table>\n<p>{}</p>",
-                                   html_escaped(summary), head, rows, html_escaped(provenance("").dump()))));
+  page.write(html_page(
+      "Forefeel: hard cases",
+      fmt::format(
+          "<h1>Hard cases</h1>\n<p>{} Each is solved from rest in steps of its spacing. \"Other branch\" "
+          "tells whether a way along the axes, one after the other, ends in another stable "
+          "equilibrium; unknown where that way does not arrive. Least J is the least det F over "
+          "the elements.</p>\n<table><tr>{}</tr>\n{}</table>\n<p>{}</p>",
+          html_escaped(summary), head, rows, html_escaped(provenance("").dump()))));
   table.commit();
   page.commit();
 }
@@ -185,7 +231,8 @@ int bench_hard_cases(const Globals& globals, const std::string& output) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     solve(cases[i]);
 #pragma omp critical(forefeel_hard_cases)
-    progress.show(static_cast<double>(++done) / static_cast<double>(cases.size()), fmt::format("{} of {}", done, cases.size()));
+    progress.show(static_cast<double>(++done) / static_cast<double>(cases.size()),
+                  fmt::format("{} of {}", done, cases.size()));
   }
   nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
   std::size_t converged = 0;

@@ -29,7 +29,7 @@ double seconds_since(SteadyClock::time_point start) {
 }
 
 struct OneState {
-  double analysis = 0, solve = 0;      // [s]
+  double analysis = 0, solve = 0;  // [s]
   double bytes = 0;
   double force[3] = {};
   double residual = 0;
@@ -39,7 +39,7 @@ struct OneState {
 
 struct Problem {
   std::shared_ptr<const Discretisation> d;
-  LocalField start;                    // at `from`
+  LocalField start;  // at `from`
   Vec3 from, to;
   double tolerance = 1e-6;
 };
@@ -102,7 +102,8 @@ std::optional<OneState> alone(const Work& work) {
 
 }  // namespace
 
-int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing, const std::string& scene) {
+int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing,
+                    const std::string& scene) {
   Problem problem;
   problem.d = std::make_shared<const Discretisation>(discretise(*body));
   const Vec3 inward = inward_direction(*body);
@@ -115,7 +116,9 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
     path.begin_at_rest();
     const NewtonReport report = path.advance(problem.from, 0, 1e-10, 60, {});
     if (report.status != SolveStatus::converged)
-      throw InputError(scene, fmt::format("the state one spacing inward ended as {}, expected one that converges", name(report.status)));
+      throw InputError(scene,
+                       fmt::format("the state one spacing inward ended as {}, expected one that converges",
+                                   name(report.status)));
     problem.start = path.field();
   }
   struct Row {
@@ -132,32 +135,47 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
   for (Row& row : rows)
     if (nothing && row.result) row.result->bytes -= nothing->bytes;
   for (const Row& row : rows)
-    if (!row.result || !row.result->converged) warn(globals, fmt::format("{} did not solve the state", row.name));
+    if (!row.result || !row.result->converged)
+      warn(globals, fmt::format("{} did not solve the state", row.name));
   if (!rows[0].result) return 1;
 
   const OneState& ours = *rows[0].result;
   const Vec3 force(ours.force[0], ours.force[1], ours.force[2]);
   nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
-  say(globals, fmt::format("{}: {}, {} tetrahedra, {} free nodes, one state, one thread, {}; {}", scene, name(body->material.law),
-                           body->mesh.tets.size(), problem.d->free_nodes, instruction_set(), cholmod_blas()));
-  say(globals, fmt::format("{:<36}{:>14}{:>12}{:>12}{:>10}{:>14}{:>12}", "", "analysis s", "solve s", "iterations", "MB", "force differs", "time ratio"));
+  say(globals, fmt::format("{}: {}, {} tetrahedra, {} free nodes, one state, one thread, {}; {}", scene,
+                           name(body->material.law), body->mesh.tets.size(), problem.d->free_nodes,
+                           instruction_set(), cholmod_blas()));
+  say(globals, fmt::format("{:<36}{:>14}{:>12}{:>12}{:>10}{:>14}{:>12}", "", "analysis s", "solve s",
+                           "iterations", "MB", "force differs", "time ratio"));
   bool all = true;
   for (const Row& row : rows) {
     all = all && row.result && row.result->converged;
     if (!row.result) continue;
     const OneState& r = *row.result;
     const double apart = (Vec3(r.force[0], r.force[1], r.force[2]) - force).norm() / force.norm();
-    say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12.2f}", row.name, r.analysis, r.solve, r.iterations,
-                             1e-6 * r.bytes, apart, r.solve / ours.solve));
+    say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12.2f}", row.name,
+                             r.analysis, r.solve, r.iterations, 1e-6 * r.bytes, apart, r.solve / ours.solve));
     if (&row == rows) continue;
-    document["rows"].push_back({{"name", "one state"}, {"baseline", row.name}, {"ratio", number(r.solve / ours.solve)},
-                                {"ours_us", number(1e6 * ours.solve)}, {"baseline_us", number(1e6 * r.solve)},
-                                {"error", {{"p50", number(apart)}, {"p95", number(apart)}, {"max", number(apart)}}},
-                                {"n", 1}, {"k", nullptr}, {"scene", scene}, {"law", name(body->material.law)},
-                                {"elements", body->mesh.tets.size()}, {"threads", 1}, {"tolerance", problem.tolerance},
-                                {"ours_bytes", number(ours.bytes)}, {"baseline_bytes", number(r.bytes)},
-                                {"ours_analysis_us", number(1e6 * ours.analysis)}, {"baseline_analysis_us", number(1e6 * r.analysis)},
-                                {"ours_iterations", ours.iterations}, {"baseline_iterations", r.iterations}});
+    document["rows"].push_back(
+        {{"name", "one state"},
+         {"baseline", row.name},
+         {"ratio", number(r.solve / ours.solve)},
+         {"ours_us", number(1e6 * ours.solve)},
+         {"baseline_us", number(1e6 * r.solve)},
+         {"error", {{"p50", number(apart)}, {"p95", number(apart)}, {"max", number(apart)}}},
+         {"n", 1},
+         {"k", nullptr},
+         {"scene", scene},
+         {"law", name(body->material.law)},
+         {"elements", body->mesh.tets.size()},
+         {"threads", 1},
+         {"tolerance", problem.tolerance},
+         {"ours_bytes", number(ours.bytes)},
+         {"baseline_bytes", number(r.bytes)},
+         {"ours_analysis_us", number(1e6 * ours.analysis)},
+         {"baseline_analysis_us", number(1e6 * r.analysis)},
+         {"ours_iterations", ours.iterations},
+         {"baseline_iterations", r.iterations}});
   }
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();

@@ -10,6 +10,7 @@
 namespace forefeel {
 
 // `forefeel bench solver SCENE --states 1`.
-int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing, const std::string& scene);
+int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing,
+                    const std::string& scene);
 
 }  // namespace forefeel

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "geometry/coverage/agreement.hpp"
-#include "geometry/index/delaunay_index.hpp"
-#include "geometry/index/point_octree.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
+#include "geometry/index/delaunay_index.hpp"
+#include "geometry/index/point_octree.hpp"
 
 namespace forefeel {
 namespace {
@@ -25,7 +25,9 @@ struct Situation {
   Box box;
 };
 
-Box around(const Vec3& centre) { return {centre - Vec3::Constant(12 * h), centre + Vec3::Constant(12 * h)}; }
+Box around(const Vec3& centre) {
+  return {centre - Vec3::Constant(12 * h), centre + Vec3::Constant(12 * h)};
+}
 
 std::vector<Vec3> jittered_lattice(long side, std::mt19937_64& random) {
   std::uniform_real_distribution<double> jitter(-0.2 * h, 0.2 * h);
@@ -44,21 +46,25 @@ std::vector<Situation> situations(std::size_t n, std::uint64_t seed) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const long side = std::lround(std::cbrt(static_cast<double>(n)));
   const double half = 0.5 * static_cast<double>(side - 1) * h;
-  const auto anywhere = [&](double reach) { return Vec3(reach * uniform(random), reach * uniform(random), reach * uniform(random)); };
+  const auto anywhere = [&](double reach) {
+    return Vec3(reach * uniform(random), reach * uniform(random), reach * uniform(random));
+  };
   std::vector<Situation> all(3);
   all[0] = {"path", jittered_lattice(side, random), {}, around(Vec3::Zero())};
   const double r = std::min(0.8 * half, 11 * h);
   for (int i = 0; i < 200; ++i) {
     const double s = 0.25 * h / r * i;
-    all[0].fresh.push_back(Vec3(r * std::sin(s), r * std::sin(1.3 * s + 0.4), r * std::sin(0.7 * s + 1.1)) + anywhere(0.05 * h));
+    all[0].fresh.push_back(Vec3(r * std::sin(s), r * std::sin(1.3 * s + 0.4), r * std::sin(0.7 * s + 1.1)) +
+                           anywhere(0.05 * h));
   }
   all[1] = {"scattered", {}, {}, around(Vec3::Zero())};
-  for (std::size_t i = 0; i < n; ++i) all[1].known.push_back(anywhere(1.26 * half));   // one in two cubes of h
+  for (std::size_t i = 0; i < n; ++i) all[1].known.push_back(anywhere(1.26 * half));  // one in two cubes of h
   for (int i = 0; i < 100; ++i) all[1].fresh.push_back(anywhere(std::min(half, 11 * h)));
   all[2] = {"front", all[0].known, {}, around(Vec3(half, 0, 0))};
   for (int i = 1; i <= 5; ++i)
     for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k) all[2].fresh.push_back(Vec3(half, 0, 0) + h * Vec3(i, j, k) + anywhere(0.1 * h));
+      for (int k = -1; k <= 1; ++k)
+        all[2].fresh.push_back(Vec3(half, 0, 0) + h * Vec3(i, j, k) + anywhere(0.1 * h));
   return all;
 }
 
@@ -80,7 +86,9 @@ RegionCost measure(const Situation& situation) {
   Regions regions(points, delaunay, {.spacing = h, .box = situation.box});
   regions.settle();
   std::vector<double> look, whole;
-  const auto since = [](Clock::time_point start) { return std::chrono::duration<double, std::micro>(Clock::now() - start).count(); };
+  const auto since = [](Clock::time_point start) {
+    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+  };
   double sum = 0;
   const Vec3 ahead = Vec3(0.8, 0.36, -0.48);
   for (const Vec3& at : situation.fresh) {
@@ -106,8 +114,9 @@ std::vector<RegionCost> bench_regions(std::size_t n, std::uint64_t seed) {
 void report_agreement(const Globals& globals, nlohmann::ordered_json& out) {
   out["agreement"] = nlohmann::ordered_json::array();
   say(globals, "");
-  say(globals, fmt::format("{:<10}{:>10}{:>12}   labels agree on this share of the volume, common blank left out", "setup",
-                           "width [mm]", "share"));
+  say(globals,
+      fmt::format("{:<10}{:>10}{:>12}   labels agree on this share of the volume, common blank left out",
+                  "setup", "width [mm]", "share"));
   for (const double width : {0.048, 0.120})
     for (const std::string& name : setup_names()) {
       const Setup setup = make_setup(name, {.width = width});
@@ -119,7 +128,8 @@ void report_agreement(const Globals& globals, nlohmann::ordered_json& out) {
         octree.insert(space.insert(std::move(state)).id, at);
       }
       const Agreement agreement = compare_indexes(space, octree);
-      out["agreement"].push_back({{"setup", name}, {"width", width}, {"share", agreement.share}, {"states", setup.states.size()}});
+      out["agreement"].push_back(
+          {{"setup", name}, {"width", width}, {"share", agreement.share}, {"states", setup.states.size()}});
       say(globals, fmt::format("{:<10}{:>10.3g}{:>12.4f}", name, 1e3 * width, agreement.share));
     }
 }

@@ -12,10 +12,11 @@ namespace forefeel {
 
 struct RegionCost {
   std::string name;
-  double look_us = 0;    // one insertion, and the labels of the way 2 h ahead of it, every h/4, as a planner asks
-  double whole_us = 0;   // and working out everything else that it may have changed; nothing is left pending
+  double look_us =
+      0;  // one insertion, and the labels of the way 2 h ahead of it, every h/4, as a planner asks
+  double whole_us = 0;  // and working out everything else that it may have changed; nothing is left pending
   std::size_t states = 0;
-  double sum = 0;        // of the labels: keeps the optimiser honest
+  double sum = 0;  // of the labels: keeps the optimiser honest
 };
 
 // Medians over insertions into n states; regions of 24 spacings a side around them, settled before each insertion.

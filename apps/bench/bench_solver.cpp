@@ -46,7 +46,7 @@ void match_blas_to_processor() {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   if (words.empty() || setenv("OPENBLAS_CORETYPE", wanted, 1) != 0) return;
-  execv("/proc/self/exe", arguments.data());      // returns only where that fails: then with what there is
+  execv("/proc/self/exe", arguments.data());  // returns only where that fails: then with what there is
 }
 
 struct BenchCase {
@@ -74,12 +74,14 @@ struct Errors {
   double at(double share) {
     if (values.empty()) return unknown;
     std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+    return values[std::min(values.size() - 1,
+                           static_cast<std::size_t>(share * static_cast<double>(values.size())))];
   }
 };
 
 // Relative force errors of a random sample of states against tight solves on the reference branch.
-Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::size_t count, std::uint64_t seed, int threads) {
+Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::size_t count,
+                     std::uint64_t seed, int threads) {
   std::mt19937_64 random(seed + 1);
   std::vector<const State*> sample;
   for (const State& s : states)
@@ -93,7 +95,8 @@ Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, s
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < sample.size(); ++i) {
       const State tight = solver.reference(sample[i]->at, bench.space.spacing).state;
-      if (tight.usable()) values[i] = (sample[i]->force - tight.force).norm() / std::max(tight.force.norm(), 0.05);
+      if (tight.usable())
+        values[i] = (sample[i]->force - tight.force).norm() / std::max(tight.force.norm(), 0.05);
     }
   }
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
@@ -101,7 +104,7 @@ Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, s
 }
 
 struct BaselineRun {
-  double per_state = 0;     // [s], all threads together
+  double per_state = 0;  // [s], all threads together
   std::size_t states = 0, failed = 0;
   double iterations = 0;
   std::vector<State> solved;
@@ -110,7 +113,8 @@ struct BaselineRun {
 // Each of the sample from the displacements of its neighbour one spacing nearer to rest, which are not charged; as many
 // as are begun within `budget` seconds.
 BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
-                         const std::vector<std::size_t>& sample, int threads, double tolerance, double budget) {
+                         const std::vector<std::size_t>& sample, int threads, double tolerance,
+                         double budget) {
   const auto d = std::make_shared<const Discretisation>(discretise(*bench.body));
   const double h = bench.space.spacing;
   const auto key = [&](const Vec3& x) {
@@ -123,14 +127,16 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
   for (const std::size_t i : sample) {
     std::array<long, 3> k = key(states[i].at);
     const auto longest = static_cast<std::size_t>(
-        std::max_element(k.begin(), k.end(), [](long a, long b) { return std::abs(a) < std::abs(b); }) - k.begin());
+        std::max_element(k.begin(), k.end(), [](long a, long b) { return std::abs(a) < std::abs(b); }) -
+        k.begin());
     k[longest] -= k[longest] > 0 ? 1 : k[longest] < 0 ? -1 : 0;
     const auto from = known.find(k);
     if (from == known.end()) continue;
     std::vector<double> u(static_cast<std::size_t>(d->local_size())), by_node = *from->second->displacements;
-    for (const auto& [a, b] : d->edges)      // mid-edge nodes start between their ends
+    for (const auto& [a, b] : d->edges)  // mid-edge nodes start between their ends
       for (std::size_t c = 0; c < 3; ++c)
-        by_node.push_back(0.5 * (by_node[3 * static_cast<std::size_t>(a) + c] + by_node[3 * static_cast<std::size_t>(b) + c]));
+        by_node.push_back(0.5 * (by_node[3 * static_cast<std::size_t>(a) + c] +
+                                 by_node[3 * static_cast<std::size_t>(b) + c]));
     d->to_local(by_node, u.data());
     starts.emplace_back(states[i].at, std::move(u));
   }
@@ -142,9 +148,10 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (std::size_t i = 0; i < starts.size(); ++i)
     if (seconds_since(start) < budget)
-      run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(starts[i].second, starts[i].first, tolerance);
+      run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(
+          starts[i].second, starts[i].first, tolerance);
   const double seconds = seconds_since(start);
-  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });   // not begun
+  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });  // not begun
   for (const State& s : run.solved) {
     run.failed += !s.usable();
     run.iterations += s.iterations;
@@ -167,15 +174,16 @@ double peak_bytes() {
   return unknown;
 }
 
-nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours, double theirs,
-                                Errors& errors, std::size_t n, int threads, double tolerance) {
+nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours,
+                                double theirs, Errors& errors, std::size_t n, int threads, double tolerance) {
   nlohmann::ordered_json row;
   row["name"] = "generate";
   row["baseline"] = baseline;
   row["ratio"] = number(theirs / ours);
   row["ours_us"] = number(1e6 * ours);
   row["baseline_us"] = number(1e6 * theirs);
-  row["error"] = {{"p50", number(errors.at(0.5))}, {"p95", number(errors.at(0.95))}, {"max", number(errors.at(1))}};
+  row["error"] = {
+      {"p50", number(errors.at(0.5))}, {"p95", number(errors.at(0.95))}, {"max", number(errors.at(1))}};
   row["n"] = n;
   row["k"] = nullptr;
   row["scene"] = bench.name;
@@ -193,7 +201,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   constexpr double tolerance = 1e-6;
   constexpr std::size_t error_sample = 60;
   constexpr int rounds = 3;
-  constexpr double enough = 40;      // [s] after which no further round is begun
+  constexpr double enough = 40;  // [s] after which no further round is begun
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   BenchCase bench = take_case(globals, scene);
   if (most_states == 1) return bench_one_state(globals, bench.body, bench.space.spacing, bench.name);
@@ -233,7 +241,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
     eigen.push_back(last_eigen.per_state);
     cholmod.push_back(last_cholmod.per_state);
   }
-  double scaling = unknown;            // states per second over those of one thread
+  double scaling = unknown;  // states per second over those of one thread
   if (threads > 1 && seconds_since(begun) < enough) {
     progress.show(0.9, "one thread");
     GenerateOptions alone = options;
@@ -248,8 +256,10 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   nlohmann::ordered_json document;
   document["rows"] = nlohmann::ordered_json::array();
   const std::size_t n = report.solved;
-  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", median(ours), median(eigen), errors, n, threads, tolerance));
-  document["rows"].push_back(make_row(bench, "CHOLMOD full Newton", median(ours), median(cholmod), errors, n, threads, tolerance));
+  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", median(ours), median(eigen),
+                                      errors, n, threads, tolerance));
+  document["rows"].push_back(
+      make_row(bench, "CHOLMOD full Newton", median(ours), median(cholmod), errors, n, threads, tolerance));
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();
   document["failed"] = report.failed;
@@ -263,18 +273,25 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   document["provenance"] = provenance("");
   if (globals.json) print_json(document);
   say(globals, fmt::format("{}: {}, {} tetrahedra, {} states, {} failed, {} threads, {}", bench.name,
-                           name(bench.body->material.law), bench.body->mesh.tets.size(), n, report.failed, threads, instruction_set()));
+                           name(bench.body->material.law), bench.body->mesh.tets.size(), n, report.failed,
+                           threads, instruction_set()));
   if (n + report.failed < whole)
-    say(globals, fmt::format("the {} states nearest to rest, of {} in the scene's box", n + report.failed, whole));
+    say(globals,
+        fmt::format("the {} states nearest to rest, of {} in the scene's box", n + report.failed, whole));
   say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
   say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * median(ours)));
-  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * median(eigen), median(eigen) / median(ours)));
-  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * median(cholmod), median(cholmod) / median(ours), cholmod_blas()));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton",
+                           1e6 * median(eigen), median(eigen) / median(ours)));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * median(cholmod),
+                           median(cholmod) / median(ours), cholmod_blas()));
   if (std::isfinite(scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, scaling));
-  say(globals, fmt::format("baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
-                           "charged), on the same threads", last_eigen.states, last_cholmod.states));
-  say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}", errors.values.size(),
-                           errors.at(0.5), errors.at(0.95), errors.at(1)));
+  say(globals,
+      fmt::format(
+          "baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
+          "charged), on the same threads",
+          last_eigen.states, last_cholmod.states));
+  say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}",
+                           errors.values.size(), errors.at(0.5), errors.at(0.95), errors.at(1)));
   return 0;
 }
 

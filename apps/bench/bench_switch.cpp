@@ -21,10 +21,10 @@
 #include <deque>
 
 #include "approx/baselines/baseline.hpp"
-#include "approx/switch/force_switch.hpp"
 #include "approx/loops/instruction_set.hpp"
-#include "apps/laboratory/laboratory.hpp"
+#include "approx/switch/force_switch.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/laboratory/laboratory.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {

@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "apps/classify/calibration.hpp"
+#include "apps/console/provenance.hpp"
 #include "apps/laboratory/laboratory.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
-#include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/record/run_files.hpp"

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arrival {
-  double time;      // [s]
+  double time;  // [s]
   State state;
 };
 
@@ -31,7 +31,8 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
   const RunTable table = RunTable::read(folder / "dispatch.csv");
   for (const char* column : {"x", "y", "z", "finished", "status"})
     if (!table.has(column))
-      throw InputError((folder / "dispatch.csv").string(), fmt::format("has no column {}, expected the file of a run", column));
+      throw InputError((folder / "dispatch.csv").string(),
+                       fmt::format("has no column {}, expected the file of a run", column));
   std::vector<Arrival> arrivals;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const std::string_view status = table.text(row, "status");
@@ -42,17 +43,21 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
     state.at = {table.number(row, "x"), table.number(row, "y"), table.number(row, "z")};
     if (std::isfinite(time) && state.at.allFinite()) arrivals.push_back({time, state});
   }
-  std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.time < b.time; });
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.time < b.time; });
   return arrivals;
 }
 
-bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); }
+bool before(const Vec3& a, const Vec3& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
 
 // Forces, stiffnesses and how they were solved, for states of which only the position is known so far.
 class Solved {
  public:
   explicit Solved(std::vector<State> states) : states_(std::move(states)) {
-    std::stable_sort(states_.begin(), states_.end(), [](const State& a, const State& b) { return before(a.at, b.at); });
+    std::stable_sort(states_.begin(), states_.end(),
+                     [](const State& a, const State& b) { return before(a.at, b.at); });
   }
   void complete(State& state) const {
     const auto found = std::lower_bound(states_.begin(), states_.end(), state.at,
@@ -61,7 +66,7 @@ class Solved {
   }
 
  private:
-  std::vector<State> states_;   // by position
+  std::vector<State> states_;  // by position
 };
 
 // What was known when, of a run.
@@ -82,14 +87,18 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
     history.own = loaded.own;
   } else {
     // All states at the end, those of the start first.
-    history.start.assign(solved.begin(), solved.end() - std::ptrdiff_t(std::min(solved.size(), history.arrivals.size())));
+    history.start.assign(solved.begin(),
+                         solved.end() - std::ptrdiff_t(std::min(solved.size(), history.arrivals.size())));
   }
   if (fs::exists(folder / "session.states")) {
     LoadedStates loaded = load_states(folder / "session.states");
     const double other = history.own.spacing, own = loaded.header.spacing;
-    if (!arguments.spacing && std::isfinite(other) && std::isfinite(own) && std::abs(other - own) > 1e-9 * own)
-      throw InputError("--known", fmt::format("{} has a spacing of {:.4g} m and the run one of {:.4g} m, expected --spacing for both",
-                                              arguments.known, other, own));
+    if (!arguments.spacing && std::isfinite(other) && std::isfinite(own) &&
+        std::abs(other - own) > 1e-9 * own)
+      throw InputError(
+          "--known",
+          fmt::format("{} has a spacing of {:.4g} m and the run one of {:.4g} m, expected --spacing for both",
+                      arguments.known, other, own));
     check_same_body(arguments.known, history.own.identity, loaded.header.identity);
     if (std::isfinite(own)) history.own.spacing = own;
     history.own.identity = loaded.header.identity;
@@ -103,7 +112,7 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
 struct Hip {
   std::vector<double> t;
   std::vector<Vec3> at;
-  std::vector<Vec3> force;   // rendered [N]
+  std::vector<Vec3> force;  // rendered [N]
 };
 
 Hip read_hip(const fs::path& folder) {
@@ -117,7 +126,8 @@ Hip read_hip(const fs::path& folder) {
     hip.at.push_back(at);
     hip.force.emplace_back(table.number(row, "fx"), table.number(row, "fy"), table.number(row, "fz"));
   }
-  if (hip.t.empty()) throw InputError((folder / "frames.csv").string(), "holds no frames, expected columns t,x,y,z");
+  if (hip.t.empty())
+    throw InputError((folder / "frames.csv").string(), "holds no frames, expected columns t,x,y,z");
   return hip;
 }
 
@@ -139,7 +149,8 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   std::vector<State> all = past.start;
   for (const Arrival& a : arrivals) all.push_back(a.state);
   Classified set = prepare_states(arguments, folder.string(), std::move(all), past.own, globals);
-  StateSpace space({.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
+  StateSpace space(
+      {.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
   std::vector<State> so_far;
   const auto add = [&](const State& state) {
     if (state.usable() && space.insert(state).is_new) so_far.push_back(state);
@@ -169,25 +180,34 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
       writer(parts / name);
       entries.push_back({t, part, (parts.filename() / name).string()});
     };
-    write("regions", 0, [&](const fs::path& file) { write_regions_vtu(file, regions.leaves, regions.components); });
+    write("regions", 0,
+          [&](const fs::path& file) { write_regions_vtu(file, regions.leaves, regions.components); });
     write("states", 1, [&](const fs::path& file) { write_states_vtu(file, so_far); });
     write("hip", 2, [&](const fs::path& file) { write_states_vtu(file, std::span(&probe, 1)); });
-    history.push_back({{"t", t}, {"states", space.size()}, {"hip", vector3(hip.at[frame])},
-                       {"label", std::string(name(space.label(hip.at[frame])))}, {"volume", by_label(regions.volume)}});
+    history.push_back({{"t", t},
+                       {"states", space.size()},
+                       {"hip", vector3(hip.at[frame])},
+                       {"label", std::string(name(space.label(hip.at[frame])))},
+                       {"volume", by_label(regions.volume)}});
     progress.show(double(i + 1) / double(count), fmt::format("t = {:.3g} s, {} states", t, space.size()));
   }
   write_pvd(series, entries);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (globals.json) {
-    nlohmann::ordered_json out{{"series", series.string()}, {"snapshots", history}, {"states", space.size()}, {"spacing", set.spacing},
+    nlohmann::ordered_json out{{"series", series.string()},
+                               {"snapshots", history},
+                               {"states", space.size()},
+                               {"spacing", set.spacing},
                                {"box", {vector3(set.box.low), vector3(set.box.high)}}};
     const double fill = space.regions().fill_distance();
-    regions_json(out, space.regions().summary(), fill, fill + 1e-3 * set.spacing, space.regions().largest_hole());
+    regions_json(out, space.regions().summary(), fill, fill + 1e-3 * set.spacing,
+                 space.regions().largest_hole());
     out["seconds"] = seconds;
     out["peak_bytes"] = peak_bytes();
     print_json(out);
   } else {
-    say(globals, fmt::format("{}: {} moments, {} states at the end, {:.3g} s", series.string(), count, space.size(), seconds));
+    say(globals, fmt::format("{}: {} moments, {} states at the end, {:.3g} s", series.string(), count,
+                             space.size(), seconds));
   }
   return 0;
 }
@@ -203,18 +223,22 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
   const double other = loaded[1].own.spacing;
   if (!arguments.spacing && arguments.scene.empty() && std::isfinite(own.spacing) && std::isfinite(other) &&
       std::abs(other - own.spacing) > 1e-9 * own.spacing)
-    throw InputError("--diff", fmt::format("{} has a spacing of {:.4g} m and {} one of {:.4g} m, expected --spacing for both",
-                                           arguments.diff[0], own.spacing, arguments.diff[1], other));
+    throw InputError(
+        "--diff",
+        fmt::format("{} has a spacing of {:.4g} m and {} one of {:.4g} m, expected --spacing for both",
+                    arguments.diff[0], own.spacing, arguments.diff[1], other));
   check_same_body(arguments.diff[1], loaded[1].own.identity, own.identity);
   if (own.box && loaded[1].own.box)
-    own.box = Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
+    own.box =
+        Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
   const Classified frame = prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
   common.spacing = frame.spacing;
   std::array<Classified, 2> set;
   for (std::size_t i = 0; i < 2; ++i) {
     common.box.clear();
     common.scene.clear();
-    set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states), {frame.spacing, frame.box}, globals);
+    set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states),
+                            {frame.spacing, frame.box}, globals);
     label_regions(set[i], common, globals, i == 1);
   }
   std::vector<RegionChange> changed;
@@ -245,7 +269,8 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
     for (std::size_t b = 0; b < 4; ++b) {
       if (a != b) moved += volume[a][b];
       if (b < a) better += volume[a][b];
-      table[std::string(name(static_cast<Label>(a)))][std::string(name(static_cast<Label>(b)))] = volume[a][b];
+      table[std::string(name(static_cast<Label>(a)))][std::string(name(static_cast<Label>(b)))] =
+          volume[a][b];
     }
   if (arguments.output.ends_with(".vtu")) write_changes_vtu(arguments.output, changed);
   if (arguments.output.ends_with(".csv")) {
@@ -260,8 +285,10 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (globals.json) {
-    nlohmann::ordered_json out{{"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
-                               {"states", {set[0].states.size(), set[1].states.size()}}, {"spacing", frame.spacing}};
+    nlohmann::ordered_json out{
+        {"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
+        {"states", {set[0].states.size(), set[1].states.size()}},
+        {"spacing", frame.spacing}};
     regions_json(out, set[1].regions, set[1].fill_distance, set[1].fill_bound, set[1].hole);
     out["seconds"] = seconds;
     out["peak_bytes"] = peak_bytes();
@@ -271,8 +298,8 @@ int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
   say(globals, fmt::format("h = {:.4g} mm", 1e3 * frame.spacing));
   say(globals, "volume [cm3]  safe       sparse     gap        blank      (in B)");
   for (std::size_t a = 0; a < 4; ++a)
-    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(a)), 1e6 * volume[a][0],
-                             1e6 * volume[a][1], 1e6 * volume[a][2], 1e6 * volume[a][3]));
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(a)),
+                             1e6 * volume[a][0], 1e6 * volume[a][1], 1e6 * volume[a][2], 1e6 * volume[a][3]));
   say(globals, fmt::format("changed {:.4g} cm3, {:.4g} of it for the better", 1e6 * moved, 1e6 * better));
   return 0;
 }

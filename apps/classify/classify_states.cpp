@@ -9,11 +9,11 @@
 
 #include "apps/classify/classify.hpp"
 #include "apps/scene_input/scene.hpp"
-#include "geometry/coverage/bridge.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/index/point_octree.hpp"
+#include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/setups.hpp"
+#include "geometry/index/point_octree.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"
 
@@ -43,13 +43,15 @@ Box parse_box(const std::string& text) {
     throw InputError("--box", fmt::format("'{}' is not a box, expected X0,Y0,Z0:X1,Y1,Z1", text));
   const Box box{parse_vector(text.substr(0, colon), "--box"), parse_vector(text.substr(colon + 1), "--box")};
   if ((box.low.array() > box.high.array()).any())
-    throw InputError("--box", fmt::format("'{}' has its first corner above its second, expected low:high", text));
-  if (!(box.size().prod() > 0)) throw InputError("--box", fmt::format("'{}' has no volume, expected low below high on every axis", text));
+    throw InputError("--box",
+                     fmt::format("'{}' has its first corner above its second, expected low:high", text));
+  if (!(box.size().prod() > 0))
+    throw InputError("--box", fmt::format("'{}' has no volume, expected low below high on every axis", text));
   return box;
 }
 
-void take_scene(const ClassifyArguments& arguments, const std::string& where, const OwnFrame& own, const Globals& globals,
-                Classified& result) {
+void take_scene(const ClassifyArguments& arguments, const std::string& where, const OwnFrame& own,
+                const Globals& globals, Classified& result) {
   const Scene scene = load_scene(arguments.scene, globals.set);
   check_same_body(where, own.identity, scene.identity);
   if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
@@ -60,7 +62,8 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
     contact += scene.body->mesh.nodes[static_cast<std::size_t>(node)] / double(scene.body->contact.size());
   for (const Triangle& t : boundary_triangles(scene.body->mesh)) {
     std::array<Vec3, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.body->mesh.nodes[static_cast<std::size_t>(t[i])] - contact;
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = scene.body->mesh.nodes[static_cast<std::size_t>(t[i])] - contact;
     result.body.push_back(corners);
   }
 }
@@ -91,13 +94,18 @@ void check_extent(const Classified& set, const std::string& where) {
     points = std::max({points, std::abs(set.box.low[axis]), std::abs(set.box.high[axis])});
   }
   if (!(voxels <= 1e9))
-    throw InputError(where, fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
-                                        "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
-                                        set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
+    throw InputError(
+        where,
+        fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
+                    "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
+                    set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
   // States closer than 1e-9 h are one; doubles must be able to tell.
   if (!(points <= 1e6 * set.spacing))
-    throw InputError(where, fmt::format("it lies up to {:.3g} m from rest, too far to tell states at a spacing of {:.3g} m "
-                                        "apart exactly, expected at most a million spacings", points, set.spacing));
+    throw InputError(
+        where,
+        fmt::format("it lies up to {:.3g} m from rest, too far to tell states at a spacing of {:.3g} m "
+                    "apart exactly, expected at most a million spacings",
+                    points, set.spacing));
 }
 
 std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyArguments& arguments) {
@@ -147,9 +155,10 @@ void measure_holes(Classified& result, const StateSpace& space) {
 
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
   result.octree = make_octree(result, arguments);
-  const double rim = rim_reach(arguments.coverage.sparse_distance, result.lattice ? result.lattice->coarsest() : result.spacing);
+  const double rim = rim_reach(arguments.coverage.sparse_distance,
+                               result.lattice ? result.lattice->coarsest() : result.spacing);
   result.regions = sample_regions(result.box, result.spacing, rim, [&](const Vec3& q) {
-    thread_local PathWalk walk;   // along the rows of voxels
+    thread_local PathWalk walk;  // along the rows of voxels
     return result.octree->label(q, walk);
   });
   find_sides(*result.octree, result, arguments.coverage, result.regions.components);
@@ -172,32 +181,36 @@ Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments
 
 nlohmann::ordered_json agreement_json(const Agreement& agreement) {
   nlohmann::ordered_json out, table;
-  for (std::size_t d = 0; d < 4; ++d) table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
+  for (std::size_t d = 0; d < 4; ++d)
+    table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
   out["share"] = agreement.share;
   out["volume_delaunay_octree"] = table;
   out["worst"] = nullptr;
   if (const auto& worst = agreement.worst)
-    out["worst"] = {{"at", vector3(worst->at)}, {"delaunay", std::string(name(worst->delaunay))},
+    out["worst"] = {{"at", vector3(worst->at)},
+                    {"delaunay", std::string(name(worst->delaunay))},
                     {"octree", std::string(name(worst->octree))}};
   return out;
 }
 
 void print_agreement(const Globals& globals, const Agreement& agreement) {
-  say(globals, fmt::format("the indexes agree on {:.2f} % of the volume, common blank left out", 100 * agreement.share));
+  say(globals, fmt::format("the indexes agree on {:.2f} % of the volume, common blank left out",
+                           100 * agreement.share));
   say(globals, "volume [cm3]  safe       sparse     gap        blank      (octree)");
   for (std::size_t d = 0; d < 4; ++d) {
     const auto& v = agreement.volume[d];
-    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)), 1e6 * v[0],
-                             1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)),
+                             1e6 * v[0], 1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
   }
   if (const auto& worst = agreement.worst)
-    say(globals, fmt::format("in the middle of the longest stretch that differs along x: {:.4g}, {:.4g}, {:.4g} mm, {} against {}",
-                             1e3 * worst->at.x(), 1e3 * worst->at.y(), 1e3 * worst->at.z(), name(worst->delaunay),
-                             name(worst->octree)));
+    say(globals, fmt::format("in the middle of the longest stretch that differs along x: {:.4g}, {:.4g}, "
+                             "{:.4g} mm, {} against {}",
+                             1e3 * worst->at.x(), 1e3 * worst->at.y(), 1e3 * worst->at.z(),
+                             name(worst->delaunay), name(worst->octree)));
 }
 
-Classified prepare_states(const ClassifyArguments& arguments, const std::string& where, std::vector<State> states,
-                          const OwnFrame& own, const Globals& globals) {
+Classified prepare_states(const ClassifyArguments& arguments, const std::string& where,
+                          std::vector<State> states, const OwnFrame& own, const Globals& globals) {
   Classified result;
   const std::size_t all = states.size();
   std::erase_if(states, [](const State& s) { return !s.usable() || !s.at.allFinite(); });
@@ -219,9 +232,11 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
     result.spacing_estimated = true;
   }
   if (!(result.spacing > 0))
-    throw InputError(where, "gives no spacing and has too few states to estimate one, expected --spacing METRES");
+    throw InputError(where,
+                     "gives no spacing and has too few states to estimate one, expected --spacing METRES");
   if (!(result.spacing <= largest_spacing))
-    throw InputError(where, fmt::format("has a spacing of {:.3g} m, expected at most {:.0e} m", result.spacing, largest_spacing));
+    throw InputError(where, fmt::format("has a spacing of {:.3g} m, expected at most {:.0e} m",
+                                        result.spacing, largest_spacing));
   if (!arguments.box.empty()) result.box = parse_box(arguments.box);
   if (!have_box && own.box) {
     result.box = *own.box;
@@ -241,7 +256,8 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   return result;
 }
 
-void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals, bool with_holes) {
+void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals,
+                   bool with_holes) {
   if (arguments.index == "octree") return label_octree(result, arguments, with_holes);
   Progress progress(globals, "classify");
   result.space = make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
@@ -271,7 +287,8 @@ StatesInFrame load_set(const std::string& file) {
   return set;
 }
 
-Classified classify_states(const Globals& globals, const ClassifyArguments& arguments, const std::string& file) {
+Classified classify_states(const Globals& globals, const ClassifyArguments& arguments,
+                           const std::string& file) {
   StatesInFrame loaded = load_set(file);
   Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.own, globals);
   label_regions(result, arguments, globals, true);

@@ -47,7 +47,8 @@ RunTable RunTable::read(const std::filesystem::path& file) {
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (number == 1) {
       split(line, table.columns_);
-      table.cells_.reserve(table.columns_.size() * static_cast<std::size_t>(std::ranges::count(left, '\n') + 1));
+      table.cells_.reserve(table.columns_.size() *
+                           static_cast<std::size_t>(std::ranges::count(left, '\n') + 1));
       continue;
     }
     const std::size_t before = table.cells_.size();

@@ -20,11 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_gaps = 1000;   // in the document, largest first
+constexpr std::size_t most_gaps = 1000;  // in the document, largest first
 
 // X,Y,Z:X,Y,Z:N
 std::vector<Vec3> parse_line(const std::string& text) {
-  const std::size_t first = text.find(':'), second = first == std::string::npos ? first : text.find(':', first + 1);
+  const std::size_t first = text.find(':'),
+                    second = first == std::string::npos ? first : text.find(':', first + 1);
   const auto refuse = [&] {
     return InputError("--line", fmt::format("'{}' is not a line, expected X,Y,Z:X,Y,Z:N with N >= 2", text));
   };
@@ -57,7 +58,8 @@ std::vector<Vec3> grid_points(const Box& box, double step) {
   points.reserve(static_cast<std::size_t>(total));
   for (long k = 0; k < count[2]; ++k)
     for (long j = 0; j < count[1]; ++j)
-      for (long i = 0; i < count[0]; ++i) points.push_back(box.low + step * Vec3(double(i), double(j), double(k)));
+      for (long i = 0; i < count[0]; ++i)
+        points.push_back(box.low + step * Vec3(double(i), double(j), double(k)));
   return points;
 }
 
@@ -68,20 +70,24 @@ std::vector<Coverage> cover(const Classified& set, const std::vector<Vec3>& poin
   return result;
 }
 
-void write_points(const std::string& file, const std::vector<Vec3>& points, const std::vector<Coverage>& found) {
-  const auto cell = [](double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); };
+void write_points(const std::string& file, const std::vector<Vec3>& points,
+                  const std::vector<Coverage>& found) {
+  const auto cell = [](double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+  };
   OutputFile out(file);
   out.write("x,y,z,label,spread,alpha,delta,gamma_deg\n");
   for (std::size_t i = 0; i < points.size(); ++i)
-    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", points[i].x(), points[i].y(), points[i].z(), name(found[i].label),
-                          cell(found[i].spread), cell(found[i].alpha), cell(found[i].delta), cell(found[i].gamma_deg)));
+    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", points[i].x(), points[i].y(), points[i].z(),
+                          name(found[i].label), cell(found[i].spread), cell(found[i].alpha),
+                          cell(found[i].delta), cell(found[i].gamma_deg)));
   out.commit();
 }
 
 CoveragePicture picture_of(const Classified& set, const ClassifyArguments& arguments) {
   CoveragePicture picture;
   picture.box = set.box;
-  picture.through = !arguments.through.empty() ? parse_vector(arguments.through, "--through")
+  picture.through = !arguments.through.empty()       ? parse_vector(arguments.through, "--through")
                     : set.box.contains(Vec3::Zero()) ? Vec3(Vec3::Zero())
                                                      : set.box.centre();
   picture.spacing = set.spacing;
@@ -91,8 +97,9 @@ CoveragePicture picture_of(const Classified& set, const ClassifyArguments& argum
   };
   picture.volume = set.regions.volume;
   picture.components = set.regions.component_count;
-  picture.title = fmt::format("Coverage of {} ({}, h = {:.4g} mm)", fs::path(arguments.states).filename().string(),
-                              arguments.index, 1e3 * set.spacing);
+  picture.title =
+      fmt::format("Coverage of {} ({}, h = {:.4g} mm)", fs::path(arguments.states).filename().string(),
+                  arguments.index, 1e3 * set.spacing);
   picture.body = set.body;
   return picture;
 }
@@ -128,8 +135,10 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
 nlohmann::ordered_json sides_json(const std::vector<BridgeSide>& sides) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const BridgeSide& side : sides)
-    out.push_back({{"direction", vector3(side.direction)}, {"half_angle_deg", side.half_angle_deg},
-                   {"distance", side.distance}, {"states", side.states}});
+    out.push_back({{"direction", vector3(side.direction)},
+                   {"half_angle_deg", side.half_angle_deg},
+                   {"distance", side.distance},
+                   {"states", side.states}});
   return out;
 }
 
@@ -138,18 +147,21 @@ nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
   nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
   for (const RegionComponent& c : regions.components)
     if (c.label == Label::gap && gaps.size() < most_gaps)
-      gaps.push_back({{"volume", c.volume}, {"inner", vector3(c.inner)}, {"safe_components", c.safe_neighbours},
+      gaps.push_back({{"volume", c.volume},
+                      {"inner", vector3(c.inner)},
+                      {"safe_components", c.safe_neighbours},
                       {"sides", sides_json(c.sides)}});
   return gaps;
 }
 
 }  // namespace
 
-void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance, double fill_bound,
-                  const std::optional<LargestHole>& hole) {
+void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance,
+                  double fill_bound, const std::optional<LargestHole>& hole) {
   out["volume"] = by_label(regions.volume);
   for (int i = 0; i < 4; ++i)
-    out["components"][std::string(name(static_cast<Label>(i)))] = regions.component_count[static_cast<std::size_t>(i)];
+    out["components"][std::string(name(static_cast<Label>(i)))] =
+        regions.component_count[static_cast<std::size_t>(i)];
   out["gaps"] = gaps_json(regions);
   out["gaps_left_out"] = regions.component_count[static_cast<std::size_t>(Label::gap)] - out["gaps"].size();
   out["fill_distance"] = number(fill_distance);
@@ -157,17 +169,19 @@ void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, dou
   if (hole) {
     out["largest_hole"] = {{"radius", hole->radius}, {"centre", vector3(hole->centre)}};
   } else {
-    out["largest_hole"] = {{"radius", nullptr}, {"centre", nlohmann::ordered_json::array({nullptr, nullptr, nullptr})}};
+    out["largest_hole"] = {{"radius", nullptr},
+                           {"centre", nlohmann::ordered_json::array({nullptr, nullptr, nullptr})}};
   }
 }
 
 namespace {
 
 nlohmann::ordered_json document_of(const Classified& set, const ClassifyArguments& arguments,
-                                   const std::vector<Coverage>& found, const std::optional<Agreement>& agreement,
-                                   double seconds) {
+                                   const std::vector<Coverage>& found,
+                                   const std::optional<Agreement>& agreement, double seconds) {
   nlohmann::ordered_json out;
-  for (const char* key : {"labels", "spread", "alpha", "delta", "gamma_deg"}) out[key] = nlohmann::ordered_json::array();
+  for (const char* key : {"labels", "spread", "alpha", "delta", "gamma_deg"})
+    out[key] = nlohmann::ordered_json::array();
   for (const Coverage& c : found) {
     out["labels"].push_back(std::string(name(c.label)));
     out["spread"].push_back(number(c.spread));
@@ -190,14 +204,19 @@ nlohmann::ordered_json document_of(const Classified& set, const ClassifyArgument
   return out;
 }
 
-std::string millimetres(double metres) { return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres); }
+std::string millimetres(double metres) {
+  return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres);
+}
 
-void print_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found, const Globals& globals) {
+void print_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found,
+                  const Globals& globals) {
   for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 200); ++i)
-    answer(globals, fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
-                                1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
-                                millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
-                                std::isnan(found[i].gamma_deg) ? "not needed" : fmt::format("{:.4g} deg", found[i].gamma_deg)));
+    answer(globals,
+           fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
+                       1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
+                       millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
+                       std::isnan(found[i].gamma_deg) ? "not needed"
+                                                      : fmt::format("{:.4g} deg", found[i].gamma_deg)));
   if (points.size() > 200) answer(globals, fmt::format("… {} points in all", points.size()));
 }
 
@@ -206,26 +225,32 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   double all = 0;
   for (const double v : set.regions.volume) all += v;
   answer(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
-                           set.spacing_estimated ? " (estimated)" : set.lattice ? " at the finest" : "",
-                           set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
+                              set.spacing_estimated ? " (estimated)"
+                              : set.lattice         ? " at the finest"
+                                                    : "",
+                              set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
   for (int i = 0; i < 4; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(static_cast<Label>(i)),
-                             1e6 * set.regions.volume[k], all > 0 ? 100 * set.regions.volume[k] / all : 0.0,
-                             set.regions.component_count[k], set.regions.component_count[k] == 1 ? "" : "s"));
+    answer(globals,
+           fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(static_cast<Label>(i)),
+                       1e6 * set.regions.volume[k], all > 0 ? 100 * set.regions.volume[k] / all : 0.0,
+                       set.regions.component_count[k], set.regions.component_count[k] == 1 ? "" : "s"));
   }
   for (const RegionComponent& c : set.regions.components)
     if (c.label == Label::gap && ++gaps <= 5)
-      say(globals, fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe part{}",
-                               1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
-                               c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(), c.safe_neighbours.size() == 1 ? "" : "s"));
+      say(globals,
+          fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe part{}",
+                      1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
+                      c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(),
+                      c.safe_neighbours.size() == 1 ? "" : "s"));
   answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
-                           set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
-                               ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)
-                               : ""));
+                              set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
+                                  ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)
+                                  : ""));
   if (set.hole)
-    answer(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
-                             1e3 * set.hole->centre.x(), 1e3 * set.hole->centre.y(), 1e3 * set.hole->centre.z()));
+    answer(globals,
+           fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
+                       1e3 * set.hole->centre.x(), 1e3 * set.hole->centre.y(), 1e3 * set.hole->centre.z()));
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 
@@ -233,14 +258,17 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
 void check_effect(const Globals& globals, const ClassifyArguments& arguments, bool run) {
   const std::string extension = fs::path(arguments.output).extension();
   if (!run && (!arguments.known.empty() || arguments.snapshots))
-    throw InputError(arguments.known.empty() ? "--snapshots" : "--known", "is for the folder of a run, expected classify RUN/");
+    throw InputError(arguments.known.empty() ? "--snapshots" : "--known",
+                     "is for the folder of a run, expected classify RUN/");
   if (!globals.set.empty() && arguments.scene.empty())
     throw InputError("--set", "overrides keys of a scene, expected it with --scene or --calibrate");
   if (!arguments.through.empty() && extension != ".svg" && extension != ".png")
     throw InputError("--through", "places the slices of a picture, expected it with -o OUT.svg or OUT.png");
   const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
   if (points && (run || !arguments.diff.empty()))
-    throw InputError("classify", "labels positions of one set of states, expected --points, --line or --grid without --diff or a run");
+    throw InputError(
+        "classify",
+        "labels positions of one set of states, expected --points, --line or --grid without --diff or a run");
   if (run && arguments.index != "delaunay")
     throw InputError("--index", "octree is for a set of states, expected delaunay for a run");
 }
@@ -249,7 +277,9 @@ void check_arguments(const Globals& globals, const ClassifyArguments& arguments)
   if (arguments.diff.empty() == arguments.states.empty())
     throw InputError("classify", "expected either STATES (or a RUN/ folder) or --diff A B");
   if (arguments.spacing && !(*arguments.spacing > 0 && *arguments.spacing <= largest_spacing))
-    throw InputError("--spacing", fmt::format("is not a length that states can have, expected metres in (0, {:.0e}]", largest_spacing));
+    throw InputError(
+        "--spacing",
+        fmt::format("is not a length that states can have, expected metres in (0, {:.0e}]", largest_spacing));
   check_effect(globals, arguments, arguments.diff.empty() && fs::is_directory(arguments.states));
   if (arguments.grid && !(*arguments.grid > 0 && std::isfinite(*arguments.grid)))
     throw InputError("--grid", "is not a length, expected metres > 0");
@@ -265,7 +295,8 @@ void check_arguments(const Globals& globals, const ClassifyArguments& arguments)
                                              ? std::vector<std::string>{".csv", ".vtu"}
                                              : std::vector<std::string>{".vtu", ".csv", ".svg", ".png"};
   if (std::ranges::find(known, extension) == known.end())
-    throw InputError(arguments.output, fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
+    throw InputError(arguments.output,
+                     fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
   check_writable(arguments.output, {arguments.states});
   for (const std::string& states : arguments.diff) check_writable(arguments.output, {states});
 }
@@ -290,7 +321,8 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   const Classified set = classify_states(globals, arguments, arguments.states);
   if (arguments.grid) points = grid_points(set.box, *arguments.grid);
   if (!arguments.through.empty() && !set.box.contains(parse_vector(arguments.through, "--through")))
-    throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it", arguments.through));
+    throw InputError("--through",
+                     fmt::format("'{}' lies outside the box, expected a place in it", arguments.through));
   const std::vector<Coverage> found = cover(set, points);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!arguments.output.empty()) write_output(set, arguments, points, found, globals);
@@ -300,7 +332,8 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
     print_json(document_of(set, arguments, found, agreement, seconds));
     return 0;
   }
-  if (fs::path(arguments.output).extension() != ".csv") print_points(points, found, globals);   // that holds them better
+  if (fs::path(arguments.output).extension() != ".csv")
+    print_points(points, found, globals);  // that holds them better
   print_summary(set, seconds, globals);
   if (agreement) print_agreement(globals, *agreement);
   return 0;
@@ -310,30 +343,40 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
 
 void add_classify(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<ClassifyArguments>();
-  CLI::App& sub = add_command(app, commands, "classify", "Where states make the force known: safe, sparse, gap, blank",
-                              [&commands, arguments] { return run_classify(commands.globals, *arguments); });
-  sub.add_option("states", arguments->states, ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
+  CLI::App& sub =
+      add_command(app, commands, "classify", "Where states make the force known: safe, sparse, gap, blank",
+                  [&commands, arguments] { return run_classify(commands.globals, *arguments); });
+  sub.add_option("states", arguments->states,
+                 ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
       ->type_name("STATES|RUN/");
   sub.add_option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
       ->check(CLI::IsMember({"delaunay", "octree"}));
-  sub.add_option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]; default: the file's")
+  sub.add_option("--spacing", arguments->spacing,
+                 "Spacing h that counts as fully populated [m]; default: the file's")
       ->type_name("H");
   sub.add_option("--box", arguments->box, "Box [m]; default: the scene's, else that of the states")
       ->type_name("X0,Y0,Z0:X1,Y1,Z1");
   sub.add_option("--points", arguments->points, "Label these positions (CSV x,y,z)")->type_name("Q.csv");
   sub.add_option("--line", arguments->line, "Label N positions along a line")->type_name("X,Y,Z:X,Y,Z:N");
   sub.add_option("--grid", arguments->grid, "Label a grid of this step over the box [m]")->type_name("H");
-  sub.add_option("-o,--output", arguments->output, ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")->type_name("OUT");
-  sub.add_option("--diff", arguments->diff, "Two sets of states: what changed from A to B")->expected(2)->type_name("A B");
+  sub.add_option("-o,--output", arguments->output,
+                 ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")
+      ->type_name("OUT");
+  sub.add_option("--diff", arguments->diff, "Two sets of states: what changed from A to B")
+      ->expected(2)
+      ->type_name("A B");
   sub.add_flag("--agreement", arguments->agreement, "Compare both indexes by volume");
-  sub.add_option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body")->type_name("SCENE");
+  sub.add_option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body")
+      ->type_name("SCENE");
   sub.add_option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
       ->type_name("X,Y,Z");
   sub.add_option("--known", arguments->known, "States known before a run began")->type_name("STATES");
   sub.add_option("--calibrate", arguments->calibrate,
-                 "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES default to the lattice")
+                 "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES "
+                 "default to the lattice")
       ->type_name("SCENE");
-  sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")->check(CLI::Range(1, 10000));
+  sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")
+      ->check(CLI::Range(1, 10000));
   CoverageOptions& limits = arguments->coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {
     sub.add_option(option, value, text)->check(above_zero)->group("Thresholds");

@@ -13,8 +13,8 @@
 #include "approx/judge/leave_one_out.hpp"
 #include "approx/predecessors/methods.hpp"
 #include "approx/select/updater.hpp"
-#include "apps/console/command.hpp"
 #include "apps/classify/repeated_states.hpp"
+#include "apps/console/command.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -41,7 +41,8 @@ struct Evaluation {
   std::vector<Vec3> forces;
   std::vector<Label> labels;
   std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
-  std::size_t fitted = 0, updated = 0, reused = 0;  // models, by point: from nothing, by replacing states, unchanged
+  std::size_t fitted = 0, updated = 0,
+              reused = 0;                 // models, by point: from nothing, by replacing states, unchanged
   std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
   std::size_t stepped_down = 0;
 };
@@ -259,7 +260,8 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   const Method method = method_of(arguments.method);
   if (contradicting > 0)
     warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
-                              contradicting == 1 ? "1 state contradicts" : fmt::format("{} states contradict", contradicting),
+                              contradicting == 1 ? "1 state contradicts"
+                                                 : fmt::format("{} states contradict", contradicting),
                               method == Method::rbf ? "; the first one counts" : ""));
   if (method == Method::rbf) check_memory(options, space.size());
   options.neighbours = std::min(options.neighbours, space.size());
@@ -312,13 +314,15 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   if (method == Method::rbf) how += fmt::format(", {} neighbours", options.neighbours);
   if (method == Method::rbf_network) how = fmt::format(", {} centres", older.centres);
   if (result.stepped_down > 0)
-    how += fmt::format(", at {} points stepped down, the first to {}", result.stepped_down,
-                       *std::ranges::find_if(result.kernels, [&](std::string_view k) { return k != name(options.kernel); }));
+    how += fmt::format(
+        ", at {} points stepped down, the first to {}", result.stepped_down,
+        *std::ranges::find_if(result.kernels, [&](std::string_view k) { return k != name(options.kernel); }));
   std::string models = fmt::format("{} fitted", result.fitted);
   if (result.updated > 0) models += fmt::format(", {} updated", result.updated);
   if (result.reused > 0) models += fmt::format(", {} reused", result.reused);
-  say(globals, fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
-                           points.size(), space.size(), arguments.method, how, models, fit_us, evaluate_ns));
+  say(globals,
+      fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
+                  points.size(), space.size(), arguments.method, how, models, fit_us, evaluate_ns));
   return 0;
 }
 
@@ -339,10 +343,11 @@ void add_evaluate(CLI::App& app, Commands& commands) {
       ->check(CLI::IsMember({"linear", "cubic", "quintic"}));
   sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
       ->check(CLI::IsMember({"force", "force+stiffness"}));
-  sub.add_option("--neighbours", arguments->neighbours,
-                 "States in a model (default 25 with stiffness, else 100; without it no fewer than 20); outside safe "
-                 "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
-                 "with --select nearest. Centres of rbf-network")
+  sub.add_option(
+         "--neighbours", arguments->neighbours,
+         "States in a model (default 25 with stiffness, else 100; without it no fewer than 20); outside safe "
+         "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
+         "with --select nearest. Centres of rbf-network")
       ->check(above_zero)
       ->check([](const std::string& text) {
         const double n = std::strtod(text.c_str(), nullptr);

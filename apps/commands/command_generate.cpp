@@ -10,14 +10,14 @@
 #include <memory>
 #include <optional>
 
-#include "apps/console/command.hpp"
 #include "apps/commands/generate_error.hpp"
+#include "apps/console/command.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/index/lattice_room.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/index/lattice_room.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/equilibrium/solver.hpp"
 
@@ -56,7 +56,8 @@ StateFileHeader header_of(const Scene& scene) {
 
 int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   if (arguments.error && !(*arguments.error > 0 && std::isfinite(*arguments.error)))
-    throw InputError("--error", fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
+    throw InputError("--error",
+                     fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
   check_writable(arguments.output);
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
@@ -64,16 +65,21 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   if (arguments.error)
     check_generate_to_error(scene);
   else if (!holds_lattice_position(scene.space.box, scene.space.spacing))
-    throw InputError(scene.box_place, fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
-                                                  "state_space.spacing", scene.space.spacing));
+    throw InputError(
+        scene.box_place,
+        fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
+                    "state_space.spacing",
+                    scene.space.spacing));
   end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
-  const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
+  const bool held =
+      !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
   const std::vector<State> known = file.read_all();
   if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
   file.drop_damaged();
   if (arguments.error)
-    return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error), held ? 0 : 1);
+    return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error),
+                    held ? 0 : 1);
 
   std::stop_source stop;
   GenerateOptions options;
@@ -102,7 +108,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
         },
         [&](std::size_t done, std::size_t total) {
           if (watch.raised()) stop.request_stop();
-          const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          const double seconds =
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
           progress.show(static_cast<double>(done) / static_cast<double>(total),
                         fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, before,
                                     seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
@@ -119,10 +126,12 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
     if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
     print_json(document);
   }
-  say(globals, fmt::format("{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
-                           arguments.output, usable + report.solved, report.solved, report.seconds,
-                           report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0,
-                           report.threads, report.resumed, failed));
+  say(globals,
+      fmt::format(
+          "{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
+          arguments.output, usable + report.solved, report.solved, report.seconds,
+          report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0, report.threads,
+          report.resumed, failed));
   if (interrupted) {
     warn(globals, "interrupted; the same command goes on from here");
     return 1;
@@ -136,14 +145,17 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
 
 void add_generate(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<GenerateArguments>();
-  CLI::App& sub = add_command(app, commands, "generate", "Fill the lattice of a scene, outward from rest; resumes",
-                              [&commands, arguments] { return run_generate(commands.globals, *arguments); });
+  CLI::App& sub =
+      add_command(app, commands, "generate", "Fill the lattice of a scene, outward from rest; resumes",
+                  [&commands, arguments] { return run_generate(commands.globals, *arguments); });
   sub.add_option("SCENE", arguments->scene, "Scene (TOML)")->required();
   sub.add_option("-o,--output", arguments->output, "State file; gone on with where it exists")
       ->required()
       ->type_name("S.states");
-  sub.add_option("--error", arguments->error, "Instead place as few states as hold this relative error:\n"
-                                                 "95 % of the box within E, all of it within 2 E")->type_name("E");
+  sub.add_option("--error", arguments->error,
+                 "Instead place as few states as hold this relative error:\n"
+                 "95 % of the box within E, all of it within 2 E")
+      ->type_name("E");
 }
 
 }  // namespace forefeel

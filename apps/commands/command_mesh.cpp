@@ -8,8 +8,8 @@
 
 #include "apps/console/command.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/mesh/mesh_file.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
 
@@ -25,19 +25,21 @@ struct MeshArguments {
 struct MadeMesh {
   TetMesh mesh;
   TetrahedraliseReport report;
-  bool repaired = false;              // the report tells of a surface
-  double hausdorff = std::numeric_limits<double>::quiet_NaN();   // [m]
+  bool repaired = false;                                        // the report tells of a surface
+  double hausdorff = std::numeric_limits<double>::quiet_NaN();  // [m]
   std::vector<std::string> warnings;
 };
 
 void check_arguments(const MeshArguments& arguments) {
   if (arguments.input.empty() == arguments.phantom.empty())
-    throw InputError("mesh", arguments.input.empty() ? "no surface given, expected a file or --phantom NAME"
-                                                     : "both a file and --phantom given, expected one of them");
+    throw InputError("mesh", arguments.input.empty()
+                                 ? "no surface given, expected a file or --phantom NAME"
+                                 : "both a file and --phantom given, expected one of them");
   if (std::filesystem::path(arguments.output).extension() != ".msh")
     throw InputError(arguments.output, "expected a name that ends in .msh");
   if (arguments.elements && (*arguments.elements < 1 || *arguments.elements > 20'000'000))
-    throw InputError("--elements", fmt::format("{} is out of range, expected 1 to 20000000", *arguments.elements));
+    throw InputError("--elements",
+                     fmt::format("{} is out of range, expected 1 to 20000000", *arguments.elements));
   if (arguments.length && !(*arguments.length > 0 && std::isfinite(*arguments.length)))
     throw InputError("--length", fmt::format("{} m, expected a positive number", *arguments.length));
   check_writable(arguments.output);
@@ -45,22 +47,32 @@ void check_arguments(const MeshArguments& arguments) {
 
 MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name) {
   MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
-  TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)), .length = arguments.length, .name = name};
+  TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)),
+                                .length = arguments.length,
+                                .name = name};
   made.mesh = tetrahedralise(surface, options, &made.report);
   made.hausdorff = made.report.hausdorff;
-  if (made.report.repair.wrapped) made.warnings.push_back(fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
+  if (made.report.repair.wrapped)
+    made.warnings.push_back(
+        fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
   return made;
 }
 
 MadeMesh make(const MeshArguments& arguments) {
   if (!arguments.phantom.empty()) {
-    MadeMesh made{.mesh = phantom(arguments.phantom, static_cast<std::size_t>(arguments.elements.value_or(0))), .report = {}, .warnings = {}};
+    MadeMesh made{
+        .mesh = phantom(arguments.phantom, static_cast<std::size_t>(arguments.elements.value_or(0))),
+        .report = {},
+        .warnings = {}};
     if (arguments.length) scale_to_length(made.mesh, *arguments.length);
     return made;
   }
-  if (is_surface_file(arguments.input)) return from_surface(read_surface(arguments.input), arguments, arguments.input);
+  if (is_surface_file(arguments.input))
+    return from_surface(read_surface(arguments.input), arguments, arguments.input);
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
-    throw InputError(arguments.input, "unknown kind of file, expected a surface (.obj .off .stl .ply) or a mesh (.msh .vtk .vtu .mesh)");
+    throw InputError(
+        arguments.input,
+        "unknown kind of file, expected a surface (.obj .off .stl .ply) or a mesh (.msh .vtk .vtu .mesh)");
   TetMesh mesh = read_mesh(arguments.input);
   MeshCheck check = check_and_orient(mesh, arguments.input);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
@@ -89,7 +101,8 @@ nlohmann::ordered_json repair_json(const MadeMesh& made) {
   return repaired;
 }
 
-nlohmann::ordered_json document_of(const MadeMesh& made, const MeshQuality& measured, const std::string& output) {
+nlohmann::ordered_json document_of(const MadeMesh& made, const MeshQuality& measured,
+                                   const std::string& output) {
   nlohmann::ordered_json document;
   document["nodes"] = made.mesh.nodes.size();
   document["elements"] = made.mesh.tets.size();
@@ -108,14 +121,20 @@ nlohmann::ordered_json document_of(const MadeMesh& made, const MeshQuality& meas
   return document;
 }
 
-void tell(const Globals& globals, const MadeMesh& made, const MeshQuality& measured, const std::string& output) {
-  say(globals, fmt::format("{}: {} tetrahedra, {} nodes, {:.4g} m long, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees", output,
-                           made.mesh.tets.size(), made.mesh.nodes.size(), longest_side(made.mesh), 1e6 * measured.volume,
-                           measured.min_dihedral_deg, measured.max_dihedral_deg));
+void tell(const Globals& globals, const MadeMesh& made, const MeshQuality& measured,
+          const std::string& output) {
+  say(globals,
+      fmt::format(
+          "{}: {} tetrahedra, {} nodes, {:.4g} m long, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees",
+          output, made.mesh.tets.size(), made.mesh.nodes.size(), longest_side(made.mesh),
+          1e6 * measured.volume, measured.min_dihedral_deg, measured.max_dihedral_deg));
   if (!made.repaired) return;
   const RepairReport& r = made.report.repair;
-  say(globals, fmt::format("surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff distance {:.3g} mm", r.triangles_before,
-                           r.self_intersections, r.holes, r.components, r.components == 1 ? "" : "s", 1e3 * made.hausdorff));
+  say(globals,
+      fmt::format(
+          "surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff distance {:.3g} mm",
+          r.triangles_before, r.self_intersections, r.holes, r.components, r.components == 1 ? "" : "s",
+          1e3 * made.hausdorff));
 }
 
 int run_mesh(const Globals& globals, const MeshArguments& arguments) {
@@ -135,13 +154,18 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 
 void add_mesh(CLI::App& app, Commands& commands) {
   auto arguments = std::make_shared<MeshArguments>();
-  CLI::App& sub = add_command(app, commands, "mesh", "A tetrahedral mesh from a surface, a volume mesh or a built-in body",
+  CLI::App& sub = add_command(app, commands, "mesh",
+                              "A tetrahedral mesh from a surface, a volume mesh or a built-in body",
                               [arguments, &commands] { return run_mesh(commands.globals, *arguments); });
-  sub.add_option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")->type_name("SURFACE");
-  sub.add_option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2")->required()->type_name("OUT.msh");
+  sub.add_option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")
+      ->type_name("SURFACE");
+  sub.add_option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2")
+      ->required()
+      ->type_name("OUT.msh");
   sub.add_option("--elements", arguments->elements, "Tetrahedra, met within 5 %")->type_name("N");
   sub.add_option("--length", arguments->length, "Scale so that the longest side is this [m]")->type_name("M");
-  sub.add_option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab")->type_name("NAME");
+  sub.add_option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab")
+      ->type_name("NAME");
 }
 
 }  // namespace forefeel

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <memory>
+#include <optional>
 
-#include "apps/picture/page.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/laboratory/reproduce.hpp"
 #include "apps/console/suggest.hpp"
+#include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/page.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/record/run_files.hpp"
 
@@ -41,7 +41,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReproduceArguments {
-  std::optional<std::size_t> gap;   // of options, as far as the depth allows
+  std::optional<std::size_t> gap;  // of options, as far as the depth allows
   std::string what, scene, output;
   ReproduceOptions options;
 };
@@ -80,8 +80,10 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
   if (!std::isfinite(options.interval))
     throw InputError("--interval", fmt::format("is {}, expected 0.05 to 3600 s", options.interval));
   if (arguments.gap && *arguments.gap + 2 > options.depth)
-    throw InputError("--gap", fmt::format("is {} spacings, expected at most {}: the depth is {}", *arguments.gap, options.depth - 2, options.depth));
-  if (!std::isfinite(options.travel)) throw InputError("--travel", fmt::format("is {}, expected 0.01 to 1000 m", options.travel));
+    throw InputError("--gap", fmt::format("is {} spacings, expected at most {}: the depth is {}",
+                                          *arguments.gap, options.depth - 2, options.depth));
+  if (!std::isfinite(options.travel))
+    throw InputError("--travel", fmt::format("is {}, expected 0.01 to 1000 m", options.travel));
   for (auto workers = options.workers.begin(); workers != options.workers.end(); ++workers)
     if (std::find(options.workers.begin(), workers, *workers) != workers)
       throw InputError("--workers", fmt::format("names {} twice, expected each number once", *workers));
@@ -92,15 +94,21 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
 // What an option is for; `all` runs everything.
 void refuse_in_vain(const std::string& what, const CLI::App& sub) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> uses{
-      {"--depth", {"extrapolation", "damping"}}, {"--gap", {"extrapolation"}}, {"--interval", {"damping"}},
-      {"--rounds", {"timing"}},                  {"--travel", {"speed"}},      {"--seeds", {"speed"}},
+      {"--depth", {"extrapolation", "damping"}},
+      {"--gap", {"extrapolation"}},
+      {"--interval", {"damping"}},
+      {"--rounds", {"timing"}},
+      {"--travel", {"speed"}},
+      {"--seeds", {"speed"}},
       {"--workers", {"speed"}}};
   for (const auto& [option, experiments_of] : uses)
-    if (sub.count(option) > 0 && what != "all" && std::ranges::find(experiments_of, what) == experiments_of.end())
+    if (sub.count(option) > 0 && what != "all" &&
+        std::ranges::find(experiments_of, what) == experiments_of.end())
       throw InputError(option, fmt::format("without effect on reproduce {}, expected with {} or all", what,
                                            fmt::join(experiments_of, ", ")));
   if (what == "speed" && sub.count("--seed") > 0)
-    throw InputError("--seed", "without effect on reproduce speed, expected --seeds N: the sessions of seeds 1 to N");
+    throw InputError("--seed",
+                     "without effect on reproduce speed, expected --seeds N: the sessions of seeds 1 to N");
 }
 
 int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const CLI::App& sub) {
@@ -145,13 +153,17 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
 
 void add_reproduce(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<ReproduceArguments>();
-  CLI::App& sub = add_command(app, commands, "reproduce", "The paper's table and figures, ours beside them",
-                              [&commands, arguments, &app] {
-                                return run_reproduce(commands.globals, *arguments, *app.get_subcommand("reproduce"));
-                              });
+  CLI::App& sub =
+      add_command(app, commands, "reproduce", "The paper's table and figures, ours beside them",
+                  [&commands, arguments, &app] {
+                    return run_reproduce(commands.globals, *arguments, *app.get_subcommand("reproduce"));
+                  });
   std::string names;
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
-  sub.add_option("WHAT", arguments->what, names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")->required();
+  sub.add_option(
+         "WHAT", arguments->what,
+         names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")
+      ->required();
   sub.add_option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
   sub.add_option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
       ->required()
@@ -159,7 +171,9 @@ void add_reproduce(CLI::App& app, Commands& commands) {
   sub.add_option("--depth", arguments->options.depth, "Length of the path in spacings")
       ->check(CLI::Range(4, 100))
       ->capture_default_str();
-  sub.add_option("--gap", arguments->gap, "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")->check(CLI::Range(2, 98));
+  sub.add_option("--gap", arguments->gap,
+                 "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")
+      ->check(CLI::Range(2, 98));
   sub.add_option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();
@@ -169,7 +183,8 @@ void add_reproduce(CLI::App& app, Commands& commands) {
   sub.add_option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  sub.add_option("--seeds", arguments->options.seeds, "Seeds of `speed`, 1 to this; their geometric mean counts")
+  sub.add_option("--seeds", arguments->options.seeds,
+                 "Seeds of `speed`, 1 to this; their geometric mean counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   sub.add_option("--workers", arguments->options.workers, "Numbers of workers of `speed`")

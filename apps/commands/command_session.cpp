@@ -16,9 +16,9 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
-#include "scheduling/workers/mpi_workers.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/record/run_files.hpp"
+#include "scheduling/workers/mpi_workers.hpp"
 
 namespace forefeel {
 namespace {
@@ -61,8 +61,10 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
   if (given.arrivals) options.arrivals = *given.arrivals;
   if (given.replay) options.replay = *given.replay;
   if (given.switching)
-    options.switching.rule = one_of(*given.switching, "--switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
-  if (given.select) options.model.select = one_of(*given.select, "--select", {Select::label, Select::nearest});
+    options.switching.rule =
+        one_of(*given.switching, "--switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
+  if (given.select)
+    options.model.select = one_of(*given.select, "--select", {Select::label, Select::nearest});
   options.threads = globals.threads;
   if (globals.seed != 0) options.seed = globals.seed;
   return options;
@@ -71,26 +73,29 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
 // A motion that ends is run to its end where it was asked for here, and no longer than the scene says elsewhere.
 double whole_motion(double duration, const SessionOptions& options, bool asked) {
   if (!std::isfinite(duration)) return options.seconds;
-  const double all = duration + options.frame;   // the last row is a frame of its own
+  const double all = duration + options.frame;  // the last row is a frame of its own
   return asked ? all : std::min(options.seconds, all);
 }
 
 // States known at the start, and the file that new ones are appended to.
-void take_states(const Scene& scene, const SessionArguments& given, const Globals& globals, SessionInput& input) {
+void take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
+                 SessionInput& input) {
   input.state_file = fs::path(given.output) / "session.states";
   if (given.states.empty()) return;
   const fs::path file = given.states;
-  if (file.extension() == ".csv") {   // measured or foreign states stay as they are
+  if (file.extension() == ".csv") {  // measured or foreign states stay as they are
     input.known = read_states_csv(file);
     return;
   }
   input.state_file = file;
   if (!fs::exists(file)) {
     check_writable(file);
-    warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states", file.string()));
+    warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states",
+                              file.string()));
     return;
   }
-  StateFileHeader header{.identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
+  StateFileHeader header{
+      .identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
   StateFile states = StateFile::open_or_create(file, header);
   input.known = states.read_all();
   if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
@@ -126,7 +131,8 @@ void warn_of_solving(const Globals& globals, const Scene& scene, const SessionAr
   if (given.mpi) options.push_back("--mpi");
   for (const auto& [key, place] : scene.scheduling) options.push_back(place);
   if (!options.empty())
-    warn(globals, fmt::format("{}: without effect where states arrive at given times ({})", fmt::join(options, ", "), arrivals));
+    warn(globals, fmt::format("{}: without effect where states arrive at given times ({})",
+                              fmt::join(options, ", "), arrivals));
 }
 
 // A run is not written over the one that it replays.
@@ -142,7 +148,9 @@ void set_aside_states_of_last_run(const Globals& globals, const SessionInput& in
   if (input.state_file != file || !fs::exists(file)) return;
   int k = 1;
   while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
-  warn(globals, fmt::format("{}: states of an earlier run, kept as session-{}.states; --states continues from them", file.string(), k));
+  warn(globals,
+       fmt::format("{}: states of an earlier run, kept as session-{}.states; --states continues from them",
+                   file.string(), k));
   for (const char* end : {"-wal", "-shm", ""}) {
     const fs::path part = file.string() + end;
     if (fs::exists(part)) fs::rename(part, run / fmt::format("session-{}.states{}", k, end));
@@ -151,14 +159,15 @@ void set_aside_states_of_last_run(const Globals& globals, const SessionInput& in
 
 std::string text_for(const SessionProgress& p) {
   if (p.phase != "session") return fmt::format("{} {:.0f} of {:.0f}", p.phase, p.t, p.seconds);
-  return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved, name(p.label));
+  return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved,
+                     name(p.label));
 }
 
 // What each predictor would have missed on this motion, against horizon; worked out while the motion comes.
 class PredictionScores {
  public:
   explicit PredictionScores(double frame) {
-    constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};   // [s]
+    constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
     for (const std::string& name : predictor_names()) {
       predictors_.push_back(make_predictor(name));
       scores_.emplace_back(*predictors_.back(), frame, horizons);
@@ -191,50 +200,62 @@ std::string share(const nlohmann::ordered_json& value) {
 
 void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::path& run) {
   const auto& in = s["time_in"];
-  say(globals, fmt::format("{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved, {} used",
-                           s["frames"].get<std::size_t>(), s["clock"].get<std::string>(),
-                           s["deadline"]["missed"].get<std::size_t>(), s["states"]["start"].get<std::size_t>(),
-                           s["states"]["solved"].get<std::size_t>(), s["states"]["used"].get<std::size_t>()));
-  say(globals, fmt::format("time in safe {}, sparse {}, gap {}, blank {}", share(in["safe"]), share(in["sparse"]),
-                           share(in["gap"]), share(in["blank"])));
-  say(globals, fmt::format("{} model switches, {} frames over the JND bound; error p50 {}, p95 {}, within JND {}",
-                           s["switch"]["count"].get<std::size_t>(), s["switch"]["frames_over_jnd"].get<std::size_t>(),
-                           share(s["error"]["p50"]), share(s["error"]["p95"]), share(s["error"]["within_jnd"])));
+  say(globals,
+      fmt::format(
+          "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved, {} used",
+          s["frames"].get<std::size_t>(), s["clock"].get<std::string>(),
+          s["deadline"]["missed"].get<std::size_t>(), s["states"]["start"].get<std::size_t>(),
+          s["states"]["solved"].get<std::size_t>(), s["states"]["used"].get<std::size_t>()));
+  say(globals, fmt::format("time in safe {}, sparse {}, gap {}, blank {}", share(in["safe"]),
+                           share(in["sparse"]), share(in["gap"]), share(in["blank"])));
+  say(globals,
+      fmt::format("{} model switches, {} frames over the JND bound; error p50 {}, p95 {}, within JND {}",
+                  s["switch"]["count"].get<std::size_t>(), s["switch"]["frames_over_jnd"].get<std::size_t>(),
+                  share(s["error"]["p50"]), share(s["error"]["p95"]), share(s["error"]["within_jnd"])));
   for (const auto& note : s["notes"]) say(globals, note.get<std::string>());
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
 // What is drawn and written of the states, on threads of their own while errors are worked out.
 struct Meanwhile {
-  std::future<void> states;   // in their file
+  std::future<void> states;  // in their file
   Picture slices;
 
   void begin(const SessionResult& result, const StateSpaceOptions& space, const fs::path& run) {
     slices = begin_slices(result, space);
-    states = std::async(std::launch::async, [all = result.states, file = run / "states.csv"] { write_states_csv(file, all); });
+    states = std::async(std::launch::async,
+                        [all = result.states, file = run / "states.csv"] { write_states_csv(file, all); });
   }
 };
 
 void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, SessionOptions& options) {
   if (options.clock != Clock::real)
-    throw InputError("--mpi", "has no use under the virtual clock, whose workers are simulated; expected --clock real");
-  if (mpi->ranks() < 2) throw InputError("--mpi", "there is one rank, expected more: mpirun -n 3 forefeel session --mpi … has two workers");
+    throw InputError(
+        "--mpi", "has no use under the virtual clock, whose workers are simulated; expected --clock real");
+  if (mpi->ranks() < 2)
+    throw InputError(
+        "--mpi", "there is one rank, expected more: mpirun -n 3 forefeel session --mpi … has two workers");
   if (given.workers && *given.workers != mpi->ranks() - 1)
-    throw InputError("--workers", fmt::format("is {}, but with --mpi the workers are the {} other ranks", *given.workers, mpi->ranks() - 1));
+    throw InputError("--workers", fmt::format("is {}, but with --mpi the workers are the {} other ranks",
+                                              *given.workers, mpi->ranks() - 1));
   options.workers = mpi->ranks() - 1;
   options.mpi = mpi;
 }
 
 // What is wrong with the device, the cost or the box was said by the scene unless it was given here: names file, line and key.
-InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given, const Globals& globals) {
-  const std::string problem = std::string(error.what()).substr(std::min(std::string(error.what()).size(), error.where().size() + 2));
+InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given,
+                        const Globals& globals) {
+  const std::string problem =
+      std::string(error.what()).substr(std::min(std::string(error.what()).size(), error.where().size() + 2));
   const auto of = [&](const char* kind, bool here, const std::string& place) {
     return error.where().starts_with(kind) && !here ? place : std::string();
   };
   if (error.where().starts_with("session.") || error.where().starts_with("model.")) {
     const std::string key = error.where(), option = key.substr(key.find('.') + 1);
-    const std::pair<const char*, bool> options[] = {{"seconds", given.seconds.has_value()},     {"workers", given.workers.has_value()},
-                                                    {"policy", given.policy.has_value()},       {"latency", given.latency.has_value()},
+    const std::pair<const char*, bool> options[] = {{"seconds", given.seconds.has_value()},
+                                                    {"workers", given.workers.has_value()},
+                                                    {"policy", given.policy.has_value()},
+                                                    {"latency", given.latency.has_value()},
                                                     {"predictor", given.predictor.has_value()}};
     for (const auto& [name, here] : options)
       if (here && key == std::string("session.") + name) return {"--" + option, problem};
@@ -242,15 +263,19 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
       if (set.starts_with(key + "=")) return {"--set " + key, problem};
     return {scene.file.string() + ": " + key, problem};
   }
-  if (const std::string place = of("state_space.box", false, scene.box_place); !place.empty()) return {place, problem};
+  if (const std::string place = of("state_space.box", false, scene.box_place); !place.empty())
+    return {place, problem};
   std::string place = of("device", given.device.has_value(), scene.device_place);
   if (place.empty()) place = of("cost", given.cost.has_value(), scene.cost_place);
   if (place.empty()) return error;
-  const std::size_t space = error.where().find(' ');   // "device path:press,speed=x"
-  return {place, space == std::string::npos ? problem : fmt::format("'{}' {}", error.where().substr(space + 1), problem)};
+  const std::size_t space = error.where().find(' ');  // "device path:press,speed=x"
+  return {place, space == std::string::npos
+                     ? problem
+                     : fmt::format("'{}' {}", error.where().substr(space + 1), problem)};
 }
 
-int run_session_command(const Globals& globals, const SessionArguments& given, const std::shared_ptr<MpiGroup>& mpi) {
+int run_session_command(const Globals& globals, const SessionArguments& given,
+                        const std::shared_ptr<MpiGroup>& mpi) {
   const Scene scene = load_scene(given.scene, globals.set);
   SessionOptions options = options_of(scene, given, globals);
   warn_of_solving(globals, scene, given);
@@ -271,10 +296,13 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
     throw at_its_place(error, scene, given, globals);
   }
   if (options.mpi && options.mpi->rank() > 0) {
-    options.mpi->serve(input.body, {.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements});
+    options.mpi->serve(
+        input.body,
+        {.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements});
     return 0;
   }
-  if (!given.seconds) options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
+  if (!given.seconds)
+    options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
   end_if_interrupted("the session began");
   take_states(scene, given, globals, input);
@@ -286,13 +314,14 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
-  const InterruptWatch watch;   // also while the files are written
+  const InterruptWatch watch;  // also while the files are written
   options.interrupted = &watch.flag();
   options.hurried = &watch.hurry();
   Meanwhile meanwhile;
   PredictionScores predictions(options.frame);
   const SessionResult result = run_session(
-      input, options, [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); },
+      input, options,
+      [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); },
       [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
       [&](const Vec3& at) { predictions.add(at); });
   progress.reset();
@@ -307,7 +336,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   summary["frames_asked"] = asked;
   summary["spacing"] = scene.space.spacing;
   if (scene.chosen_spacing) summary["spacing_auto"] = to_json(*scene.chosen_spacing);
-  summary["prediction"] = predictions.json();   // [s], [m]
+  summary["prediction"] = predictions.json();  // [s], [m]
   summary["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
   file.write(summary.dump(2) + "\n");
@@ -317,9 +346,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given, c
   if (!globals.json) tell(globals, summary, run);
   if (!result.interrupted) return 0;
   if (result.not_begun)
-    warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start", result.notes.front(), asked));
+    warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
+                              result.notes.front(), asked));
   else
-    warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run hold what was done until then",
+    warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run "
+                              "hold what was done until then",
                               result.frames.size(), asked, result.start_solved_failed[1]));
   flush_warnings();
   return 1;
@@ -334,7 +365,7 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
   try {
     return run_session_command(globals, given, mpi);
   } catch (const std::exception& error) {
-    if (mpi->told_to_stop(10)) return 0;   // rank 0 says why and ends with 2; mpirun would kill it before
+    if (mpi->told_to_stop(10)) return 0;  // rank 0 says why and ends with 2; mpirun would kill it before
     fmt::print(stderr, "forefeel: rank {}: {}\n", mpi->rank(), error.what());
     mpi->abort(2);
   }
@@ -344,27 +375,39 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
 
 void add_session(CLI::App& app, Commands& commands) {
   const auto given = std::make_shared<SessionArguments>();
-  CLI::App& sub = add_command(app, commands, "session", "A headless haptic session: workers solve while a 1 kHz loop renders",
-                              [&commands, given] {
-                                return given->mpi ? run_with_mpi(commands.globals, *given)
-                                                  : run_session_command(commands.globals, *given, nullptr);
-                              });
+  CLI::App& sub =
+      add_command(app, commands, "session",
+                  "A headless haptic session: workers solve while a 1 kHz loop renders", [&commands, given] {
+                    return given->mpi ? run_with_mpi(commands.globals, *given)
+                                      : run_session_command(commands.globals, *given, nullptr);
+                  });
   sub.add_option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults")->required();
-  sub.add_option("--states", given->states, "States known at the start; new ones are appended (.states)")->type_name("S");
-  sub.add_option("--device", given->device, "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
+  sub.add_option("--states", given->states, "States known at the start; new ones are appended (.states)")
+      ->type_name("S");
+  sub.add_option("--device", given->device,
+                 "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or "
+                 "hand:PROFILE[,target=NAME,grip=…]");
   sub.add_option("--clock", given->clock, "real or virtual");
   sub.add_option("--seconds", given->seconds, "Length [s]");
   sub.add_option("--workers", given->workers, "Workers that solve");
-  sub.add_flag("--mpi", given->mpi, "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
-  sub.add_option("--policy", given->policy, "What is solved next; clairvoyant rehearses the session under up to seven schedules first, and takes as many times longer");
+  sub.add_flag("--mpi", given->mpi,
+               "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
+  sub.add_option("--policy", given->policy,
+                 "What is solved next; clairvoyant rehearses the session under up to seven schedules first, "
+                 "and takes as many times longer");
   sub.add_option("--predictor", given->predictor, "kalman or constant-velocity");
   sub.add_option("--switch", given->switching, "paper, smooth or none");
-  sub.add_option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
+  sub.add_option("--cost", given->cost,
+                 "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
   sub.add_option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
   sub.add_option("--select", given->select, "Neighbour set: label or nearest");
-  auto* arrivals = sub.add_option("--arrivals", given->arrivals, "CSV t,x,y,z, rows in any order: states become known at given times");
-  sub.add_option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")->excludes(arrivals);
-  sub.add_option("-o,--output", given->output, "Folder for the files of the run")->type_name("RUN/")->required();
+  auto* arrivals = sub.add_option("--arrivals", given->arrivals,
+                                  "CSV t,x,y,z, rows in any order: states become known at given times");
+  sub.add_option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")
+      ->excludes(arrivals);
+  sub.add_option("-o,--output", given->output, "Folder for the files of the run")
+      ->type_name("RUN/")
+      ->required();
 }
 
 }  // namespace forefeel

@@ -37,20 +37,24 @@ std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
   return points;
 }
 
-std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points, const Globals& globals) {
+std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points,
+                                    const Globals& globals) {
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   std::vector<SolveOutcome> outcomes(points.size());
   std::atomic<std::size_t> done = 0;
   Progress progress(globals, "solve");
-#pragma omp parallel num_threads(static_cast<int>(std::min<std::size_t>(points.size(), static_cast<std::size_t>(threads))))
+#pragma omp parallel num_threads( \
+    static_cast <int>(std::min <std::size_t>(points.size(), static_cast <std::size_t>(threads))))
   {
     Solver solver(scene.body);
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < points.size(); ++i) {
-      outcomes[i] = solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
+      outcomes[i] =
+          solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
       State& state = outcomes[i].state;
       state.multivalued = second_way_differs(solver, state, scene.space.spacing);
-      if (state.multivalued) outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
+      if (state.multivalued)
+        outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
       const std::size_t count = ++done;
 #pragma omp critical(forefeel_solve)
       progress.show(static_cast<double>(count) / static_cast<double>(points.size()),
@@ -95,10 +99,11 @@ nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
 }
 
 std::string line_for(const State& s) {
-  return fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
-                     "{:.1f} ms, least J {:.3f}{}",
-                     s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(s.status),
-                     s.iterations, 1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
+  return fmt::format(
+      "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
+      "{:.1f} ms, least J {:.3f}{}",
+      s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(s.status), s.iterations,
+      1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
 }
 
 int run_solve(const Globals& globals, const SolveArguments& arguments) {
@@ -111,7 +116,8 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   std::vector<double> mesh_errors;
   if (arguments.discretisation_error) {
     if (scene.body->element == Element::quadratic)
-      throw InputError("--discretisation-error", "the scene's elements are quadratic already, expected linear ones");
+      throw InputError("--discretisation-error",
+                       "the scene's elements are quadratic already, expected linear ones");
     mesh_errors = discretisation_errors(scene, outcomes);
   }
   std::size_t failed = 0;
@@ -121,18 +127,21 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
     failed += outcome.state.status != SolveStatus::converged;
     states.push_back(outcome.state);
     document["states"].push_back(to_json(outcome));
-    if (!mesh_errors.empty()) document["states"].back()["discretisation_error"] = number(mesh_errors[states.size() - 1]);
+    if (!mesh_errors.empty())
+      document["states"].back()["discretisation_error"] = number(mesh_errors[states.size() - 1]);
     for (const std::string& warning : outcome.warnings)
       warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
                                 outcome.state.at[2], warning));
   }
   if (!arguments.output.empty()) write_states_csv(arguments.output, states);
   if (globals.json) print_json(document);
-  const bool kept = globals.quiet && !arguments.output.empty();   // the file has them
+  const bool kept = globals.quiet && !arguments.output.empty();  // the file has them
   if (!globals.json && !kept)
     for (std::size_t i = 0; i < states.size(); ++i)
       answer(globals, line_for(states[i]) +
-                       (mesh_errors.empty() ? "" : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));
+                          (mesh_errors.empty()
+                               ? ""
+                               : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));
   if (failed == 0) return 0;
   warn(globals, fmt::format("{} of {} states did not converge", failed, states.size()));
   return 1;
@@ -142,13 +151,17 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
 
 void add_solve(CLI::App& app, Commands& commands) {
   const auto arguments = std::make_shared<SolveArguments>();
-  CLI::App& sub = add_command(app, commands, "solve", "Tight solves on the reference branch: force, stiffness, energy",
-                              [&commands, arguments] { return run_solve(commands.globals, *arguments); });
+  CLI::App& sub =
+      add_command(app, commands, "solve", "Tight solves on the reference branch: force, stiffness, energy",
+                  [&commands, arguments] { return run_solve(commands.globals, *arguments); });
   sub.add_option("SCENE", arguments->scene, "Scene (TOML)")->required();
-  auto* at = sub.add_option("--at", arguments->at, "Position of the HIP from rest [m]; may be repeated: --at=X,Y,Z")
-                 ->allow_extra_args(false)
-                 ->type_name("X,Y,Z");
-  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->type_name("F.csv")->excludes(at);
+  auto* at =
+      sub.add_option("--at", arguments->at, "Position of the HIP from rest [m]; may be repeated: --at=X,Y,Z")
+          ->allow_extra_args(false)
+          ->type_name("X,Y,Z");
+  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")
+      ->type_name("F.csv")
+      ->excludes(at);
   sub.add_flag("--discretisation-error", arguments->discretisation_error,
                "Estimate what the mesh gets wrong by quadratic elements on it");
   sub.add_option("-o,--output", arguments->output, "States as CSV")->type_name("OUT.csv");

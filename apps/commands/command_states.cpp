@@ -6,14 +6,14 @@
 #include <cmath>
 #include <map>
 
-#include "apps/console/command.hpp"
 #include "apps/classify/repeated_states.hpp"
+#include "apps/console/command.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/mesh/mesh_file.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
-#include "geometry/states/state_file.hpp"
+#include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/surface.hpp"
+#include "geometry/states/state_file.hpp"
 
 namespace forefeel {
 namespace {
@@ -41,7 +41,9 @@ void refuse_solved(const std::string& output) {
   const StateFile file = StateFile::open_read_only(output);
   const auto source = file.header().notes.find("source");
   if (file.size() > 0 && (source == file.header().notes.end() || !source->second.starts_with("import")))
-    throw InputError(output, fmt::format("already holds {} states that were not imported, expected a new name", file.size()));
+    throw InputError(
+        output,
+        fmt::format("already holds {} states that were not imported, expected a new name", file.size()));
 }
 
 int run_import(const Globals& globals, const ImportArguments& arguments) {
@@ -58,7 +60,9 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   file.replace(header, states);
   const std::size_t repeated = repeated_states(states).repeated;
   const auto with_stiffness = std::ranges::count_if(states, &State::has_stiffness);
-  if (repeated > 0) warn(globals, fmt::format("{}: {} states stand at the position of another; the first one counts", arguments.input, repeated));
+  if (repeated > 0)
+    warn(globals, fmt::format("{}: {} states stand at the position of another; the first one counts",
+                              arguments.input, repeated));
   if (globals.json)
     print_json({{"states", states.size()},
                 {"with_stiffness", with_stiffness},
@@ -66,7 +70,8 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
                 {"spacing", number(header.spacing)},
                 {"box", {vector3(header.box.low), vector3(header.box.high)}},
                 {"file", arguments.output}});
-  say(globals, fmt::format("{}: {} states, {} with stiffness, spacing {:g} mm", arguments.output, states.size(), with_stiffness, 1e3 * header.spacing));
+  say(globals, fmt::format("{}: {} states, {} with stiffness, spacing {:g} mm", arguments.output,
+                           states.size(), with_stiffness, 1e3 * header.spacing));
   return 0;
 }
 
@@ -78,26 +83,38 @@ struct ExportArguments {
 
 int run_export(const Globals& globals, const ExportArguments& arguments) {
   const std::string extension = lower_case(std::filesystem::path(arguments.output).extension().string());
-  if (extension != ".csv" && extension != ".vtu") throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
+  if (extension != ".csv" && extension != ".vtu")
+    throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
   check_writable(arguments.output, {arguments.input});
   const LoadedStates loaded = load_states(arguments.input);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.input, loaded.damaged));
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable));
   const std::size_t written = extension == ".csv" ? usable : loaded.states.size();
-  if (extension == ".csv") write_states_csv(arguments.output, loaded.states);
-  else write_states_vtu(arguments.output, loaded.states);
+  if (extension == ".csv")
+    write_states_csv(arguments.output, loaded.states);
+  else
+    write_states_vtu(arguments.output, loaded.states);
   if (globals.json)
-    print_json({{"states", loaded.states.size()}, {"written", written}, {"failed_left_out", loaded.states.size() - written}, {"file", arguments.output}});
+    print_json({{"states", loaded.states.size()},
+                {"written", written},
+                {"failed_left_out", loaded.states.size() - written},
+                {"file", arguments.output}});
   say(globals, fmt::format("{}: {} states{}", arguments.output, written,
-                           written < loaded.states.size() ? fmt::format(", {} that failed left out", loaded.states.size() - written) : ""));
+                           written < loaded.states.size()
+                               ? fmt::format(", {} that failed left out", loaded.states.size() - written)
+                               : ""));
   return 0;
 }
 
 // ---- info ------------------------------------------------------------------------------------------------------
 
-Json box_json(const Box& box) { return Json::array({vector3(box.low), vector3(box.high)}); }
+Json box_json(const Box& box) {
+  return Json::array({vector3(box.low), vector3(box.high)});
+}
 
-std::string size_text(const Vec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x(), size.y(), size.z()); }
+std::string size_text(const Vec3& size) {
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x(), size.y(), size.z());
+}
 
 int info_states(const Globals& globals, const std::string& file) {
   const LoadedStates loaded = load_states(file);
@@ -118,9 +135,13 @@ int info_states(const Globals& globals, const std::string& file) {
   const std::size_t contradicting = repeated_states(loaded.states).contradicting;
   if (contradicting > 0)
     warn(globals, fmt::format("{}: {} another at the same position; the first one counts", file,
-                              contradicting == 1 ? "1 state contradicts" : fmt::format("{} states contradict", contradicting)));
+                              contradicting == 1 ? "1 state contradicts"
+                                                 : fmt::format("{} states contradict", contradicting)));
   if (globals.json) {
-    Json document{{"kind", "states"}, {"states", loaded.states.size()}, {"usable", usable}, {"failed", loaded.states.size() - usable}};
+    Json document{{"kind", "states"},
+                  {"states", loaded.states.size()},
+                  {"usable", usable},
+                  {"failed", loaded.states.size() - usable}};
     document["by_status"] = Json(by_status);
     document["with_stiffness"] = stiff;
     document["with_energy"] = energetic;
@@ -137,11 +158,17 @@ int info_states(const Globals& globals, const std::string& file) {
     document["bytes"] = std::filesystem::file_size(file);
     print_json(document);
   }
-  answer(globals, fmt::format("{}: {} states ({} failed), {} with stiffness, spacing {}, within {}, forces up to {:.4g} N", file, loaded.states.size(),
-                           loaded.states.size() - usable, stiff,
-                           std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing) : "unknown", size_text(extent.size()), strongest));
-  for (const auto& [key, value] : loaded.header.identity) answer(globals, fmt::format("  {}: {}", key, value));
-  if (const auto note = loaded.header.notes.find("spacing"); note != loaded.header.notes.end()) answer(globals, "  " + note->second);
+  answer(globals,
+         fmt::format(
+             "{}: {} states ({} failed), {} with stiffness, spacing {}, within {}, forces up to {:.4g} N",
+             file, loaded.states.size(), loaded.states.size() - usable, stiff,
+             std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing)
+                                                  : "unknown",
+             size_text(extent.size()), strongest));
+  for (const auto& [key, value] : loaded.header.identity)
+    answer(globals, fmt::format("  {}: {}", key, value));
+  if (const auto note = loaded.header.notes.find("spacing"); note != loaded.header.notes.end())
+    answer(globals, "  " + note->second);
   return 0;
 }
 
@@ -154,7 +181,10 @@ int info_mesh(const Globals& globals, const std::string& file) {
   const std::size_t on_surface = surface_nodes(mesh).size();
   for (const std::string& warning : check.warnings) warn(globals, file + ": " + warning);
   if (globals.json) {
-    Json document{{"kind", "mesh"}, {"nodes", mesh.nodes.size()}, {"elements", mesh.tets.size()}, {"volume", number(measured.volume)}};
+    Json document{{"kind", "mesh"},
+                  {"nodes", mesh.nodes.size()},
+                  {"elements", mesh.tets.size()},
+                  {"volume", number(measured.volume)}};
     document["min_dihedral_deg"] = number(measured.min_dihedral_deg);
     document["max_dihedral_deg"] = number(measured.max_dihedral_deg);
     document["min_tet_volume"] = number(measured.min_tet_volume);
@@ -168,10 +198,13 @@ int info_mesh(const Globals& globals, const std::string& file) {
     document["warnings"] = check.warnings;
     print_json(document);
   }
-  answer(globals, fmt::format("{}: {} tetrahedra, {} nodes ({} on the surface), {} part{}, {}, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees", file,
-                           mesh.tets.size(), mesh.nodes.size(), on_surface, parts, parts == 1 ? "" : "s", size_text(bounding_box(mesh).size()),
-                           1e6 * measured.volume, measured.min_dihedral_deg, measured.max_dihedral_deg));
-  for (const auto& [group, nodes] : mesh.groups) answer(globals, fmt::format("  group {}: {} nodes", group, nodes.size()));
+  answer(globals, fmt::format("{}: {} tetrahedra, {} nodes ({} on the surface), {} part{}, {}, {:.4g} cm3, "
+                              "dihedral angles {:.1f} to {:.1f} degrees",
+                              file, mesh.tets.size(), mesh.nodes.size(), on_surface, parts,
+                              parts == 1 ? "" : "s", size_text(bounding_box(mesh).size()),
+                              1e6 * measured.volume, measured.min_dihedral_deg, measured.max_dihedral_deg));
+  for (const auto& [group, nodes] : mesh.groups)
+    answer(globals, fmt::format("  group {}: {} nodes", group, nodes.size()));
   return 0;
 }
 
@@ -194,30 +227,41 @@ int info_surface(const Globals& globals, const std::string& file) {
                 {"volume", closed ? number(enclosed_volume(surface)) : Json(nullptr)},
                 {"longest_side", number(box.size().maxCoeff())},
                 {"box", box_json(box)}});
-  answer(globals, fmt::format("{}: {} triangles, {} nodes, {}, {} (unscaled)", file, surface.triangles.size(), surface.nodes.size(),
-                           closed ? "closed" : fmt::format("open: {} border edges, {} shared by more than two", border, crowded), size_text(box.size())));
+  answer(globals, fmt::format("{}: {} triangles, {} nodes, {}, {} (unscaled)", file, surface.triangles.size(),
+                              surface.nodes.size(),
+                              closed ? "closed"
+                                     : fmt::format("open: {} border edges, {} shared by more than two",
+                                                   border, crowded),
+                              size_text(box.size())));
   return 0;
 }
 
 int run_info(const Globals& globals, const std::string& file) {
-  const std::string start = read_start(file, 16);     // missing, a folder, empty: said here
+  const std::string start = read_start(file, 16);  // missing, a folder, empty: said here
   if (start.starts_with("SQLite format 3")) return info_states(globals, file);
   if (is_mesh_file(file)) return info_mesh(globals, file);
   if (is_surface_file(file)) return info_surface(globals, file);
   const std::string extension = lower_case(std::filesystem::path(file).extension().string());
   if (extension == ".csv" || extension == ".states") return info_states(globals, file);
-  throw InputError(file, "unknown kind of file, expected states (.states .csv), a mesh (.msh .vtk .vtu .mesh) or a surface (.obj .off .stl .ply)");
+  throw InputError(file,
+                   "unknown kind of file, expected states (.states .csv), a mesh (.msh .vtk .vtu .mesh) or a "
+                   "surface (.obj .off .stl .ply)");
 }
 
 }  // namespace
 
 void add_import(CLI::App& app, Commands& commands) {
   auto arguments = std::make_shared<ImportArguments>();
-  CLI::App& sub = add_command(app, commands, "import", "Measured or foreign states from a CSV into a state file",
-                              [arguments, &commands] { return run_import(commands.globals, *arguments); });
-  sub.add_option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]")->required()->type_name("F.csv");
+  CLI::App& sub =
+      add_command(app, commands, "import", "Measured or foreign states from a CSV into a state file",
+                  [arguments, &commands] { return run_import(commands.globals, *arguments); });
+  sub.add_option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]")
+      ->required()
+      ->type_name("F.csv");
   sub.add_option("-o,--output", arguments->output, "State file to write")->required()->type_name("S.states");
-  sub.add_option("--spacing", arguments->spacing, "What counts as fully populated [m]")->required()->type_name("H");
+  sub.add_option("--spacing", arguments->spacing, "What counts as fully populated [m]")
+      ->required()
+      ->type_name("H");
 }
 
 void add_export(CLI::App& app, Commands& commands) {

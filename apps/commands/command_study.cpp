@@ -12,12 +12,12 @@
 
 #include "apps/console/command.hpp"
 #include "apps/console/interrupt.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/picture/plot.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/picture/study_gantt.hpp"
-#include "apps/study/study_ranking.hpp"
 #include "apps/picture/study_report.hpp"
+#include "apps/study/study_ranking.hpp"
 #include "apps/study/study_run.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -122,12 +122,9 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
 
 // What was done; of an interrupted study all there is to say.
 nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
-  return {{"cells", plan.cells.size()},
-          {"ran", result.ran},
-          {"resumed", result.resumed},
-          {"left", plan.cells.size() - result.resumed - result.ran},
-          {"interrupted", result.interrupted},
-          {"seconds", number(result.seconds)}};
+  return {{"cells", plan.cells.size()},        {"ran", result.ran},
+          {"resumed", result.resumed},         {"left", plan.cells.size() - result.resumed - result.ran},
+          {"interrupted", result.interrupted}, {"seconds", number(result.seconds)}};
 }
 
 void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
@@ -144,14 +141,15 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
                           : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
                                                                                     : "worse";
     const auto interval = [&](const ConfidenceInterval& of) {
-      return std::isfinite(of.low) && std::isfinite(of.high) ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
-                                                             : std::string("none");
+      return std::isfinite(of.low) && std::isfinite(of.high)
+                 ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
+                 : std::string("none");
     };
     // Few pairs or one trace give no interval; both must exclude zero for a verdict.
-    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}", study.axes.front().values[c.a].text,
-                             study.axes.front().values[c.b].text, where, metric.ratio ? "×" : "",
-                             scaled(c.comparison.bootstrap.mean), interval(c.comparison.bootstrap),
-                             interval(c.comparison.student), verdict));
+    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}",
+                             study.axes.front().values[c.a].text, study.axes.front().values[c.b].text, where,
+                             metric.ratio ? "×" : "", scaled(c.comparison.bootstrap.mean),
+                             interval(c.comparison.bootstrap), interval(c.comparison.student), verdict));
   }
 }
 
@@ -173,11 +171,11 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   StudyResult result = run_study(plan, folder, globals);
   if (result.interrupted) {
     const std::size_t done = result.resumed + result.ran;
-    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command goes on from here", done, plan.cells.size(),
-                              plan.cells.size() - done));
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command goes on from here",
+                              done, plan.cells.size(), plan.cells.size() - done));
     if (globals.json) {
       nlohmann::ordered_json document = counts(plan, result);
-      document["files"] = nlohmann::ordered_json::array();   // made of all cells, when they are there
+      document["files"] = nlohmann::ordered_json::array();  // made of all cells, when they are there
       document["provenance"] = provenance(plan.scenes.front().hash);
       print_json(document);
     }
@@ -215,8 +213,10 @@ void add_study(CLI::App& app, Commands& commands) {
                               "Every combination of policies, devices, models …; table, ranking, report",
                               [&commands, arguments] { return run_command(commands.globals, *arguments); });
   sub.add_option("STUDY", arguments->study,
-                 "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states which the motion needs per "
-                 "second, but for those known at the start, are L times what the workers solve per second, messages included")
+                 "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
+                 "which the motion needs per "
+                 "second, but for those known at the start, are L times what the workers solve per second, "
+                 "messages included")
       ->required();
   sub.add_option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
       ->required()

@@ -45,7 +45,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   document["linear"] = report.linear;
   document["estimate_holds"] = report.estimate_holds;
   document["truth_holds"] = report.truth_holds;
-  if (report.truth_unsolved > 0 || report.truth_samples == 0) document["truth_holds"] = nullptr;   // not known
+  if (report.truth_unsolved > 0 || report.truth_samples == 0) document["truth_holds"] = nullptr;  // not known
   document["interrupted"] = report.stopped;
   return document;
 }
@@ -58,7 +58,8 @@ std::string in_words(const PlacementProgress& p) {
   if (p.truth_total > 0)
     return fmt::format("{} states, truth {} of {}", p.states, p.truth_done, p.truth_total);
   const std::string states = fmt::format("{} of at most {} states", p.states, p.most_states);
-  return std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} %", states, 100 * p.estimate) : states;
+  return std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} %", states, 100 * p.estimate)
+                                   : states;
 }
 
 // The share done: of the logarithm of the error, which falls about by halves, or of the states that there may be, whichever
@@ -68,8 +69,10 @@ class Share {
   explicit Share(double error) : error_(error) {}
   double operator()(const PlacementProgress& p) {
     if (first_ == 0 && std::isfinite(p.estimate)) first_ = p.estimate;
-    if (first_ > error_ && p.estimate > 0) most_ = std::max(most_, std::log(first_ / p.estimate) / std::log(first_ / error_));
-    if (p.most_states > 0) most_ = std::max(most_, static_cast<double>(p.states) / static_cast<double>(p.most_states));
+    if (first_ > error_ && p.estimate > 0)
+      most_ = std::max(most_, std::log(first_ / p.estimate) / std::log(first_ / error_));
+    if (p.most_states > 0)
+      most_ = std::max(most_, static_cast<double>(p.states) / static_cast<double>(p.most_states));
     return most_ = std::clamp(most_, 0.0, 1.0);
   }
 
@@ -83,12 +86,18 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
   if (!report.estimate_holds && report.states >= report.most_states) {
     // Nine are tried on any lattice: rest and eight corners.
     const std::size_t positions = lattice(space.box, space.spacing).size();
-    const std::string why = positions >= report.most_states
-                                ? fmt::format("as many as the lattice of {:g} m has positions in the box", space.spacing)
-                                : fmt::format("the fewest that are tried, for the lattice of {:g} m has {} in the box", space.spacing,
-                                              positions == 0 ? "no position" : positions == 1 ? "1 position" : fmt::format("{} positions", positions));
-    return fmt::format("{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit, a smaller one allows more",
-                       report.states, why, report.estimate.held(), error);
+    const std::string why =
+        positions >= report.most_states
+            ? fmt::format("as many as the lattice of {:g} m has positions in the box", space.spacing)
+            : fmt::format("the fewest that are tried, for the lattice of {:g} m has {} in the box",
+                          space.spacing,
+                          positions == 0   ? "no position"
+                          : positions == 1 ? "1 position"
+                                           : fmt::format("{} positions", positions));
+    return fmt::format(
+        "{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit, a smaller "
+        "one allows more",
+        report.states, why, report.estimate.held(), error);
   }
   if (!report.estimate_holds)
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
@@ -105,7 +114,8 @@ void check_generate_to_error(const Scene& scene) {
   try {
     for_states(scene.model, lattice(scene.space.box, scene.space.spacing).size());
   } catch (const InputError& error) {
-    throw InputError(scene.file.string() + ": " + error.where(), std::string(error.what()).substr(error.where().size() + 2));
+    throw InputError(scene.file.string() + ": " + error.where(),
+                     std::string(error.what()).substr(error.where().size() + 2));
   }
 }
 
@@ -141,10 +151,12 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
   if (report.truth_samples > 0)
     say(globals,
-        fmt::format("true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
-                    report.truth_samples, report.truth_on_surface, in_words(report.truth),
-                    report.truth_is_fresh ? "" : " (some of them became states)",
-                    report.truth_unsolved > 0 ? fmt::format("; {} were not solved any more", report.truth_unsolved) : ""));
+        fmt::format(
+            "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
+            report.truth_samples, report.truth_on_surface, in_words(report.truth),
+            report.truth_is_fresh ? "" : " (some of them became states)",
+            report.truth_unsolved > 0 ? fmt::format("; {} were not solved any more", report.truth_unsolved)
+                                      : ""));
   const std::string why = complaint(report, error, scene.space);
   if (why.empty()) return 0;
   warn(globals, why);

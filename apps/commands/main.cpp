@@ -116,7 +116,8 @@ int run(int argc, const char* const* argv) {
 
 // These end of themselves when interrupted, and say what they keep.
 bool watches(int argc, char** argv) {
-  return argc > 1 && std::ranges::any_of(std::array{"session", "study", "generate"}, [&](const char* name) { return argv[1] == std::string_view(name); });
+  return argc > 1 && std::ranges::any_of(std::array{"session", "study", "generate"},
+                                         [&](const char* name) { return argv[1] == std::string_view(name); });
 }
 
 int tell_interrupted(const char* text, int argc, char** argv) {

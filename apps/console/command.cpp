@@ -47,7 +47,8 @@ CLI::App& add_command(CLI::App& app, Commands& commands, const std::string& name
         const bool fits = errno == 0 && !text.starts_with('-');
         return fits ? std::string() : "is " + text + ", expected a whole number of at least 0, below 2^64";
       })
-      ->type_name("N")->group("Everywhere");
+      ->type_name("N")
+      ->group("Everywhere");
   sub.add_option("--set", globals.set, "Override a key of the scene: material.poisson=0.4; may be repeated")
       ->allow_extra_args(false)
       ->type_name("KEY.PATH=VALUE")
@@ -103,17 +104,20 @@ std::string refuse_unless(const std::string& text, bool (*good)(double), const c
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   const bool number = !text.empty() && *end == '\0';
-  return number && std::isfinite(value) && good(value) ? "" : fmt::format("is {}, expected {}", text, expected);
+  return number && std::isfinite(value) && good(value) ? ""
+                                                       : fmt::format("is {}, expected {}", text, expected);
 }
 
 }  // namespace
 
 std::string above_zero(const std::string& text) {
-  return refuse_unless(text, [](double v) { return v > 0; }, "a number above 0");
+  return refuse_unless(
+      text, [](double v) { return v > 0; }, "a number above 0");
 }
 
 std::string zero_or_more(const std::string& text) {
-  return refuse_unless(text, [](double v) { return v >= 0; }, "a number of at least 0");
+  return refuse_unless(
+      text, [](double v) { return v >= 0; }, "a number of at least 0");
 }
 
 Eigen::Vector3d parse_vector(const std::string& text, const std::string& where) {

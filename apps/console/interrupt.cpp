@@ -8,11 +8,12 @@
 namespace forefeel {
 namespace {
 
-std::atomic<bool> wanted = false, hurried = false;   // lock-free: a signal handler may set them
-std::atomic<std::int64_t> last = 0;   // [ns]
+std::atomic<bool> wanted = false, hurried = false;  // lock-free: a signal handler may set them
+std::atomic<std::int64_t> last = 0;                 // [ns]
 std::atomic<int> wishes = 0;
 bool from_the_start = false;
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free &&
+              std::atomic<int>::is_always_lock_free);
 
 std::int64_t nanoseconds() {
   timespec now{};
@@ -47,7 +48,9 @@ void end_if_interrupted(const std::string& what) {
   if (wanted) throw Interrupted("interrupted before " + what + ": nothing was written");
 }
 
-const std::atomic<bool>& interrupt_flag() { return wanted; }
+const std::atomic<bool>& interrupt_flag() {
+  return wanted;
+}
 
 InterruptWatch::InterruptWatch() {
   if (from_the_start) return;
@@ -62,7 +65,11 @@ InterruptWatch::~InterruptWatch() {
   from_the_start = false;
 }
 
-const std::atomic<bool>& InterruptWatch::flag() const { return wanted; }
-const std::atomic<bool>& InterruptWatch::hurry() const { return hurried; }
+const std::atomic<bool>& InterruptWatch::flag() const {
+  return wanted;
+}
+const std::atomic<bool>& InterruptWatch::hurry() const {
+  return hurried;
+}
 
 }  // namespace forefeel

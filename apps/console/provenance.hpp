@@ -6,9 +6,10 @@
 
 namespace forefeel {
 
-void remember_command(int argc, const char* const* argv);        // called once by main()
-const std::string& command_line();                               // as typed, quoted for a shell
-nlohmann::ordered_json provenance(const std::string& scene_hash);   // {command, version, commit, scene_hash, libraries{}, machine}
-std::string version_text();                                      // what --version prints
+void remember_command(int argc, const char* const* argv);  // called once by main()
+const std::string& command_line();                         // as typed, quoted for a shell
+nlohmann::ordered_json provenance(
+    const std::string& scene_hash);  // {command, version, commit, scene_hash, libraries{}, machine}
+std::string version_text();          // what --version prints
 
 }  // namespace forefeel

@@ -45,7 +45,8 @@ std::optional<StateFile> open_cache(const Scene& scene, double h, const Box& box
 
 Laboratory::Laboratory(const Globals& globals, const std::string& scene)
     : globals_(globals),
-      scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)), built_in_(scene.empty()) {
+      scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)),
+      built_in_(scene.empty()) {
   for (const std::string& warning : scene_.warnings) warn(globals, warning);
 }
 
@@ -54,7 +55,8 @@ std::vector<State> Laboratory::lattice_states(const Box& box, double h, const Sh
   std::vector<State> states;
   if (file) {
     states = file->read_all();
-    if (file->damaged() > 0) warn(globals_, damage_in_words(lattice_file(scene_, h).string(), file->damaged(), true));
+    if (file->damaged() > 0)
+      warn(globals_, damage_in_words(lattice_file(scene_, h).string(), file->damaged(), true));
     file->drop_damaged();
   }
   GenerateOptions options;

@@ -27,7 +27,7 @@ class Laboratory {
   const Scene& scene() const { return scene_; }
   const Globals& globals() const { return globals_; }
   std::string name() const { return scene_.file.string(); }
-  bool built_in() const { return built_in_; }  // then there is no such file
+  bool built_in() const { return built_in_; }              // then there is no such file
   double spacing() const { return scene_.space.spacing; }  // h [m]
 
   // The states of the lattice {k h}^3 in the box that can be solved, to 1e-9 of the force, by growing

@@ -18,13 +18,13 @@ struct ReproduceOptions {
   std::size_t rounds = 60;  // timed repetitions
   double travel = 5;        // of each run of `speed` [m]: about one pass of the lines over the default box
   std::vector<int> workers{2, 4, 16, 64};  // of `speed`
-  int seeds = 1;            // of `speed`, from 1 on
+  int seeds = 1;                           // of `speed`, from 1 on
 };
 
 struct Findings {
   nlohmann::ordered_json summary;
-  std::string html;                // paragraphs, tables, figures; without a heading
-  std::vector<std::string> lines;  // for the terminal
+  std::string html;                     // paragraphs, tables, figures; without a heading
+  std::vector<std::string> lines;       // for the terminal
   std::vector<std::string> unmet = {};  // what should hold with our settings and does not: exit 1
 };
 
@@ -47,7 +47,8 @@ Findings reproduce_speed(Laboratory&, const ReproduceOptions&, const std::filesy
 // InputError where --set gives what the steps of `speed` change.
 void check_speed_overrides(const Globals& globals);
 // InputError where a cell of `speed` cannot be run; the folder is then as it was before, and there only if it was.
-void check_speed(const Laboratory& laboratory, const ReproduceOptions& options, const std::filesystem::path& folder);
+void check_speed(const Laboratory& laboratory, const ReproduceOptions& options,
+                 const std::filesystem::path& folder);
 
 const std::vector<Experiment>& experiments();  // in the order of the report
 

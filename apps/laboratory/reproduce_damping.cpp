@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "apps/laboratory/paper_ground.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/plot.hpp"
 #include "scheduling/record/run_files.hpp"
 
 namespace forefeel {
@@ -179,9 +179,9 @@ Reading read(const Run& run, const Script& script, const Judge& judge, const Sta
     if (frame.t < script.first - 1e-9)
       reading.start_error = error(frame);
     else
-      reading.worst_error = std::max(
-          std::isnan(reading.worst_error) ? 0 : reading.worst_error,
-          (frame.undamped - tight.force).norm() / std::max(tight.force.norm(), floor));
+      reading.worst_error =
+          std::max(std::isnan(reading.worst_error) ? 0 : reading.worst_error,
+                   (frame.undamped - tight.force).norm() / std::max(tight.force.norm(), floor));
   reading.end_error = error(run.frames.back());
   return reading;
 }
@@ -313,8 +313,10 @@ std::string table(const std::vector<Run>& runs, const std::vector<Reading>& read
     const Reading& x = readings[r];
     rows.push_back({runs[r].way.name, fmt::format("{:.3g} N", x.jump), fmt::format("{:.3g}", x.jump_jnd),
                     fmt::format("{:.3g} N", x.frame), percent(x.frame_share),
-                    x.unsettled > 0 ? fmt::format("{:.0f} ms, {} not", 1e3 * x.settled, x.unsettled) : fmt::format("{:.0f} ms", 1e3 * x.settled), fmt::format("{}", x.over_bound),
-                    percent(x.start_error), percent(x.worst_error), percent(x.end_error)});
+                    x.unsettled > 0 ? fmt::format("{:.0f} ms, {} not", 1e3 * x.settled, x.unsettled)
+                                    : fmt::format("{:.0f} ms", 1e3 * x.settled),
+                    fmt::format("{}", x.over_bound), percent(x.start_error), percent(x.worst_error),
+                    percent(x.end_error)});
   }
   return html_table(rows);
 }
@@ -325,22 +327,26 @@ std::string what_we_found(const std::vector<Run>& runs, const std::vector<Readin
   return fmt::format(
       "The HIP was held {:.3g} mm beyond the slab while {} groups of about {} states came every {:.3g} s. "
       "With the paper's settings and no damping the force "
-      "jumped by up to {:.3g} N at one group, and by up to {:.3g} JND and {} of the force in one frame, each the "
+      "jumped by up to {:.3g} N at one group, and by up to {:.3g} JND and {} of the force in one frame, each "
+      "the "
       "most of any group; its damped switch was done with {} within {:.0f} ms, with no frame changing "
-      "the force by more than {}. Ours: the models themselves differ by at most {:.3g} N and by at most {:.2g} "
+      "the force by more than {}. Ours: the models themselves differ by at most {:.3g} N and by at most "
+      "{:.2g} "
       "JND, each the most of any group, and the smooth switch let no frame change the "
       "force by more than {} ({} frames over its bound of 0.7 % or 1 mN per frame). The error at the HIP "
       "went from {} to {} ({} to {} with {}); while groups came it was {} at worst ({}).{}",
       1e3 * script.held_at, groups, script.arriving.front().size(), script.interval, bare.jump, bare.jump_jnd,
       percent(bare.frame_share),
-      damped.unsettled == 0 ? "every group" : fmt::format("{} of {} groups (the others not before the next)", groups - damped.unsettled, groups),
-      1e3 * damped.settled, percent(damped.frame_share), ours.jump, ours.jump_jnd,
-      percent(ours.frame_share), ours.over_bound, percent(ours.start_error), percent(ours.end_error),
-      percent(bare.start_error), percent(bare.end_error), runs[0].way.method.name, percent(ours.worst_error),
-      percent(bare.worst_error),
-      ours.jump > bare.jump ? " With this order of arrival, the farthest first, our models differ by more than the paper's; "
-                              "what a frame passes on of it is what the switch lets through."
-                            : "");
+      damped.unsettled == 0 ? "every group"
+                            : fmt::format("{} of {} groups (the others not before the next)",
+                                          groups - damped.unsettled, groups),
+      1e3 * damped.settled, percent(damped.frame_share), ours.jump, ours.jump_jnd, percent(ours.frame_share),
+      ours.over_bound, percent(ours.start_error), percent(ours.end_error), percent(bare.start_error),
+      percent(bare.end_error), runs[0].way.method.name, percent(ours.worst_error), percent(bare.worst_error),
+      ours.jump > bare.jump
+          ? " With this order of arrival, the farthest first, our models differ by more than the paper's; "
+            "what a frame passes on of it is what the switch lets through."
+          : "");
 }
 
 }  // namespace
@@ -381,8 +387,8 @@ Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& optio
   findings.lines = {found};
   for (std::size_t r = 0; r < runs.size(); ++r)
     if (runs[r].way.rule != SwitchRule::none && readings[r].over_bound > 0)
-      findings.unmet.push_back(fmt::format("{}: {} frames change by more than the rule's bound", runs[r].way.name,
-                                           readings[r].over_bound));
+      findings.unmet.push_back(fmt::format("{}: {} frames change by more than the rule's bound",
+                                           runs[r].way.name, readings[r].over_bound));
   return findings;
 }
 

@@ -11,14 +11,14 @@
 #include <cmath>
 #include <memory>
 
-#include "approx/switch/force_switch.hpp"
 #include "approx/judge/loop_energy.hpp"
 #include "approx/predecessors/methods.hpp"
-#include "apps/picture/plot.hpp"
+#include "approx/switch/force_switch.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/placement/placement_energy.hpp"
 #include "scheduling/motion/random.hpp"
+#include "scheduling/placement/placement_energy.hpp"
 
 namespace forefeel {
 namespace {
@@ -31,7 +31,7 @@ constexpr double quarter = 0.25;            // travel that asks for a new model,
 
 struct Row {
   std::string method, set;
-  double half_axis = 0;         // the larger of its loops, in spacings
+  double half_axis = 0;        // the larger of its loops, in spacings
   std::vector<double> ratios;  // net / gross of each loop
 };
 
@@ -153,13 +153,16 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
   for (const Method method : all_methods()) {
     if (method == Method::rbf) continue;  // above
     if (method == Method::offline_rbf && states.size() > most_in_one) {
-      notes.push_back(fmt::format("{}: left out, {} states are too many for one model (at most {})", name(method), states.size(), most_in_one));
+      notes.push_back(fmt::format("{}: left out, {} states are too many for one model (at most {})",
+                                  name(method), states.size(), most_in_one));
       continue;
     }
     try {
-      const Approximation field(method, states,
-                                {.model = {.kernel = Kernel::cubic, .data = Data::force, .length = space.options().spacing},
-                                 .spacing = space.options().spacing, .centres = 0});
+      const Approximation field(
+          method, states,
+          {.model = {.kernel = Kernel::cubic, .data = Data::force, .length = space.options().spacing},
+           .spacing = space.options().spacing,
+           .centres = 0});
       Row older{std::string(name(method)), "fixed", large, {}};
       for (const auto& loop : loops(space.options(), large))
         older.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return field.force(x); }).ratio());
@@ -235,8 +238,10 @@ Picture picture(const std::vector<Row>& rows) {
       "around a loop / energy moved (net / gross)'\n"
       "set yrange [0.4:{}]\nset ytics ({}) noenhanced\nset key outside top center horizontal samplen 1\n{}\n",
       static_cast<double>(names.size()) + 0.6, tics, plot);
-  return {"energy", fmt::format("Median over {} loops, bars from least to most; sizes of the loops in the table.", 3 * places), 960,
-          90 + 36 * static_cast<int>(names.size()), script};
+  return {"energy",
+          fmt::format("Median over {} loops, bars from least to most; sizes of the loops in the table.",
+                      3 * places),
+          960, 90 + 36 * static_cast<int>(names.size()), script};
 }
 
 }  // namespace
@@ -259,18 +264,29 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   const double h = options.spacing;
   const auto axes_of = [&](double radius) { return nlohmann::ordered_json{radius * h, 0.8 * radius * h}; };
   std::string csv = "method,set,half_axis,loops,net_over_gross_p50,net_over_gross_max\n";
-  std::vector<std::vector<std::string>> cells{{"method", "set", "half axes of the loops", "net / gross, median", "most"}};
+  std::vector<std::vector<std::string>> cells{
+      {"method", "set", "half axes of the loops", "net / gross, median", "most"}};
   std::size_t outside = 0;  // loops with a part beyond the box
   for (const double radius : {small, large})
     for (const auto& loop : loops(options, radius))
-      outside += std::ranges::all_of(loop, [&](const Vec3& x) { return ((x - options.box.low).array() >= -1e-12).all() && ((options.box.high - x).array() >= -1e-12).all(); }) ? 0 : 1;
-  findings.summary["loops"] = {{"points", points}, {"half_axes_small", axes_of(small)}, {"half_axes_large", axes_of(large)},
-                               {"planes", {"x, y", "y, z", "(1, 1, 0), (1, -1, 1)"}}, {"beyond_the_box", outside},
+      outside += std::ranges::all_of(loop,
+                                     [&](const Vec3& x) {
+                                       return ((x - options.box.low).array() >= -1e-12).all() &&
+                                              ((options.box.high - x).array() >= -1e-12).all();
+                                     })
+                     ? 0
+                     : 1;
+  findings.summary["loops"] = {{"points", points},
+                               {"half_axes_small", axes_of(small)},
+                               {"half_axes_large", axes_of(large)},
+                               {"planes", {"x, y", "y, z", "(1, 1, 0), (1, -1, 1)"}},
+                               {"beyond_the_box", outside},
                                {"centres", nlohmann::ordered_json::array()}};
   std::string where;
   for (const Vec3& c : centres(options)) {
     findings.summary["loops"]["centres"].push_back(vector3(c));
-    where += fmt::format("{}({:.3g}, {:.3g}, {:.3g})", where.empty() ? "" : ", ", 1e3 * c[0], 1e3 * c[1], 1e3 * c[2]);
+    where += fmt::format("{}({:.3g}, {:.3g}, {:.3g})", where.empty() ? "" : ", ", 1e3 * c[0], 1e3 * c[1],
+                         1e3 * c[2]);
   }
   findings.summary["notes"] = notes;
   findings.summary["states"] = states.size();
@@ -285,8 +301,10 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   };
   for (const Row& row : rows) {
     const double p50 = quantile_of(row.ratios, 0.5), most = quantile_of(row.ratios, 1);
-    csv += fmt::format("\"{}\",\"{}\",{:.6g},{},{:.4g},{:.4g}\n", row.method, row.set, row.half_axis * h, row.ratios.size(), p50, most);
-    cells.push_back({row.method, row.set, fmt::format("{:.3g}, {:.3g} mm", 1e3 * row.half_axis * h, 800 * row.half_axis * h),
+    csv += fmt::format("\"{}\",\"{}\",{:.6g},{},{:.4g},{:.4g}\n", row.method, row.set, row.half_axis * h,
+                       row.ratios.size(), p50, most);
+    cells.push_back({row.method, row.set,
+                     fmt::format("{:.3g}, {:.3g} mm", 1e3 * row.half_axis * h, 800 * row.half_axis * h),
                      fmt::format("{:.2g}", p50), fmt::format("{:.2g}", most)});
     findings.summary["rows"].push_back({{"method", row.method},
                                         {"set", row.set},
@@ -298,27 +316,32 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   write_text(folder / "energy.csv", csv);
   const std::string through =
       damping.damped > 0
-          ? fmt::format("through the smooth switch, which damped {:.2g} % of the frames, {:.1g}, {:.1g} and {:.1g}.",
-                        100 * static_cast<double>(damping.damped) / static_cast<double>(damping.frames),
-                        median_of("Hermite r5, n 25", "moving, smooth switch"),
-                        median_of("r3, n 100", "moving, smooth switch"),
-                        median_of("r, n 100", "moving, smooth switch"))
-          : fmt::format("through the smooth switch the same, force by force: no two models that follow each "
-                        "other differ by more than {:.2g} % of what it lets pass in one frame, so that it had "
-                        "nothing to damp.",
-                        100 * damping.largest);
+          ? fmt::format(
+                "through the smooth switch, which damped {:.2g} % of the frames, {:.1g}, {:.1g} and {:.1g}.",
+                100 * static_cast<double>(damping.damped) / static_cast<double>(damping.frames),
+                median_of("Hermite r5, n 25", "moving, smooth switch"),
+                median_of("r3, n 100", "moving, smooth switch"),
+                median_of("r, n 100", "moving, smooth switch"))
+          : fmt::format(
+                "through the smooth switch the same, force by force: no two models that follow each "
+                "other differ by more than {:.2g} % of what it lets pass in one frame, so that it had "
+                "nothing to damp.",
+                100 * damping.largest);
   std::string found = fmt::format(
-      "Net over gross energy, medians. {} loops each, ellipses in three planes about ({}) mm{}: half axes {:.3g} and {:.3g} mm for models "
-      "of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the older methods, which know all states. On a fixed set: an "
-      "interpolant of the energy {:.1g}, Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of "
+      "Net over gross energy, medians. {} loops each, ellipses in three planes about ({}) mm{}: half axes "
+      "{:.3g} and {:.3g} mm for models "
+      "of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the older methods, which know all "
+      "states. On a fixed set: an "
+      "interpolant of the energy {:.1g}, Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; older methods: trilinear "
+      "cells {:.1g}, one r3 model of "
       "all states {:.1g}. With a set that "
       "moves with the HIP and models used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
-      3 * places, where, outside > 0 ? fmt::format(" ({} of {} go beyond the box)", outside, 6 * places) : "", 1e3 * small * h,
-      800 * small * h, 1e3 * large * h, 800 * large * h,
+      3 * places, where, outside > 0 ? fmt::format(" ({} of {} go beyond the box)", outside, 6 * places) : "",
+      1e3 * small * h, 800 * small * h, 1e3 * large * h, 800 * large * h,
       median_of("energy interpolant, n 25", "fixed"), median_of("Hermite r5, n 25", "fixed"),
-      median_of("r3, n 100", "fixed"), median_of("r, n 100", "fixed"), median_of("trilinear", "fixed"), median_of("offline-rbf", "fixed"),
-      median_of("Hermite r5, n 25", "moving"), median_of("r3, n 100", "moving"),
-      median_of("r, n 100", "moving"), through);
+      median_of("r3, n 100", "fixed"), median_of("r, n 100", "fixed"), median_of("trilinear", "fixed"),
+      median_of("offline-rbf", "fixed"), median_of("Hermite r5, n 25", "moving"),
+      median_of("r3, n 100", "moving"), median_of("r, n 100", "moving"), through);
   for (const std::string& note : notes) found += " " + note + ".";
   findings.html = paragraph("The question",
                             "The paper does not look at energy. A body at rest gives back what was put in, "

@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "apps/laboratory/paper_ground.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/plot.hpp"
 
 namespace forefeel {
 namespace {
@@ -84,12 +84,13 @@ Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& jud
     wanted.push_back(ground.at(stations[i]));
     station_of.push_back(i);
   }
-  const std::vector<State> references = laboratory.references(
-      wanted, [&](double share, const std::string& text) { show(0.5 * share, text); });
+  const std::vector<State> references =
+      laboratory.references(wanted, [&](double share, const std::string& text) { show(0.5 * share, text); });
   const StateSpace complete = ground.space(ground.complete());
   double walked = 0;
   const auto next_walk = [&](const PathMethod& method, const char* setup) {
-    show(0.5 + 0.5 * walked++ / double(4 * paper_methods().size()), fmt::format("{}: {}", method.name, setup));
+    show(0.5 + 0.5 * walked++ / double(4 * paper_methods().size()),
+         fmt::format("{}: {}", method.name, setup));
   };
   for (const PathMethod& method : paper_methods()) {
     next_walk(method, "all states known");
@@ -291,18 +292,20 @@ std::string shown(const Largest& most) {
 }
 
 std::string table(const Fig2& fig, const Judge& judge, const PaperGround& ground) {
-  std::vector<std::vector<std::string>> rows{{"situation", "method", "error against tight solves: at the end", "p50", "p95", "max",
-                                              "against the complete space: p50", "p95", "max", "largest jump",
-                                              "in the gap alone", "far side enters", "near side leaves"}};
+  std::vector<std::vector<std::string>> rows{{"situation", "method", "error against tight solves: at the end",
+                                              "p50", "p95", "max", "against the complete space: p50", "p95",
+                                              "max", "largest jump", "in the gap alone", "far side enters",
+                                              "near side leaves"}};
   for (const Curve& curve : fig.curves) {
     const auto events = entering_and_leaving(curve, judge);
     const bool gap = curve.setup == "gap";
-    rows.push_back({curve.setup, curve.method.name, percent(at_end(errors(curve, true))),
-                    percent(quantile_of(errors(curve, true), 0.5)), percent(quantile_of(errors(curve, true), 0.95)),
-                    percent(quantile_of(errors(curve, true), 1)), percent(quantile_of(errors(curve, false), 0.5)),
-                    percent(quantile_of(errors(curve, false), 0.95)), percent(quantile_of(errors(curve, false), 1)),
-                    shown(largest(curve, judge)), gap ? shown(largest(curve, judge, 0, ground.far_side())) : "",
-                    gap ? shown(events[0]) : "", gap ? shown(events[1]) : ""});
+    rows.push_back(
+        {curve.setup, curve.method.name, percent(at_end(errors(curve, true))),
+         percent(quantile_of(errors(curve, true), 0.5)), percent(quantile_of(errors(curve, true), 0.95)),
+         percent(quantile_of(errors(curve, true), 1)), percent(quantile_of(errors(curve, false), 0.5)),
+         percent(quantile_of(errors(curve, false), 0.95)), percent(quantile_of(errors(curve, false), 1)),
+         shown(largest(curve, judge)), gap ? shown(largest(curve, judge, 0, ground.far_side())) : "",
+         gap ? shown(events[0]) : "", gap ? shown(events[1]) : ""});
   }
   return html_table(rows);
 }
@@ -314,43 +317,50 @@ const Curve& curve_of(const Fig2& fig, std::string_view setup, std::size_t metho
 }
 
 std::string p50_p95_max(const std::vector<double>& values) {
-  return fmt::format("{:.3g}, {:.3g} and {:.3g} %", 100 * quantile_of(values, 0.5), 100 * quantile_of(values, 0.95),
-                     100 * quantile_of(values, 1));
+  return fmt::format("{:.3g}, {:.3g} and {:.3g} %", 100 * quantile_of(values, 0.5),
+                     100 * quantile_of(values, 0.95), 100 * quantile_of(values, 1));
 }
 
 std::string crossing(const Curve& gap, const Judge& judge) {
   const auto [enters, leaves] = entering_and_leaving(gap, judge);
   const bool at_once = gap.points.front().far_side > 0, for_good = gap.points.back().near_side == 0;
-  const std::string in = at_once                    ? "the far side is in the set from the beginning"
-                         : std::isnan(enters.s)     ? "the far side never comes in"
-                                                    : "the force jumps by " + shown(enters) + " as the far side comes in";
-  const std::string out = !for_good || std::isnan(leaves.s) ? "the near side stays in the set to the end"
-                                                            : "by " + shown(leaves) + " as the last of the near side goes";
+  const std::string in = at_once ? "the far side is in the set from the beginning"
+                         : std::isnan(enters.s)
+                             ? "the far side never comes in"
+                             : "the force jumps by " + shown(enters) + " as the far side comes in";
+  const std::string out = !for_good || std::isnan(leaves.s)
+                              ? "the near side stays in the set to the end"
+                              : "by " + shown(leaves) + " as the last of the near side goes";
   return in + (for_good && at_once && std::isfinite(leaves.s) ? ", the force jumps " : ", ") + out;
 }
 
 std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround& ground) {
   std::string text = fmt::format(
-      "Path of {:.3g} mm along {}, {} states in the complete space{}; the gap ends at {:.3g} mm. Errors are against tight "
+      "Path of {:.3g} mm along {}, {} states in the complete space{}; the gap ends at {:.3g} mm. Errors are "
+      "against tight "
       "solves, as p50, p95 and max of the path{}.",
       1e3 * ground.depth(), ground.axis(), ground.complete().size(),
       ground.unsolved() > 0 ? fmt::format(" ({} positions have no solution)", ground.unsolved()) : "",
       1e3 * ground.far_side(),
-      fig.tight.size() < fig.asked ? fmt::format(", at the {} of {} positions that have a solution, the last at {:.3g} mm",
-                                                 fig.tight.size(), fig.asked, fig.tight_s.empty() ? 0 : 1e3 * fig.tight_s.back())
-                                   : "");
+      fig.tight.size() < fig.asked
+          ? fmt::format(", at the {} of {} positions that have a solution, the last at {:.3g} mm",
+                        fig.tight.size(), fig.asked, fig.tight_s.empty() ? 0 : 1e3 * fig.tight_s.back())
+          : "");
   for (const std::size_t m : {0u, 1u, 2u}) {
-    const Curve &blank = curve_of(fig, "blank", m), &sparse = curve_of(fig, "sparse", m), &gap = curve_of(fig, "gap", m);
+    const Curve &blank = curve_of(fig, "blank", m), &sparse = curve_of(fig, "sparse", m),
+                &gap = curve_of(fig, "gap", m);
     text += fmt::format(
-        " {}: blank {} ({} at its end); sparse {} ({}); the path across the gap {}, of this the gap itself {}. There {}; the "
+        " {}: blank {} ({} at its end); sparse {} ({}); the path across the gap {}, of this the gap itself "
+        "{}. There {}; the "
         "largest jump in the gap is {}.",
         m == 0   ? "r with the paper's settings"
         : m == 1 ? "r3 with the paper's settings"
-                 : "Ours (Hermite r5, 25 states by label, extrapolation bounded, sides of the gap by their distances)",
-        p50_p95_max(errors(blank, true)), percent(at_end(errors(blank, true))), p50_p95_max(errors(sparse, true)),
-        percent(at_end(errors(sparse, true))), p50_p95_max(errors(gap, true)),
-        p50_p95_max(errors(gap, true, ground.far_side())), crossing(gap, judge),
-        shown(largest(gap, judge, 0, ground.far_side())));
+                 : "Ours (Hermite r5, 25 states by label, extrapolation bounded, sides of the gap by their "
+                   "distances)",
+        p50_p95_max(errors(blank, true)), percent(at_end(errors(blank, true))),
+        p50_p95_max(errors(sparse, true)), percent(at_end(errors(sparse, true))),
+        p50_p95_max(errors(gap, true)), p50_p95_max(errors(gap, true, ground.far_side())),
+        crossing(gap, judge), shown(largest(gap, judge, 0, ground.far_side())));
   }
   return text + " No switch takes part: a jump is what two models that follow each other differ by.";
 }
@@ -359,15 +369,18 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
 std::string where_worse(const Fig2& fig, const PaperGround& ground) {
   std::vector<std::string> cases;
   const auto compare = [&](const std::string& what, double ours, double theirs, const char* kernel) {
-    if (ours > 1.005 * theirs) cases.push_back(fmt::format("{} {:.3g} against {:.3g} % ({})", what, 100 * ours, 100 * theirs, kernel));
+    if (ours > 1.005 * theirs)
+      cases.push_back(fmt::format("{} {:.3g} against {:.3g} % ({})", what, 100 * ours, 100 * theirs, kernel));
   };
   for (const std::size_t m : {0u, 1u})
     for (const char* area : {"blank", "sparse", "gap"}) {
       const double end = std::string_view(area) == "gap" ? ground.far_side() : INFINITY;
-      const std::vector<double> ours = errors(curve_of(fig, area, 2), true, end), theirs = errors(curve_of(fig, area, m), true, end);
+      const std::vector<double> ours = errors(curve_of(fig, area, 2), true, end),
+                                theirs = errors(curve_of(fig, area, m), true, end);
       const char* kernel = m == 0 ? "r" : "r3";
       for (const auto& [name, share] : {std::pair{"p50", 0.5}, std::pair{"p95", 0.95}, std::pair{"max", 1.0}})
-        compare(fmt::format("{} {}", area, name), quantile_of(ours, share), quantile_of(theirs, share), kernel);
+        compare(fmt::format("{} {}", area, name), quantile_of(ours, share), quantile_of(theirs, share),
+                kernel);
       compare(fmt::format("{} at its end", area), at_end(ours), at_end(theirs), kernel);
     }
   if (cases.empty()) return "Nowhere: p50, p95, max and end of each area are at most those of r and r3.";
@@ -378,8 +391,9 @@ std::string where_worse(const Fig2& fig, const PaperGround& ground) {
 
 Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions& options,
                                  const std::filesystem::path& folder, const ShowShare& show) {
-  const PaperGround ground(laboratory, options.depth,
-                           [&](double share, const std::string& text) { show(0.6 * share, text); }, options.gap);
+  const PaperGround ground(
+      laboratory, options.depth, [&](double share, const std::string& text) { show(0.6 * share, text); },
+      options.gap);
   const SessionOptions& session = laboratory.scene().session;
   const Judge judge{session.error_floor, session.switching.jnd_share, session.switching.jnd_floor};
   const Fig2 fig = run_all(laboratory, ground, judge,
@@ -394,7 +408,8 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
   findings.summary["unsolved"] = ground.unsolved();
   findings.summary["tight_solves"] = {{"asked", fig.asked}, {"solved", fig.tight.size()}};
   findings.summary["curves"] = nlohmann::ordered_json::array();
-  for (const Curve& curve : fig.curves) findings.summary["curves"].push_back(to_json(curve, judge, ground.far_side()));
+  for (const Curve& curve : fig.curves)
+    findings.summary["curves"].push_back(to_json(curve, judge, ground.far_side()));
   const std::string found = what_we_found(fig, judge, ground), worse = where_worse(fig, ground);
   findings.html = paragraph("The paper found",
                             "With the 100 nearest known states the error of extrapolation into a blank area "
@@ -404,11 +419,13 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
                             "twice: where the first points of the other side join the nearest set, and where "
                             "the last points of the "
                             "starting side leave it.") +
-                  paragraph("We found", found) + paragraph("Where ours is worse", worse) + draw_into(folder, picture(fig, ground)) + table(fig, judge, ground);
+                  paragraph("We found", found) + paragraph("Where ours is worse", worse) +
+                  draw_into(folder, picture(fig, ground)) + table(fig, judge, ground);
   findings.lines = {found, worse};
   for (const Curve& curve : fig.curves)
     if (const Jump most = largest(curve, judge).jnd; curve.method.ours && !(most.jnd <= 1))
-      findings.unmet.push_back(fmt::format("path of situation {}: {} jumps by {}", curve.setup, curve.method.name, shown(most)));
+      findings.unmet.push_back(
+          fmt::format("path of situation {}: {} jumps by {}", curve.setup, curve.method.name, shown(most)));
   return findings;
 }
 

@@ -19,8 +19,8 @@
 #include "approx/loops/instruction_set.hpp"
 #include "approx/select/neighbours.hpp"
 #include "apps/laboratory/paper_ground.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/plot.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
@@ -277,18 +277,21 @@ std::string what_we_found(const std::vector<Row>& rows) {
     text += fmt::format(
         "{}: {}our refit {}, our update {} (a quarter spacing of motion replaces {:.0f} "
         "states), a force {}, error p95 {:.2g}; ",
-        row.method, std::isfinite(direct) ? "Eq. 2 by LU " + in_us(direct) + ", " : "", in_us(median(row.refit)),
-        in_us(median(row.update)), median(row.replaced), in_us(median(row.evaluate)), quantile_of(row.errors, 0.95));
+        row.method, std::isfinite(direct) ? "Eq. 2 by LU " + in_us(direct) + ", " : "",
+        in_us(median(row.refit)), in_us(median(row.update)), median(row.replaced),
+        in_us(median(row.evaluate)), quantile_of(row.errors, 0.95));
   }
   text.resize(text.size() - 2);
   text += ".";
   for (const Row& r : rows)
     for (const Row& r3 : rows)
-      if (r.model.kernel == Kernel::linear && r3.model.kernel == Kernel::cubic && r3.model.data == Data::force &&
-          r.model.neighbours == r3.model.neighbours)
-        text += fmt::format(" With {} states r takes {:.2f} times as long as r3 to refit, {:.2f} times to update and {:.2f} times for a force.",
-                            r.model.neighbours, median(r.refit) / median(r3.refit), median(r.update) / median(r3.update),
-                            median(r.evaluate) / median(r3.evaluate));
+      if (r.model.kernel == Kernel::linear && r3.model.kernel == Kernel::cubic &&
+          r3.model.data == Data::force && r.model.neighbours == r3.model.neighbours)
+        text += fmt::format(
+            " With {} states r takes {:.2f} times as long as r3 to refit, {:.2f} times to update and {:.2f} "
+            "times for a force.",
+            r.model.neighbours, median(r.refit) / median(r3.refit), median(r.update) / median(r3.update),
+            median(r.evaluate) / median(r3.evaluate));
   return text;
 }
 

@@ -7,16 +7,16 @@
 #include "apps/study/study_speed.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/record/exact_rendering.hpp"
+#include "scheduling/record/visited_cells.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
-#include "scheduling/record/visited_cells.hpp"
 #include "solver/body/contact_stiffness.hpp"
 
 namespace forefeel {
 namespace {
 
-ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, const StudyCell& cell, ReferenceService& references,
-                            const std::function<Vec3(const Vec3&)>& guess) {
+ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, const StudyCell& cell,
+                            ReferenceService& references, const std::function<Vec3(const Vec3&)>& guess) {
   const Scene& scene = plan.scenes[cell.scene];
   const SessionOptions& options = cell.options;
   const auto device = make_device(device_at_speed(options.device, speed, plan.study.file.string()),
@@ -31,7 +31,9 @@ ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, cons
   std::vector<std::size_t> visits;
   for (std::size_t k = 0; k < frames; ++k) {
     motion.push_back(device->position(frame_time(k, options.frame), Vec3::Zero()));
-    if (!visited.first(motion.back()) || (visited.count() - 1) % static_cast<std::size_t>(options.visit_stride) != 0) continue;
+    if (!visited.first(motion.back()) ||
+        (visited.count() - 1) % static_cast<std::size_t>(options.visit_stride) != 0)
+      continue;
     visits.push_back(k);
     references.request(motion.back());
   }
@@ -44,7 +46,8 @@ ExactRendering rendering_at(double speed, double t0, const StudyPlan& plan, cons
 
 }  // namespace
 
-SpeedBound speed_bound(const StudyPlan& plan, const StudyCell& cell, ReferenceService& references, bool first_guess) {
+SpeedBound speed_bound(const StudyPlan& plan, const StudyCell& cell, ReferenceService& references,
+                       bool first_guess) {
   const Scene& scene = plan.scenes[cell.scene];
   const auto cost = make_cost(cell.options.cost, cell.seed, [&] { return references.recorded_costs(); });
   const double t0 = first_possible(*cost, scene.space, cell.options.latency, true);

@@ -9,13 +9,14 @@
 namespace forefeel {
 
 struct SpeedBound {
-  double known = 0;             // from when on the force is known, with rest first [s]
-  double speed = 0;             // by the search of study_speed.hpp [m/s]; 0 where even its lowest fails
-  double settled_after = 0;     // at that speed, from then until the offset is gone [s]
+  double known = 0;          // from when on the force is known, with rest first [s]
+  double speed = 0;          // by the search of study_speed.hpp [m/s]; 0 where even its lowest fails
+  double settled_after = 0;  // at that speed, from then until the offset is gone [s]
 };
 
 // The cell's policy, workers and model count nothing. first_guess: before that the hand feels the guess of
 // solver/body/contact_stiffness.hpp, else nothing.
-SpeedBound speed_bound(const StudyPlan& plan, const StudyCell& cell, ReferenceService& references, bool first_guess);
+SpeedBound speed_bound(const StudyPlan& plan, const StudyCell& cell, ReferenceService& references,
+                       bool first_guess);
 
 }  // namespace forefeel

@@ -15,14 +15,14 @@ namespace {
 
 constexpr std::array<const char*, 3> axis_name{"x", "y", "z"};
 constexpr int panel = 330, margin = 54, legend_height = 150, title_height = 40;
-constexpr std::size_t most_states = 6000;   // more hide the colours
+constexpr std::size_t most_states = 6000;  // more hide the colours
 
 // The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
 struct Slice {
-  int normal, u, v;                 // axes: across, to the right, upwards
+  int normal, u, v;  // axes: across, to the right, upwards
   int columns, rows;
-  double pixel;                     // side of a sample [m]
-  std::vector<Label> label;         // row by row from below
+  double pixel;              // side of a sample [m]
+  std::vector<Label> label;  // row by row from below
   std::vector<Eigen::Vector2d> states;
   std::vector<std::array<Eigen::Vector2d, 2>> outline;
   bool too_many_states = false;
@@ -51,7 +51,8 @@ Slice cut(const CoveragePicture& picture, int normal) {
   slice.u = normal == 0 ? 1 : 0;
   slice.v = normal == 2 ? 1 : 2;
   const Vec3 size = picture.box.size();
-  const double width = std::max(size[slice.u], picture.spacing), height = std::max(size[slice.v], picture.spacing);
+  const double width = std::max(size[slice.u], picture.spacing),
+               height = std::max(size[slice.v], picture.spacing);
   slice.pixel = std::max(picture.spacing / 8, std::max(width, height) / panel);
   slice.columns = std::max(1, static_cast<int>(std::ceil(width / slice.pixel - 1e-6)));
   slice.rows = std::max(1, static_cast<int>(std::ceil(height / slice.pixel - 1e-6)));
@@ -59,12 +60,14 @@ Slice cut(const CoveragePicture& picture, int normal) {
   for (int row = 0; row < slice.rows; ++row)
     for (int column = 0; column < slice.columns; ++column) {
       Vec3 q = picture.through;
-      q[slice.u] = std::min(picture.box.low[slice.u] + (column + 0.5) * slice.pixel, picture.box.high[slice.u]);
+      q[slice.u] =
+          std::min(picture.box.low[slice.u] + (column + 0.5) * slice.pixel, picture.box.high[slice.u]);
       q[slice.v] = std::min(picture.box.low[slice.v] + (row + 0.5) * slice.pixel, picture.box.high[slice.v]);
       slice.label[static_cast<std::size_t>(row * slice.columns + column)] = picture.label(q);
     }
   for (const Vec3& state : picture.states)
-    if (std::abs(state[normal] - picture.through[normal]) <= 0.5 * picture.spacing && picture.box.contains(state))
+    if (std::abs(state[normal] - picture.through[normal]) <= 0.5 * picture.spacing &&
+        picture.box.contains(state))
       slice.states.emplace_back(state[slice.u], state[slice.v]);
   slice.too_many_states = slice.states.size() > most_states;
   if (slice.too_many_states) slice.states.clear();
@@ -90,8 +93,8 @@ void svg_areas(const Slice& slice, double scale, std::string& out) {
   std::vector<Run> open;
   const auto close = [&](const Run& run, int row) {
     out += fmt::format("<rect class=\"{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n",
-                       name(run.label), run.from * scale, (slice.rows - row) * scale, (run.to - run.from) * scale,
-                       (row - run.row) * scale);
+                       name(run.label), run.from * scale, (slice.rows - row) * scale,
+                       (run.to - run.from) * scale, (row - run.row) * scale);
   };
   for (int row = 0; row <= slice.rows; ++row) {
     std::vector<Run> next;
@@ -102,9 +105,8 @@ void svg_areas(const Slice& slice, double scale, std::string& out) {
       from = to;
     }
     for (const Run& run : open) {
-      const auto same = std::ranges::find_if(next, [&](const Run& n) {
-        return n.from == run.from && n.to == run.to && n.label == run.label;
-      });
+      const auto same = std::ranges::find_if(
+          next, [&](const Run& n) { return n.from == run.from && n.to == run.to && n.label == run.label; });
       if (same == next.end()) {
         close(run, row);
       } else {
@@ -115,17 +117,20 @@ void svg_areas(const Slice& slice, double scale, std::string& out) {
   }
 }
 
-void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, double top, std::string& out) {
+void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, double top,
+               std::string& out) {
   const double scale = panel / static_cast<double>(std::max(slice.columns, slice.rows));
   const double width = slice.columns * scale, height = slice.rows * scale;
   const auto x_of = [&](double x) { return (x - picture.box.low[slice.u]) / slice.pixel * scale; };
   const auto y_of = [&](double y) { return height - (y - picture.box.low[slice.v]) / slice.pixel * scale; };
   const auto u = static_cast<std::size_t>(slice.u), v = static_cast<std::size_t>(slice.v),
              n = static_cast<std::size_t>(slice.normal);
-  out += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n<text x=\"0\" y=\"-8\">{} = {:.4g} mm</text>\n", left,
-                     top + panel - height, axis_name[n], 1e3 * picture.through[slice.normal]);
+  out += fmt::format(
+      "<g transform=\"translate({:.1f} {:.1f})\">\n<text x=\"0\" y=\"-8\">{} = {:.4g} mm</text>\n", left,
+      top + panel - height, axis_name[n], 1e3 * picture.through[slice.normal]);
   svg_areas(slice, scale, out);
-  out += fmt::format("<svg width=\"{0:.1f}\" height=\"{1:.1f}\" viewBox=\"0 0 {0:.1f} {1:.1f}\">\n", width, height);
+  out += fmt::format("<svg width=\"{0:.1f}\" height=\"{1:.1f}\" viewBox=\"0 0 {0:.1f} {1:.1f}\">\n", width,
+                     height);
   if (!slice.states.empty()) {
     const double r = std::clamp(0.09 * picture.spacing / slice.pixel * scale, 0.5, 2.0);
     out += fmt::format("<path class=\"state\" stroke-width=\"{:.2f}\" d=\"", 2 * r);
@@ -135,27 +140,34 @@ void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, 
   if (!slice.outline.empty()) {
     out += "<path class=\"body\" d=\"";
     for (const auto& line : slice.outline)
-      out += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", x_of(line[0].x()), y_of(line[0].y()), x_of(line[1].x()),
-                         y_of(line[1].y()));
+      out += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", x_of(line[0].x()), y_of(line[0].y()),
+                         x_of(line[1].x()), y_of(line[1].y()));
     out += "\"/>\n";
   }
   out += "</svg>\n";
   out += fmt::format("<rect class=\"frame\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", width, height);
-  out += fmt::format("<text x=\"0\" y=\"{0:.1f}\">{2:.4g}</text><text x=\"{1:.1f}\" y=\"{0:.1f}\" text-anchor=\"end\">{3:.4g} mm</text>"
-                     "<text x=\"{4:.1f}\" y=\"{0:.1f}\" text-anchor=\"middle\">{5} \u2192</text>\n",
-                     height + 16, width, 1e3 * picture.box.low[slice.u], 1e3 * picture.box.high[slice.u], width / 2,
-                     axis_name[u]);
-  out += fmt::format("<text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text><text x=\"-6\" y=\"10\" text-anchor=\"end\">{:.4g}"
-                     "</text><text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{} \u2191</text>\n</g>\n",
-                     height, 1e3 * picture.box.low[slice.v], 1e3 * picture.box.high[slice.v], height / 2, axis_name[v]);
+  out += fmt::format(
+      "<text x=\"0\" y=\"{0:.1f}\">{2:.4g}</text><text x=\"{1:.1f}\" y=\"{0:.1f}\" "
+      "text-anchor=\"end\">{3:.4g} mm</text>"
+      "<text x=\"{4:.1f}\" y=\"{0:.1f}\" text-anchor=\"middle\">{5} \u2192</text>\n",
+      height + 16, width, 1e3 * picture.box.low[slice.u], 1e3 * picture.box.high[slice.u], width / 2,
+      axis_name[u]);
+  out += fmt::format(
+      "<text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text><text x=\"-6\" y=\"10\" "
+      "text-anchor=\"end\">{:.4g}"
+      "</text><text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{} \u2191</text>\n</g>\n",
+      height, 1e3 * picture.box.low[slice.v], 1e3 * picture.box.high[slice.v], height / 2, axis_name[v]);
 }
 
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '<') out += "&lt;";
-    else if (c == '&') out += "&amp;";
-    else out += c;
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += c;
   }
   return out;
 }
@@ -175,15 +187,20 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
       width, height, escaped(picture.title));
   // Hatching repeats what the colour says: gap diagonal lines, sparse level ones. Dots are states, and nothing else.
   out += fmt::format(
-      "<pattern id=\"sparse\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" height=\"8\" fill=\"{0}\"/>"
+      "<pattern id=\"sparse\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" "
+      "height=\"8\" fill=\"{0}\"/>"
       "<path d=\"M0 4H8\" stroke=\"#1b1b1b\" stroke-opacity=\"0.35\" stroke-width=\"0.7\"/></pattern>\n"
-      "<pattern id=\"gap\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\"><rect width=\"7\" height=\"7\" fill=\"{1}\"/>"
-      "<path d=\"M-1 8L8 -1M-1 1L1 -1M6 8L8 6\" stroke=\"#1b1b1b\" stroke-opacity=\"0.55\" stroke-width=\"0.9\"/></pattern>\n</defs>\n",
+      "<pattern id=\"gap\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\"><rect width=\"7\" "
+      "height=\"7\" fill=\"{1}\"/>"
+      "<path d=\"M-1 8L8 -1M-1 1L1 -1M6 8L8 6\" stroke=\"#1b1b1b\" stroke-opacity=\"0.55\" "
+      "stroke-width=\"0.9\"/></pattern>\n</defs>\n",
       colour(Label::sparse), colour(Label::gap));
   out += fmt::format(
       "<style>.safe{{fill:{}}}.sparse{{fill:url(#sparse)}}.gap{{fill:url(#gap)}}.blank{{fill:{}}}"
-      ".state{{stroke:#000;stroke-linecap:round;fill:none;stroke-opacity:.75}}.body{{stroke:#c02020;stroke-width:1.4;fill:none}}"
-      ".frame{{fill:none;stroke:#444;stroke-width:.8}}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+      ".state{{stroke:#000;stroke-linecap:round;fill:none;stroke-opacity:.75}}.body{{stroke:#c02020;stroke-"
+      "width:1.4;fill:none}}"
+      ".frame{{fill:none;stroke:#444;stroke-width:.8}}</style>\n<rect width=\"100%\" height=\"100%\" "
+      "fill=\"#fff\"/>\n",
       colour(Label::safe), colour(Label::blank));
   out += fmt::format("<text x=\"{}\" y=\"20\" font-size=\"14\">{}</text>\n", margin, escaped(picture.title));
   bool too_many = false;
@@ -195,13 +212,16 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
   const int top = title_height + panel + 54;
   for (int i = 0; i < 4; ++i) {
     const auto label = static_cast<Label>(i);
-    out += fmt::format("<rect class=\"{0}\" x=\"{1}\" y=\"{2}\" width=\"26\" height=\"15\"/><rect class=\"frame\" x=\"{1}\" y=\"{2}\" "
-                       "width=\"26\" height=\"15\"/><text x=\"{3}\" y=\"{4}\">{5}</text>\n",
-                       name(label), margin, top + 22 * i, margin + 34, top + 22 * i + 12, legend_line(picture, label));
+    out += fmt::format(
+        "<rect class=\"{0}\" x=\"{1}\" y=\"{2}\" width=\"26\" height=\"15\"/><rect class=\"frame\" x=\"{1}\" "
+        "y=\"{2}\" "
+        "width=\"26\" height=\"15\"/><text x=\"{3}\" y=\"{4}\">{5}</text>\n",
+        name(label), margin, top + 22 * i, margin + 34, top + 22 * i + 12, legend_line(picture, label));
   }
-  out += fmt::format("<path class=\"state\" stroke-width=\"3\" d=\"M{} {}h0\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
-                     margin + panel + margin + 13, top + 8, margin + panel + margin + 34, top + 12,
-                     states_line(picture, too_many));
+  out += fmt::format(
+      "<path class=\"state\" stroke-width=\"3\" d=\"M{} {}h0\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
+      margin + panel + margin + 13, top + 8, margin + panel + margin + 34, top + 12,
+      states_line(picture, too_many));
   if (!picture.body.empty())
     out += fmt::format("<path class=\"body\" d=\"M{} {}h26\"/><text x=\"{}\" y=\"{}\">body at rest</text>\n",
                        margin + panel + margin, top + 30, margin + panel + margin + 34, top + 34);
@@ -216,7 +236,8 @@ namespace {
 std::array<int, 3> rgb(Label label) {
   unsigned value = 0;
   std::sscanf(std::string(colour(label)).c_str() + 1, "%x", &value);
-  return {static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255), static_cast<int>(value & 255)};
+  return {static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255),
+          static_cast<int>(value & 255)};
 }
 
 // Colour of a pixel, hatched as in the SVG.
@@ -235,8 +256,10 @@ std::string png_swatches() {
   for (int line = 0; line < 3 * 32 + 24; ++line)
     for (int column = 0; column < 32; ++column) {
       const int row = line % 32;
-      const std::array<int, 3> c = row < 24 ? ink_at(static_cast<Label>(3 - line / 32), column, row) : std::array{255, 255, 255};
-      data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.16 + line * 0.22 / 32, c[0], c[1], c[2]);
+      const std::array<int, 3> c =
+          row < 24 ? ink_at(static_cast<Label>(3 - line / 32), column, row) : std::array{255, 255, 255};
+      data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.16 + line * 0.22 / 32,
+                          c[0], c[1], c[2]);
     }
   return data + "EOD\n";
 }
@@ -254,44 +277,51 @@ std::string png_panel(const CoveragePicture& picture, const Slice& slice, int nu
   for (const auto& s : slice.states) data += fmt::format("{:.5g} {:.5g}\n", 1e3 * s.x(), 1e3 * s.y());
   data += fmt::format("EOD\n$body{} << EOD\n", number);
   for (const auto& line : slice.outline)
-    data += fmt::format("{:.5g} {:.5g}\n{:.5g} {:.5g}\n\n", 1e3 * line[0].x(), 1e3 * line[0].y(), 1e3 * line[1].x(),
-                        1e3 * line[1].y());
+    data += fmt::format("{:.5g} {:.5g}\n{:.5g} {:.5g}\n\n", 1e3 * line[0].x(), 1e3 * line[0].y(),
+                        1e3 * line[1].x(), 1e3 * line[1].y());
   data += "EOD\n";
   const auto axis = [](int i) { return axis_name[static_cast<std::size_t>(i)]; };
-  data += fmt::format("set title '{} = {:.4g} mm'\nset xlabel '{} [mm]'\nset ylabel '{} [mm]'\n", axis(slice.normal),
-                      1e3 * picture.through[slice.normal], axis(slice.u), axis(slice.v));
-  data += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * picture.box.low[slice.u],
-                      1e3 * (picture.box.low[slice.u] + slice.columns * slice.pixel), 1e3 * picture.box.low[slice.v],
-                      1e3 * (picture.box.low[slice.v] + slice.rows * slice.pixel));
+  data += fmt::format("set title '{} = {:.4g} mm'\nset xlabel '{} [mm]'\nset ylabel '{} [mm]'\n",
+                      axis(slice.normal), 1e3 * picture.through[slice.normal], axis(slice.u), axis(slice.v));
+  data += fmt::format(
+      "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * picture.box.low[slice.u],
+      1e3 * (picture.box.low[slice.u] + slice.columns * slice.pixel), 1e3 * picture.box.low[slice.v],
+      1e3 * (picture.box.low[slice.v] + slice.rows * slice.pixel));
   data += fmt::format("plot $area{} using 1:2:3:4:5 with rgbimage notitle", number);
   if (!slice.states.empty())
     data += fmt::format(", $states{} with points pt 7 ps 0.25 lc rgb '#000000' notitle", number);
-  if (!slice.outline.empty()) data += fmt::format(", $body{} with lines lw 1.5 lc rgb '#c02020' notitle", number);
+  if (!slice.outline.empty())
+    data += fmt::format(", $body{} with lines lw 1.5 lc rgb '#c02020' notitle", number);
   return data + "\n";
 }
 
 }  // namespace
 
 void write_coverage_png(const std::filesystem::path& file, const CoveragePicture& picture) {
-  if (!have_gnuplot()) throw InputError(file.string(), "a PNG needs gnuplot, which is missing; expected .svg");
+  if (!have_gnuplot())
+    throw InputError(file.string(), "a PNG needs gnuplot, which is missing; expected .svg");
   check_writable(file);
   std::filesystem::path temporary = file;
   temporary += ".part";
-  std::string script = fmt::format("set terminal pngcairo size 1280,600 noenhanced font 'sans,10'\nset output '{}'\n"
-                                   "set multiplot\nset size ratio -1\nset tics out nomirror\n",
-                                   temporary.string());
+  std::string script = fmt::format(
+      "set terminal pngcairo size 1280,600 noenhanced font 'sans,10'\nset output '{}'\n"
+      "set multiplot\nset size ratio -1\nset tics out nomirror\n",
+      temporary.string());
   bool too_many = false;
   for (int i = 0; i < 3; ++i) {
     const Slice slice = cut(picture, 2 - i);
     too_many = too_many || slice.too_many_states;
     script += fmt::format("set origin {},0.25\nset size 0.33,0.7\n", 0.33 * i) + png_panel(picture, slice, i);
   }
-  script += "set origin 0,0\nset size 1,0.25\nunset border\nunset tics\nunset xlabel\nunset ylabel\nunset title\n"
-            "set size noratio\nset xrange [0:1]\nset yrange [0:1]\n";
+  script +=
+      "set origin 0,0\nset size 1,0.25\nunset border\nunset tics\nunset xlabel\nunset ylabel\nunset title\n"
+      "set size noratio\nset xrange [0:1]\nset yrange [0:1]\n";
   for (int i = 0; i < 4; ++i) {
     const auto label = static_cast<Label>(i);
     const double y = 0.9 - 0.22 * i;
-    script += fmt::format("set object rectangle from 0.03,{:.3f} to 0.055,{:.3f} front fs empty border lc rgb '#444444'\n", y - 0.08, y + 0.08);
+    script += fmt::format(
+        "set object rectangle from 0.03,{:.3f} to 0.055,{:.3f} front fs empty border lc rgb '#444444'\n",
+        y - 0.08, y + 0.08);
     script += fmt::format("set label \"{}\" at 0.065,{:.3f}\n", legend_line(picture, label), y);
   }
   script += fmt::format("set label \"{}\" at 0.45,0.9\n", states_line(picture, too_many));

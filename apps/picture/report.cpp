@@ -100,19 +100,23 @@ std::string figure(const Figure& f) {
   const std::optional<std::string> svg = draw_svg(f.name, f.width, f.height, f.script);
   if (!svg)
     return fmt::format("<p class=\"note\">The picture \"{}\" could not be drawn by gnuplot.</p>\n", f.name);
-  return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg, escaped(f.caption));
+  return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg,
+                     escaped(f.caption));
 }
 
 // Each is a gnuplot of its own: side by side.
 template <class Make>
 Picture drawn(Make make) {
-  return std::async(std::launch::async, [make = std::move(make)] { return have_gnuplot() ? figure(make()) : std::string(); }).share();
+  return std::async(std::launch::async,
+                    [make = std::move(make)] { return have_gnuplot() ? figure(make()) : std::string(); })
+      .share();
 }
 
 std::string pictures(const Json& summary, const ReportPictures& drawings) {
   if (!have_gnuplot())
     return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
-  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(summary) + drawings.time.get() + drawings.start.get();
+  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(summary) +
+                     drawings.time.get() + drawings.start.get();
   html += "<h2>What was known where</h2>\n" + drawings.slices.get();
   if (drawings.deadlines.valid()) html += "<h2>Deadlines</h2>\n" + drawings.deadlines.get();
   return html;
@@ -156,7 +160,7 @@ std::string all_numbers(const Json& summary) {
     }
     std::string rows;
     Json rest = value;
-    if (key == "error") rest.erase("by_label");   // has a table of its own
+    if (key == "error") rest.erase("by_label");  // has a table of its own
     rows_of(rest, "", rows);
     html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
   }
@@ -186,7 +190,8 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
   SliceInput slice;
   for (const FrameRecord& f : result.frames) {
     slice.t.push_back(f.t);
-    for (std::size_t axis = 0; axis < 3; ++axis) slice.path[axis].push_back(f.at[static_cast<Eigen::Index>(axis)]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      slice.path[axis].push_back(f.at[static_cast<Eigen::Index>(axis)]);
   }
   const auto take = [&](double known, const Vec3& at) {
     State state;
@@ -211,7 +216,8 @@ ReportPictures begin_pictures(const SessionResult& result, Picture slices) {
   return drawings;
 }
 
-void write_report(const std::filesystem::path& run_folder, const Json& s, const Scene& scene, const ReportPictures& drawings) {
+void write_report(const std::filesystem::path& run_folder, const Json& s, const Scene& scene,
+                  const ReportPictures& drawings) {
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
       "seed {}; {} tetrahedra, {}</p>\n",

@@ -217,7 +217,7 @@ struct LabelBoxes {
 struct KnownStates {
   StateSpace space;
   std::string in_plane, elsewhere;
-  std::size_t taken = 0;   // of the slice's
+  std::size_t taken = 0;  // of the slice's
 
   void grow(const SliceInput& slice, const Plane& plane, double until) {
     for (; taken < slice.states.size() && slice.states[taken].first <= until; ++taken) {
@@ -230,8 +230,8 @@ struct KnownStates {
   }
 };
 
-std::string panel(const SliceInput& slice, KnownStates& known, const Plane& plane, const Window& window, double until,
-                  int number) {
+std::string panel(const SliceInput& slice, KnownStates& known, const Plane& plane, const Window& window,
+                  double until, int number) {
   const auto& [path, t, states] = slice;
   known.grow(slice, plane, until);
   const LabelBoxes boxes(known.space, plane, window, 110);
@@ -289,14 +289,17 @@ std::string histogram(const std::vector<double>& values, double& peak) {
 
 Figure time_figure(Frames frames) {
   const Curves curves(frames);
-  const std::vector<double> states = values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
+  const std::vector<double> states =
+      values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
   std::string script = curves.blocks(0, curves.end, 1400) + common_style + strip_blocks(frames, curves.t) +
                        data_block("known", thinned_curve(curves.t, states, 700));
-  const std::pair<const char*, double FrameRecord::*> parts[] = {{"error", &FrameRecord::error},
-                                                                 {"approximation", &FrameRecord::approximation},
-                                                                 {"switch", &FrameRecord::switching},
-                                                                 {"staleness", &FrameRecord::staleness}};
-  for (const auto& [part, member] : parts) script += data_block(part, scatter(curves.t, values_of(frames, member)));
+  const std::pair<const char*, double FrameRecord::*> parts[] = {
+      {"error", &FrameRecord::error},
+      {"approximation", &FrameRecord::approximation},
+      {"switch", &FrameRecord::switching},
+      {"staleness", &FrameRecord::staleness}};
+  for (const auto& [part, member] : parts)
+    script += data_block(part, scatter(curves.t, values_of(frames, member)));
   script += fmt::format(
       "set multiplot\nset xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\n"
       "set format x ''\n",
@@ -327,7 +330,8 @@ Figure start_figure(Frames frames) {
   const Curves curves(frames);
   const double end = std::min(curves.end, 0.6);
   return {"start",
-          "The first moments, when next to nothing is known: the first models fade in, and each new model is taken in "
+          "The first moments, when next to nothing is known: the first models fade in, and each new model is "
+          "taken in "
           "steps below what a hand can tell.",
           960, 290,
           curves.blocks(0, end, 1500) + common_style +

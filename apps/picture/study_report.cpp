@@ -7,9 +7,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "apps/console/provenance.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
-#include "apps/console/provenance.hpp"
 
 namespace forefeel {
 namespace {
@@ -20,9 +20,12 @@ constexpr const char* line_colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a
 
 // How intervals of shares are made; those of differences are plain.
 constexpr const char* share_intervals =
-    "Student intervals of shares are made on the logit scale, logit m ± t s / (√G m (1 − m)) over G traces, and taken back, so that none "
-    "passes 0 or 100 % (logit interval: Brown, Cai, DasGupta, Statistical Science 16, 2001; with the variance between traces as in "
-    "svyciprop, method xlogit, Lumley, Complex Surveys, 2010). Where every trace has 100 % they have no width. Intervals of differences are "
+    "Student intervals of shares are made on the logit scale, logit m ± t s / (√G m (1 − m)) over G traces, "
+    "and taken back, so that none "
+    "passes 0 or 100 % (logit interval: Brown, Cai, DasGupta, Statistical Science 16, 2001; with the "
+    "variance between traces as in "
+    "svyciprop, method xlogit, Lumley, Complex Surveys, 2010). Where every trace has 100 % they have no "
+    "width. Intervals of differences are "
     "plain Student intervals.";
 
 // ---- numbers
@@ -113,10 +116,12 @@ std::string ranking_picture(const Study& study, const AxisRanking& entry, std::s
   script +=
       "plot $means using 1:2:5:6 with xerrorbars pt 0 lw 1.2 lc rgb '#8a8a8a', "
       "$means using 1:2:3:4 with xerrorbars pt 7 ps 0.9 lw 2.5 lc rgb '#0b4f7d'\n";
-  return picture(fmt::format("rank{}", id), 960,
-                 std::clamp(110 + 34 * static_cast<int>(ranked.size()), 170, 900), script,
-                 std::string("Mean over traces and seeds; thick: bootstrap interval, thin: Student interval over traces") +
-                     (entry.metric.share ? " on the logit scale" : "") + ", both 95 %.");
+  return picture(
+      fmt::format("rank{}", id), 960, std::clamp(110 + 34 * static_cast<int>(ranked.size()), 170, 900),
+      script,
+      std::string(
+          "Mean over traces and seeds; thick: bootstrap interval, thin: Student interval over traces") +
+          (entry.metric.share ? " on the logit scale" : "") + ", both 95 %.");
 }
 
 std::optional<std::vector<double>> numeric(const StudyAxis& axis) {
@@ -140,8 +145,8 @@ std::string curves_picture(const Study& study, const std::vector<CellColumns>& c
   for (std::size_t level = 0; level < levels; ++level) {
     std::string lines;
     for (std::size_t v = 0; v < x->size(); ++v) {
-      const Ranking ranking =
-          rank(observations(study, cells, 0, metric, {{axis, v}}), levels, metric.larger_is_better, {.shares = metric.share});
+      const Ranking ranking = rank(observations(study, cells, 0, metric, {{axis, v}}), levels,
+                                   metric.larger_is_better, {.shares = metric.share});
       for (const Ranked& r : ranking.ranked)
         if (r.level == level) {
           const auto at = [&](double value) {
@@ -193,9 +198,12 @@ std::string ranking_section(const Study& study, const AxisRanking& entry, std::s
   }
   html += "</table>\n";
   if (std::ranges::find(axis.values, std::string("clairvoyant"), &StudyValue::text) != axis.values.end())
-    html += "<p class=\"muted\">clairvoyant knows the motion and the costs: it rehearses the session under every policy but the placebos, with the "
-            "motion known and without, and takes the best at first visits. No policy it knows has a regret below zero there; "
-            "better orders of solves may exist, so that regrets are at least what is shown.</p>\n";
+    html +=
+        "<p class=\"muted\">clairvoyant knows the motion and the costs: it rehearses the session under every "
+        "policy but the placebos, with the "
+        "motion known and without, and takes the best at first visits. No policy it knows has a regret below "
+        "zero there; "
+        "better orders of solves may exist, so that regrets are at least what is shown.</p>\n";
   return html + fmt::format("<p class=\"muted\">{} traces and seeds{}.</p>\n", entry.ranking.blocks,
                             entry.ranking.dropped > 0 ? fmt::format("; {} more lack a value and are left out",
                                                                     entry.ranking.dropped)
@@ -218,14 +226,15 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
     const std::string where = c.slice ? study.axes[c.slice->axis].column + " = " +
                                             study.axes[c.slice->axis].values[c.slice->value].text
                                       : "everywhere";
-    html +=
-        row(axis.values[c.a].text,
-            "<td>" + html_escaped(axis.values[c.b].text) + "</td><td>" + html_escaped(where) + "</td>" +
-                cell(shown_difference(metric, c.comparison.bootstrap, true)) +
-                cell(shown_difference(metric, c.comparison.student, false)) +
-                cell(metric.larger_is_better ? fmt::format("{} / {} / {}", c.comparison.won, c.comparison.lost, c.comparison.pairs)
-                                             : fmt::format("{} / {} / {}", c.comparison.lost, c.comparison.won, c.comparison.pairs)) +
-                cell(std::to_string(c.comparison.groups)) + cell(verdict(metric, c.comparison)));
+    html += row(
+        axis.values[c.a].text,
+        "<td>" + html_escaped(axis.values[c.b].text) + "</td><td>" + html_escaped(where) + "</td>" +
+            cell(shown_difference(metric, c.comparison.bootstrap, true)) +
+            cell(shown_difference(metric, c.comparison.student, false)) +
+            cell(metric.larger_is_better
+                     ? fmt::format("{} / {} / {}", c.comparison.won, c.comparison.lost, c.comparison.pairs)
+                     : fmt::format("{} / {} / {}", c.comparison.lost, c.comparison.won, c.comparison.pairs)) +
+            cell(std::to_string(c.comparison.groups)) + cell(verdict(metric, c.comparison)));
   }
   return html + "</table>\n";
 }
@@ -285,12 +294,15 @@ std::string provenance_section(const StudyPlan& plan) {
 
 std::vector<std::string> sustained_notes(const Study& study, const std::vector<CellColumns>& cells) {
   if (!study.sustained) return {};
-  const auto failed = std::ranges::count_if(cells, [](const CellColumns& c) { return cell_number(c, "sustained.speed") == 0; });
-  std::vector<std::string> notes{"Other measures than the sustained speed are those of each session at its own sustained speed."};
+  const auto failed = std::ranges::count_if(
+      cells, [](const CellColumns& c) { return cell_number(c, "sustained.speed") == 0; });
+  std::vector<std::string> notes{
+      "Other measures than the sustained speed are those of each session at its own sustained speed."};
   if (failed > 0)
-    notes.push_back(fmt::format("In {} of {} cells not even the lowest speed tried, {:.3g} mm/s, holds. They are 0 in cells.csv and "
-                                "count here as that speed, which favours them: factors against them are lower bounds.",
-                                failed, cells.size(), 1e3 * study.sustained->low));
+    notes.push_back(fmt::format(
+        "In {} of {} cells not even the lowest speed tried, {:.3g} mm/s, holds. They are 0 in cells.csv and "
+        "count here as that speed, which favours them: factors against them are lower bounds.",
+        failed, cells.size(), 1e3 * study.sustained->low));
   return notes;
 }
 

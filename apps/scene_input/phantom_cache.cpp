@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view magic = "forefeel mesh 1\n";
-constexpr std::size_t digest = 64;   // hexadecimal digits at the end
-constexpr std::size_t most_elements = 100'000;   // larger ones are not kept
+constexpr std::size_t digest = 64;              // hexadecimal digits at the end
+constexpr std::size_t most_elements = 100'000;  // larger ones are not kept
 
 template <class T>
 void put(std::string& bytes, const T* values, std::size_t count) {
@@ -44,7 +44,10 @@ fs::path file_of(std::string_view name, std::size_t elements) {
   const fs::path folder = cache_folder();
   if (folder.empty() || elements > most_elements) return {};
   Sha256 hash;
-  hash.add(name).add(static_cast<std::int64_t>(elements)).add(FOREFEEL_GEOMETRY_SOURCES).add(solver_revision());
+  hash.add(name)
+      .add(static_cast<std::int64_t>(elements))
+      .add(FOREFEEL_GEOMETRY_SOURCES)
+      .add(solver_revision());
   return folder / (hash.hex().substr(0, 32) + ".mesh");
 }
 
@@ -91,7 +94,7 @@ TetMesh cached_phantom(std::string_view name, std::size_t elements) {
     OutputFile out(file);
     out.write(mesh_bytes(mesh));
     out.commit();
-  } catch (const std::exception&) {   // a full disk: made again the next time
+  } catch (const std::exception&) {  // a full disk: made again the next time
   }
   return mesh;
 }

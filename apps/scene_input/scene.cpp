@@ -9,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/console/suggest.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/sha256.hpp"
-#include "apps/console/suggest.hpp"
 
 namespace forefeel {
 namespace {
@@ -97,7 +97,8 @@ constexpr double most_positions =
 
 void choose_spacing_of(const SceneTable& table, Scene& scene) {
   if ((scene.space.box.size().array() <= 0).any())
-    throw InputError(table.where("spacing"), "is \"auto\" with a flat box, expected a box with a volume, or a number [m]");
+    throw InputError(table.where("spacing"),
+                     "is \"auto\" with a flat box, expected a box with a volume, or a number [m]");
   scene.chosen_spacing = automatic_spacing(scene.body, scene.identity,
                                            {.box = scene.space.box,
                                             .tolerance = scene.tolerance,
@@ -107,9 +108,10 @@ void choose_spacing_of(const SceneTable& table, Scene& scene) {
                                            cache_folder());
   scene.space.spacing = scene.chosen_spacing->spacing;
   if (!scene.chosen_spacing->holds)
-    scene.warnings.push_back(fmt::format("{}: no spacing that was tried makes safe mean an error below {:g} % in {:g} % of it; the finest is taken",
-                                         table.where("spacing"), 100 * scene.tolerance,
-                                         100 - 100 * scene.chosen_spacing->allowed_share));
+    scene.warnings.push_back(fmt::format(
+        "{}: no spacing that was tried makes safe mean an error below {:g} % in {:g} % of it; the finest is "
+        "taken",
+        table.where("spacing"), 100 * scene.tolerance, 100 - 100 * scene.chosen_spacing->allowed_share));
 }
 
 void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, Scene& scene) {
@@ -120,7 +122,7 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
         throw table.wrong(key, key == "box" ? "[[x0, y0, z0], [x1, y1, z1]]" : "a number above 0 [m]");
   scene.tolerance = table.number("tolerance", positive()).value_or(scene.tolerance);
   if (automatic)
-    scene.space.spacing = longest_side(mesh) / 36;   // for a box that is not given
+    scene.space.spacing = longest_side(mesh) / 36;  // for a box that is not given
   else
     scene.space.spacing =
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
@@ -196,14 +198,18 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
       table.word<std::string>("predictor", {{"kalman", "kalman"}, {"constant-velocity", "constant-velocity"}})
           .value_or(session.predictor);
   session.method =
-      table.word<std::string>("method", {{"rbf", "rbf"}, {"trilinear", "trilinear"}, {"tricubic", "tricubic"}})
+      table
+          .word<std::string>("method", {{"rbf", "rbf"}, {"trilinear", "trilinear"}, {"tricubic", "tricubic"}})
           .value_or(session.method);
   session.placement =
-      table.word<std::string>("placement", {{"lattice", "lattice"}, {"adaptive", "adaptive"}, {"path", "path"}})
+      table
+          .word<std::string>("placement",
+                             {{"lattice", "lattice"}, {"adaptive", "adaptive"}, {"path", "path"}})
           .value_or(session.placement);
   if (session.method != "rbf" && session.placement != "lattice")
-    throw table.wrong("placement", fmt::format("lattice with method = \"{}\", which interpolates between lattice states",
-                                               session.method));
+    throw table.wrong("placement",
+                      fmt::format("lattice with method = \"{}\", which interpolates between lattice states",
+                                  session.method));
   session.workers = static_cast<int>(table.integer("workers", 1, 100000).value_or(session.workers));
   read_switch(table, session.switching);
   session.update_travel = table.number("update_travel", positive()).value_or(session.update_travel);
@@ -220,7 +226,8 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.error_floor = table.number("error_floor", positive()).value_or(session.error_floor);
   session.reference_step = table.number("reference_step", positive()).value_or(session.reference_step);
   session.visit_cell = table.number("visit_cell", not_negative()).value_or(session.visit_cell);
-  session.visit_stride = static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.visit_stride));
+  session.visit_stride =
+      static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.visit_stride));
   read_limits(table.sub("limits", {"force", "slew", "ramp", "stale"}), session);
 }
 
@@ -237,7 +244,8 @@ std::string body_source(const toml::table& scene, const fs::path& file) {
   std::ostringstream text;
   text << file.string() << '\n';
   for (const char* section : {"body", "material", "clamp", "contact"})
-    if (const toml::table* table = scene[section].as_table()) text << section << '\n' << toml::toml_formatter(*table) << '\n';
+    if (const toml::table* table = scene[section].as_table())
+      text << section << '\n' << toml::toml_formatter(*table) << '\n';
   return text.str();
 }
 
@@ -284,11 +292,12 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
                         {"body", "material", "clamp", "contact", "state_space", "model", "session"});
   const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements", "tolerance"});
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
-  const SceneTable session =
-      root.sub("session", {"device", "clock", "seconds", "workers", "policy", "predictor", "switch", "select", "method",
-                           "placement", "visit_cell", "visit_stride",
-                           "update_travel", "cost", "latency", "arrivals", "preempt", "rest_first", "first_guess", "rest_known", "batch", "batch_share", "seed", "error_floor",
-                           "reference_step", "jnd", "limits"});
+  const SceneTable session = root.sub(
+      "session",
+      {"device",      "clock",    "seconds",     "workers",        "policy",       "predictor",     "switch",
+       "select",      "method",   "placement",   "visit_cell",     "visit_stride", "update_travel", "cost",
+       "latency",     "arrivals", "preempt",     "rest_first",     "first_guess",  "rest_known",    "batch",
+       "batch_share", "seed",     "error_floor", "reference_step", "jnd",          "limits"});
   const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),
                               root.sub("material", {"law", "young", "poisson"}),
                               root.sub("clamp", {"nodes", "group", "below"}),
@@ -329,14 +338,17 @@ Scene built_in_scene(std::span<const std::string> overrides) {
 }
 
 const std::vector<std::string>& scheduling_keys() {
-  static const std::vector<std::string> keys{"policy", "workers", "cost", "latency", "preempt", "placement",
-                                             "predictor", "rest_first", "first_guess", "batch", "batch_share"};
+  static const std::vector<std::string> keys{"policy",      "workers",   "cost",       "latency",
+                                             "preempt",     "placement", "predictor",  "rest_first",
+                                             "first_guess", "batch",     "batch_share"};
   return keys;
 }
 
 bool exclude_each_other(const std::string& key, const std::string& other) {
-  const auto among = [](const std::string& name, const std::string& section, const std::vector<std::string>& keys) {
-    return name.starts_with(section + ".") && std::ranges::find(keys, name.substr(section.size() + 1)) != keys.end();
+  const auto among = [](const std::string& name, const std::string& section,
+                        const std::vector<std::string>& keys) {
+    return name.starts_with(section + ".") &&
+           std::ranges::find(keys, name.substr(section.size() + 1)) != keys.end();
   };
   return key != other && std::ranges::any_of(alternatives, [&](const auto& of) {
            return among(key, of.first, of.second) && among(other, of.first, of.second);
@@ -344,10 +356,15 @@ bool exclude_each_other(const std::string& key, const std::string& other) {
 }
 
 std::string no_effect_beside(const std::string& arrivals) {
-  return fmt::format("has no effect where states arrive at given times ({}), since nothing is solved; expected one or the other", arrivals);
+  return fmt::format(
+      "has no effect where states arrive at given times ({}), since nothing is solved; expected one or the "
+      "other",
+      arrivals);
 }
 
-std::string_view built_in_scene_text() { return built_in; }
+std::string_view built_in_scene_text() {
+  return built_in;
+}
 
 fs::path cache_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");

@@ -18,22 +18,23 @@ namespace forefeel {
 
 struct Scene {
   std::filesystem::path file;
-  std::shared_ptr<const Body> body;        // checked: it can be solved
-  BodyIdentity identity;                   // mesh, material, clamp, contact -> hash
+  std::shared_ptr<const Body> body;  // checked: it can be solved
+  BodyIdentity identity;             // mesh, material, clamp, contact -> hash
   StateSpaceOptions space;
   bool displacements = false;
-  double tolerance = 0.07;                 // of the error where a place is safe [1]; what spacing = "auto" goes by
-  std::optional<SpacingChoice> chosen_spacing;   // where the scene says spacing = "auto"
+  double tolerance = 0.07;  // of the error where a place is safe [1]; what spacing = "auto" goes by
+  std::optional<SpacingChoice> chosen_spacing;  // where the scene says spacing = "auto"
   ModelOptions model;
-  SessionOptions session;                  // .model is the same as above
-  Vec3 inward = -Vec3::UnitZ();            // from the contact into the body
-  std::string hash;                        // of the scene as overridden, without comments
-  std::string device_place, cost_place, box_place;   // where the scene says them: "liver.toml:30: session.device"
-  std::string arrivals_place;                        // empty where it does not
+  SessionOptions session;        // .model is the same as above
+  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
+  std::string hash;              // of the scene as overridden, without comments
+  std::string device_place, cost_place,
+      box_place;               // where the scene says them: "liver.toml:30: session.device"
+  std::string arrivals_place;  // empty where it does not
   // Of scheduling_keys() those that are written, not defaulted, each with its place.
   std::vector<std::pair<std::string, std::string>> scheduling;
   std::vector<std::string> warnings;
-  std::string body_source;                 // the sections that make the body, as text
+  std::string body_source;  // the sections that make the body, as text
 };
 
 // overrides: "key.path=value" as given to --set; value is TOML, or a bare string.

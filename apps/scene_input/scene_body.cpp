@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/console/suggest.hpp"
 #include "apps/scene_input/phantom_cache.hpp"
 #include "apps/scene_input/sha256.hpp"
-#include "apps/console/suggest.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 
@@ -46,7 +46,8 @@ TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
 TetMesh make_phantom(const SceneTable& body) {
   const std::vector<std::string> names = phantom_names();
   const std::string name = names[chosen_word(body, "phantom", *body.text("phantom"), names)];
-  return cached_phantom(name, static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
+  return cached_phantom(name,
+                        static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
 }
 
 Material read_material(const SceneTable& table, bool defaults) {
@@ -135,14 +136,17 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
 
 // What is said of a section as a whole is said at the key that made it.
 InputError at_key(const InputError& error, const BodySections& sections, const std::string& file) {
-  const std::string whole = error.what(), problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
+  const std::string whole = error.what(),
+                    problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
   const auto key_of = [](const SceneTable& table, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
       if (table.has(key)) return table.where(key);
     return table.place();
   };
-  if (error.where() == file + ": clamp") return {key_of(sections.clamp, {"nodes", "group", "below"}), problem};
-  if (error.where() == file + ": contact") return {key_of(sections.contact, {"node", "nodes", "nearest", "group"}), problem};
+  if (error.where() == file + ": clamp")
+    return {key_of(sections.clamp, {"nodes", "group", "below"}), problem};
+  if (error.where() == file + ": contact")
+    return {key_of(sections.contact, {"node", "nodes", "nearest", "group"}), problem};
   if (error.where() == "phantom") return {key_of(sections.body, {"elements", "phantom"}), problem};
   return error;
 }
@@ -157,14 +161,16 @@ std::string hash_nodes(const std::vector<NodeIndex>& nodes) {
 
 namespace {
 
-constexpr double shortest = 1e-6, longest = 1e6;   // bodies [m]; beyond them sums of squares leave what a double holds
+constexpr double shortest = 1e-6,
+                 longest = 1e6;  // bodies [m]; beyond them sums of squares leave what a double holds
 
 Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file,
                std::vector<std::string>& warnings) {
   const bool is_phantom = sections.body.exactly_one_of({"mesh", "phantom"}) == "phantom";
   Body body;
   body.material = read_material(sections.material, is_phantom);  // cheap checks before a mesh is made
-  const std::optional<double> length = sections.body.number("length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
+  const std::optional<double> length = sections.body.number(
+      "length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
   body.element =
       sections.body.word<Element>("element", {{"linear", Element::linear}, {"quadratic", Element::quadratic}})
           .value_or(body.element);

@@ -34,8 +34,8 @@ fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options
       .add(static_cast<std::int64_t>(m.neighbours))
       .add(m.ridge);
   const CoverageOptions& c = options.coverage;
-  for (const double x : {c.safe_spread, c.safe_cone_radius, c.safe_angle_deg, options.tolerance, options.floor,
-                         options.allowed_share, options.confidence})
+  for (const double x : {c.safe_spread, c.safe_cone_radius, c.safe_angle_deg, options.tolerance,
+                         options.floor, options.allowed_share, options.confidence})
     hash.add(x);
   hash.add(static_cast<std::int64_t>(options.positions));
   return folder / (hash.hex().substr(0, 32) + ".spacing.json");
@@ -43,12 +43,14 @@ fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options
 
 Json to_file(const SpacingChoice& c) {
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)},   {"safe", c.safe},
-          {"above", c.above},     {"share_above_bound", c.share_bound}, {"states", c.states}, {"solves", c.solves},
-          {"holds", c.holds}};
+  return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)},
+          {"safe", c.safe},       {"above", c.above},     {"share_above_bound", c.share_bound},
+          {"states", c.states},   {"solves", c.solves},   {"holds", c.holds}};
 }
 
-std::string sum_of(const Json& kept) { return Sha256().add(kept.dump()).hex(); }
+std::string sum_of(const Json& kept) {
+  return Sha256().add(kept.dump()).hex();
+}
 
 // Nothing where the file is missing, torn, of another form, or not what was written: then one line says so.
 bool read_kept(const fs::path& file, SpacingChoice& choice) {
@@ -56,7 +58,7 @@ bool read_kept(const fs::path& file, SpacingChoice& choice) {
   if (file.empty() || !in) return false;
   Json kept = Json::parse(in, nullptr, false);
   if (!kept.is_object()) return false;
-  if (kept.contains("sha256")) {   // files of before have none
+  if (kept.contains("sha256")) {  // files of before have none
     const Json sum = kept["sha256"];
     kept.erase("sha256");
     if (sum != sum_of(kept)) {
@@ -97,7 +99,9 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   AutoSpacingOptions watched = options;
   watched.interrupted = &interrupt_flag();
   const AutoSpacingReport report = choose_spacing(body, watched);
-  if (report.interrupted) throw Interrupted("interrupted while the spacing was measured: nothing of it is kept, and nothing was written");
+  if (report.interrupted)
+    throw Interrupted(
+        "interrupted while the spacing was measured: nothing of it is kept, and nothing was written");
   const AutoSpacingTrial& last = report.trials.back();
   choice = {.spacing = report.spacing,
             .tolerance = options.tolerance,
@@ -127,19 +131,24 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
 std::string in_words(const SpacingChoice& c) {
   const std::string solves = fmt::format("; {} solves{}", c.solves, c.kept ? ", kept from before" : "");
   if (c.safe == 0)
-    return fmt::format("spacing \"auto\": {:.4g} mm; too few positions of the box are safe on it to judge by{}", 1e3 * c.spacing,
-                       solves);
-  const std::string worst = std::isfinite(c.max) ? fmt::format("{:.2g} %", 100 * c.max) : "without an equilibrium";
+    return fmt::format(
+        "spacing \"auto\": {:.4g} mm; too few positions of the box are safe on it to judge by{}",
+        1e3 * c.spacing, solves);
+  const std::string worst =
+      std::isfinite(c.max) ? fmt::format("{:.2g} %", 100 * c.max) : "without an equilibrium";
   return fmt::format(
-      "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {:.2g} %, worst {}), so that with "
+      "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {:.2g} %, worst {}), so "
+      "that with "
       "{:g} % confidence at most {:.2g} % of what is safe is above it (allowed: {:g} %{}){}",
-      1e3 * c.spacing, c.safe, c.above == 1 ? "1 is" : fmt::format("{} are", c.above), 100 * c.tolerance, 100 * c.p95, worst,
-      100 * c.confidence, 100 * c.share_bound, 100 * c.allowed_share, c.holds ? "" : ", does not hold", solves);
+      1e3 * c.spacing, c.safe, c.above == 1 ? "1 is" : fmt::format("{} are", c.above), 100 * c.tolerance,
+      100 * c.p95, worst, 100 * c.confidence, 100 * c.share_bound, 100 * c.allowed_share,
+      c.holds ? "" : ", does not hold", solves);
 }
 
 Json to_json(const SpacingChoice& c) {
   Json document = to_file(c);
-  document["share_above"] = c.safe > 0 ? Json(static_cast<double>(c.above) / static_cast<double>(c.safe)) : Json();
+  document["share_above"] =
+      c.safe > 0 ? Json(static_cast<double>(c.above) / static_cast<double>(c.safe)) : Json();
   document["share_above_allowed"] = c.allowed_share;
   document["confidence"] = c.confidence;
   document["tolerance"] = c.tolerance;

@@ -16,10 +16,10 @@ struct SpacingChoice {
   double p95 = unknown, max = unknown;           // errors at the safe positions that were looked at [1]
   std::size_t safe = 0, states = 0, solves = 0;  // those positions; of the lattice; in all
   std::size_t above = 0;                         // of those positions: above the tolerance
-  double share_bound = 1;                        // of all safe positions above it, at most, with that confidence [1]
+  double share_bound = 1;  // of all safe positions above it, at most, with that confidence [1]
   double allowed_share = 0.05, confidence = 0.95;
   bool holds = false;  // share_bound <= allowed_share
-  bool kept = false;  // taken from the cache folder: nothing was solved
+  bool kept = false;   // taken from the cache folder: nothing was solved
 };
 
 // Values depend on the arguments alone. folder empty: nothing is kept.

@@ -89,8 +89,10 @@ std::string SceneTable::where(const std::string& key) const {
 }
 
 std::string SceneTable::place() const {
-  if (table_ && table_->source().begin) return fmt::format("{}:{}: {}", file_, table_->source().begin.line, path_);
-  if (table_ && !table_->empty()) return where(std::string(table_->begin()->first.str()));   // made by overrides
+  if (table_ && table_->source().begin)
+    return fmt::format("{}:{}: {}", file_, table_->source().begin.line, path_);
+  if (table_ && !table_->empty())
+    return where(std::string(table_->begin()->first.str()));  // made by overrides
   return fmt::format("{}: {}", file_, path_);
 }
 
@@ -115,9 +117,11 @@ std::optional<std::int64_t> SceneTable::integer(const std::string& key, std::int
   if (!value) return {};
   const auto* integer = value->as_integer();
   if (!integer || integer->get() < low || integer->get() > high)
-    throw wrong(key, high < std::numeric_limits<std::int64_t>::max() ? fmt::format("a whole number from {} to {}", low, high)
-                     : low > std::numeric_limits<std::int64_t>::min() ? fmt::format("a whole number of at least {}", low)
-                                                                      : "a whole number");
+    throw wrong(key, high < std::numeric_limits<std::int64_t>::max()
+                         ? fmt::format("a whole number from {} to {}", low, high)
+                     : low > std::numeric_limits<std::int64_t>::min()
+                         ? fmt::format("a whole number of at least {}", low)
+                         : "a whole number");
   return integer->get();
 }
 
@@ -169,8 +173,11 @@ std::optional<Box> SceneTable::box(const std::string& key) const {
   const std::optional<Vec3> low = vector_of(corners->get(0)), high = vector_of(corners->get(1));
   if (!low || !high) throw wrong(key, expected);
   if ((low->array() > high->array()).any())
-    throw InputError(where(key), fmt::format("is inverted: [{:g}, {:g}, {:g}] is not below [{:g}, {:g}, {:g}] on every axis, expected {}",
-                                             (*low)[0], (*low)[1], (*low)[2], (*high)[0], (*high)[1], (*high)[2], expected));
+    throw InputError(
+        where(key),
+        fmt::format(
+            "is inverted: [{:g}, {:g}, {:g}] is not below [{:g}, {:g}, {:g}] on every axis, expected {}",
+            (*low)[0], (*low)[1], (*low)[2], (*high)[0], (*high)[1], (*high)[2], expected));
   return Box{*low, *high};
 }
 
@@ -186,7 +193,8 @@ std::string SceneTable::exactly_one_of(const std::vector<std::string>& keys) con
     if (has(key)) given.push_back(key);
   if (given.size() == 1) return given.front();
   const std::string found = given.empty() ? "none given" : listed(given) + " given";
-  throw InputError(given.empty() ? place() : where(given.back()), found + ", expected exactly one of " + listed(keys));
+  throw InputError(given.empty() ? place() : where(given.back()),
+                   found + ", expected exactly one of " + listed(keys));
 }
 
 std::size_t chosen_word(const SceneTable& table, const std::string& key, const std::string& text,

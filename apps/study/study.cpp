@@ -10,8 +10,8 @@
 #include <sstream>
 #include <utility>
 
-#include "apps/scene_input/scene.hpp"
 #include "apps/console/suggest.hpp"
+#include "apps/scene_input/scene.hpp"
 
 namespace forefeel {
 namespace {
@@ -50,8 +50,9 @@ toml::table parse(const std::string& text, const fs::path& file) {
 std::string toml_of(const toml::node& node) {
   std::ostringstream out;
   const auto flags = toml::toml_formatter::default_flags & ~toml::format_flags::allow_literal_strings &
-                     ~toml::format_flags::allow_multi_line_strings & ~toml::format_flags::allow_binary_integers &
-                     ~toml::format_flags::allow_octal_integers & ~toml::format_flags::allow_hexadecimal_integers;
+                     ~toml::format_flags::allow_multi_line_strings &
+                     ~toml::format_flags::allow_binary_integers & ~toml::format_flags::allow_octal_integers &
+                     ~toml::format_flags::allow_hexadecimal_integers;
   node.visit([&](const auto& value) { out << toml::toml_formatter(value, flags); });
   std::string text = out.str();
   std::ranges::replace(text, '\n', ' ');
@@ -159,7 +160,9 @@ void Reader::read_scene() {
 void Reader::read_seeds() {
   const toml::node* node = root_.get("seeds");
   const toml::array* list = node ? node->as_array() : nullptr;
-  if (node && !list) throw InputError(where(node, "seeds"), fmt::format("is {}, expected a list of whole numbers, as [1, 2]", toml_of(*node)));
+  if (node && !list)
+    throw InputError(where(node, "seeds"),
+                     fmt::format("is {}, expected a list of whole numbers, as [1, 2]", toml_of(*node)));
   if (!list) throw InputError(where(node, "seeds"), "missing, expected a list of whole numbers");
   if (list->empty()) throw InputError(where(node, "seeds"), "is empty, expected at least one whole number");
   for (const toml::node& element : *list) {
@@ -212,7 +215,8 @@ void Reader::claim(const std::string& key, const std::string& place, const std::
     // Those of one axis take turns.
     const bool in_turn = place == given.second || (how == "changed by a step" && how == given.first);
     if (exclude_each_other(key, other) && !in_turn && !place.starts_with("--set "))
-      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected one of the two", how, other, given.first, given.second));
+      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected one of the two", how, other,
+                                          given.first, given.second));
   }
   if (key == "session.clock" && how != "fixed")
     throw InputError(place, "the clock of a study is virtual, so that its cells repeat; it cannot be varied");
@@ -248,11 +252,15 @@ std::string Reader::identity(const std::string& key, const toml::node& node) con
   const std::string written = rebased(key, node);
   const auto* text = node.as_string();
   const bool device = key == "session.device";
-  if (!text || !(device ? text->get().starts_with("trace:") : key == "session.arrivals" || key == "body.mesh")) return written;
+  if (!text ||
+      !(device ? text->get().starts_with("trace:") : key == "session.arrivals" || key == "body.mesh"))
+    return written;
   const std::string value = toml::parse("value = " + written)["value"].value_or(std::string());
-  const std::size_t begin = device ? 6 : 0, end = device ? std::min(value.find(','), value.size()) : value.size();
+  const std::size_t begin = device ? 6 : 0,
+                    end = device ? std::min(value.find(','), value.size()) : value.size();
   std::error_code error;
-  const fs::path file = fs::weakly_canonical(study_.scene.parent_path() / value.substr(begin, end - begin), error);
+  const fs::path file =
+      fs::weakly_canonical(study_.scene.parent_path() / value.substr(begin, end - begin), error);
   return error ? written : value.substr(0, begin) + file.string() + value.substr(end);
 }
 
@@ -263,9 +271,11 @@ void Reader::read_set(std::span<const std::string> set) {
   for (const std::string& text : set) {
     const std::string key = text.substr(0, text.find('='));
     const std::string canonical = key == "model.select" ? "session.select" : key;
-    if (const auto found = claimed_.find(canonical); found != claimed_.end() && found->second.first == "fixed") {
-      claimed_.erase(found);   // what the study fixes, --set may fix otherwise
-      std::erase_if(study_.fixed, [&](const std::string& other) { return other.starts_with(canonical + "="); });
+    if (const auto found = claimed_.find(canonical);
+        found != claimed_.end() && found->second.first == "fixed") {
+      claimed_.erase(found);  // what the study fixes, --set may fix otherwise
+      std::erase_if(study_.fixed,
+                    [&](const std::string& other) { return other.starts_with(canonical + "="); });
     }
     claim(canonical, "--set " + key, "fixed");
     if (key == "session.clock" && text.find("virtual") == std::string::npos)
@@ -337,15 +347,17 @@ StudyAxis Reader::read_axis(const std::string& column, const toml::node& node) {
   const toml::array* list = node.as_array();
   if (!list) throw InputError(axis.where, fmt::format("is {}, expected a list of values", toml_of(node)));
   if (list->empty()) throw InputError(axis.where, "is an empty list, expected at least one value");
-  std::map<std::string, std::string> seen;   // identity -> as written
+  std::map<std::string, std::string> seen;  // identity -> as written
   for (const toml::node& element : *list) {
     StudyValue value = read_value(column, element, where(&element, "vary." + column));
-    const auto [other, fresh] = seen.try_emplace(element.is_table() ? value.text : identity(key, element), value.text);
+    const auto [other, fresh] =
+        seen.try_emplace(element.is_table() ? value.text : identity(key, element), value.text);
     if (!fresh)
       throw InputError(where(&element, "vary." + column),
-                       other->second == value.text ? fmt::format("holds '{}' twice, expected each value once", value.text)
-                                                   : fmt::format("holds '{}', which is the same as '{}', expected each value once", value.text,
-                                                                 other->second));
+                       other->second == value.text
+                           ? fmt::format("holds '{}' twice, expected each value once", value.text)
+                           : fmt::format("holds '{}', which is the same as '{}', expected each value once",
+                                         value.text, other->second));
     axis.values.push_back(std::move(value));
   }
   if (together_.empty()) claim(key, axis.where, "varied");
@@ -446,8 +458,12 @@ void Reader::read_sustained() {
   claim("speed", where(node, "sustained"), "searched");
   claim("session.seconds", where(node, "sustained"), "given by travel over speed");
   if (const auto load = claimed_.find("target_load"); load != claimed_.end())
-    throw InputError(where(node, "sustained"), fmt::format("searches the speed at which a given number of workers keeps up, but target_load sets what "
-                                                           "they keep up with ({}); expected one or the other", load->second.second));
+    throw InputError(
+        where(node, "sustained"),
+        fmt::format(
+            "searches the speed at which a given number of workers keeps up, but target_load sets what "
+            "they keep up with ({}); expected one or the other",
+            load->second.second));
   study_.sustained = options;
   study_.sustained_place = where(node, "sustained");
 }

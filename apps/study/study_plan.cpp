@@ -11,9 +11,9 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/sha256.hpp"
-#include "scheduling/workers/cost.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/record/needed_states.hpp"
+#include "scheduling/workers/cost.hpp"
 
 namespace forefeel {
 namespace {
@@ -86,7 +86,7 @@ std::string place_of(const Study& study, const Scene& scene, const std::string& 
                                                                {"state_space.box", scene.box_place}};
   for (const auto& [known, place] : places)
     if (key == known && !place.empty() && place != scene.file.string() + ": " + key) return place;
-  return study.scene_place + ": " + scene.file.string() + ": " + key;   // nobody wrote it
+  return study.scene_place + ": " + scene.file.string() + ": " + key;  // nobody wrote it
 }
 
 // What is wrong with a motion may come from the speed that the study gives, or from the body and the box that it changes.
@@ -102,17 +102,20 @@ std::string place_of_device(const Study& study, const Scene& scene, const std::s
 }
 
 // What a session would refuse, said with the place that gave it.
-InputError placed(const Study& study, const Scene& scene, const SessionOptions& options, const InputError& error) {
+InputError placed(const Study& study, const Scene& scene, const SessionOptions& options,
+                  const InputError& error) {
   const std::string& where = error.where();
   const std::string whole = error.what();
   for (const char* section : {"session.", "model.", "state_space."}) {
     if (!where.starts_with(section)) continue;
-    const std::string place = place_of(study, scene, where), problem = whole.substr(std::min(whole.size(), where.size() + 2));
+    const std::string place = place_of(study, scene, where),
+                      problem = whole.substr(std::min(whole.size(), where.size() + 2));
     const bool named = place.ends_with(where) || place.ends_with("." + where.substr(where.rfind('.') + 1));
     return {place, named ? problem : fmt::format("{} {}", where, problem)};
   }
   if (where.starts_with("cost")) return {place_of(study, scene, "session.cost"), whole};
-  if (options.arrivals && where.starts_with(options.arrivals->string())) return {place_of(study, scene, "session.arrivals"), whole};
+  if (options.arrivals && where.starts_with(options.arrivals->string()))
+    return {place_of(study, scene, "session.arrivals"), whole};
   return {place_of_device(study, scene, whole.substr(std::min(whole.size(), where.size() + 2))), whole};
 }
 
@@ -136,7 +139,8 @@ void check_cell(const Study& study, const Scene& scene, const SessionInput& inpu
 
 // Where states arrive at given times nothing is solved: who says how compares nothing. What the scene says for other runs is
 // passed over with a warning where the study brings the arrivals.
-void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options, std::vector<std::string>& warnings) {
+void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options,
+                    std::vector<std::string>& warnings) {
   if (!options.arrivals) return;
   const std::string arrivals = place_of(study, scene, "session.arrivals");
   const auto refuse = [&](const std::string& place) { throw InputError(place, no_effect_beside(arrivals)); };
@@ -145,11 +149,12 @@ void check_arrivals(const Study& study, const Scene& scene, const SessionOptions
     if (axis.column == "target_load") refuse(axis.where);
   std::string passed_over;
   for (const auto& [key, where] : scene.scheduling) {
-    if (where.starts_with("--set ")) refuse(place_of(study, scene, key));   // by the study
+    if (where.starts_with("--set ")) refuse(place_of(study, scene, key));  // by the study
     passed_over += (passed_over.empty() ? "" : ", ") + where;
   }
   if (passed_over.empty()) return;
-  const std::string warning = fmt::format("{}: without effect where states arrive at given times ({})", passed_over, arrivals);
+  const std::string warning =
+      fmt::format("{}: without effect where states arrive at given times ({})", passed_over, arrivals);
   if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
 }
 
@@ -191,22 +196,27 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
   const auto frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
   NeededStates needed(scene.space.box, h);
   if (options.rest_known) needed.know(Vec3::Zero());
-  for (std::size_t k = 0; k < frames; ++k) needed.visit(device->position(static_cast<double>(k) * options.frame, Vec3::Zero()));
+  for (std::size_t k = 0; k < frames; ++k)
+    needed.visit(device->position(static_cast<double>(k) * options.frame, Vec3::Zero()));
   return static_cast<double>(needed.count()) / options.seconds;
 }
 
-std::string cost_for_load(double load, const SessionOptions& options, double demand, const std::string& where) {
+std::string cost_for_load(double load, const SessionOptions& options, double demand,
+                          const std::string& where) {
   const double sigma =
       std::log(10.0) / (2 * 1.959964);  // 95 % within a factor of ten, as the paper's 0.1 to 1 s
   const double batch = std::max(options.batch, 1);
   const double job = load * options.workers * batch / demand;
   const double mean = (job - 2 * options.latency) / (1 + (batch - 1) * options.batch_share);
   if (!(mean > 0))
-    throw InputError(where, fmt::format("holds {}, but a message of {} s each way alone makes the load {:.3g}; expected more",
-                                        load, options.latency, 2 * options.latency * demand / (options.workers * batch)));
+    throw InputError(
+        where,
+        fmt::format("holds {}, but a message of {} s each way alone makes the load {:.3g}; expected more",
+                    load, options.latency, 2 * options.latency * demand / (options.workers * batch)));
   if (mean > 1e6)
-    throw InputError(where, fmt::format("holds {}, for which a solve takes {:.3g} s; expected a load of at most {:.3g}", load,
-                                        mean, load * 1e6 / mean));
+    throw InputError(
+        where, fmt::format("holds {}, for which a solve takes {:.3g} s; expected a load of at most {:.3g}",
+                           load, mean, load * 1e6 / mean));
   return fmt::format("lognormal:{},{}", mean * std::exp(-0.5 * sigma * sigma), sigma);
 }
 

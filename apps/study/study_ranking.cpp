@@ -137,7 +137,8 @@ std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColu
     const std::size_t levels = study.axes[axis].values.size();
     if (levels < 2) continue;
     all.push_back({axis, metric,
-                   rank(observations(study, cells, axis, metric), levels, metric.larger_is_better, {.shares = metric.share})});
+                   rank(observations(study, cells, axis, metric), levels, metric.larger_is_better,
+                        {.shares = metric.share})});
   }
   return all;
 }
@@ -177,7 +178,9 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
   Json document;
   const StudyMetric metric = primary_metric(study);
   document["metric"] = metric.key;
-  document["student_of_means"] = metric.share ? "on the logit scale" : metric.ratio ? "of logarithms" : "plain";
+  document["student_of_means"] = metric.share   ? "on the logit scale"
+                                 : metric.ratio ? "of logarithms"
+                                                : "plain";
   document["rankings"] = Json::array();
   for (const AxisRanking& entry : ranked) {
     Json rows = Json::array();

@@ -17,8 +17,8 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/study/study_speed.hpp"
 #include "geometry/common/output_file.hpp"
-#include "scheduling/workers/reference_service.hpp"
 #include "scheduling/record/run_files.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {
@@ -249,13 +249,14 @@ SessionResult run_cell(const StudyPlan& plan, const StudyCell& cell, const Sessi
 
 StudyCell with_load_found(const StudyPlan& plan, const StudyCell& cell, const SessionInput& input) {
   if (!(cell.load_to_find > 0)) return cell;
-  constexpr int tries = 12, corrected = 3;   // from then on halfway between what is too much and what is too little
+  constexpr int tries = 12,
+                corrected = 3;  // from then on halfway between what is too much and what is too little
   constexpr double near = 0.025;
   StudyCell trial = cell, best = cell;
-  trial.options.reference_step = 1e9;   // what is rehearsed is the motion alone
+  trial.options.reference_step = 1e9;  // what is rehearsed is the motion alone
   trial.options.visit_stride = 1'000'000;
   double demand = cell.free_demand, least = std::numeric_limits<double>::infinity();
-  double too_little = 0, too_much = 0;   // demands
+  double too_little = 0, too_much = 0;  // demands
   for (int i = 0; i < tries && least > near; ++i) {
     const SessionResult result = run_cell(plan, trial, input, {});
     const auto load = summary_json(result, input, trial.options)["load"];
@@ -266,8 +267,10 @@ StudyCell with_load_found(const StudyPlan& plan, const StudyCell& cell, const Se
       best.options.cost = trial.options.cost;
     }
     (met < 1 ? too_little : too_much) = demand;
-    demand = i + 1 < corrected || too_little == 0 || too_much == 0 ? demand * met : std::sqrt(too_little * too_much);
-    trial.options.cost = cost_for_load(cell.load_to_find, trial.options, demand, plan.study.origin.at("target_load"));
+    demand = i + 1 < corrected || too_little == 0 || too_much == 0 ? demand * met
+                                                                   : std::sqrt(too_little * too_much);
+    trial.options.cost =
+        cost_for_load(cell.load_to_find, trial.options, demand, plan.study.origin.at("target_load"));
   }
   return best;
 }
@@ -279,13 +282,18 @@ std::optional<std::string> loads_missed(const StudyPlan& plan, const std::vector
     if (!(plan.cells[i].load_to_find > 0)) continue;
     ++of_hands;
     const auto load = cells[i].find("load");
-    const double miss = load != cells[i].end() && load->is_number() ? std::abs(load->get<double>() / plan.cells[i].load_to_find - 1) : 1;
+    const double miss = load != cells[i].end() && load->is_number()
+                            ? std::abs(load->get<double>() / plan.cells[i].load_to_find - 1)
+                            : 1;
     missed += miss > 0.05 ? 1 : 0;
     worst = std::max(worst, miss);
   }
   if (missed == 0) return {};
-  return fmt::format("{} of {} cells with a hand miss their target_load by more than 5 %, by {:.0f} % at most: their sessions hold too few "
-                     "solves, expected a longer one; the column `load` holds what was met", missed, of_hands, 100 * worst);
+  return fmt::format(
+      "{} of {} cells with a hand miss their target_load by more than 5 %, by {:.0f} % at most: their "
+      "sessions hold too few "
+      "solves, expected a longer one; the column `load` holds what was met",
+      missed, of_hands, 100 * worst);
 }
 
 StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globals& globals) {
@@ -326,7 +334,7 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
         const auto show = [&](double part) { ticker.at(item, part); };
         result.cells[todo[item]] = plan.study.sustained ? run_sustained(plan, cell, input, show)
                                                         : run_plain(plan, cell, input, show);
-        if (watch.raised()) {   // the session may have been cut
+        if (watch.raised()) {  // the session may have been cut
           result.cells[todo[item]] = {};
           break;
         }

@@ -21,8 +21,8 @@ using CellColumns = nlohmann::ordered_json;
 struct StudyResult {
   std::vector<CellColumns> cells;  // as StudyPlan::cells
   std::size_t ran = 0, resumed = 0;
-  bool interrupted = false;        // by a signal: cells that were not done are empty
-  double seconds = 0;  // wall
+  bool interrupted = false;  // by a signal: cells that were not done are empty
+  double seconds = 0;        // wall
 };
 
 // Of one session: the summary flattened, and what a study adds to it:

@@ -15,7 +15,8 @@ namespace {
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
+    text.remove_suffix(1);
   return text;
 }
 
@@ -40,9 +41,10 @@ bool parse(std::string_view cell, double& value) {
 CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                   const CsvOptions& options) {
   std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file)) throw InputError(file.string(), "cannot be read, expected a CSV file");
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(file.string(), "cannot be read, expected a CSV file");
   const auto wanted = fmt::format("{}", fmt::join(columns, ","));
-  std::vector<std::size_t> place;   // of each wanted column in the file
+  std::vector<std::size_t> place;  // of each wanted column in the file
   std::size_t text_place = std::string_view::npos;
   CsvTable table{.columns = columns.size(), .values = {}, .texts = {}, .lines = {}};
   std::vector<std::string_view> cells;
@@ -58,7 +60,8 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
       for (std::size_t i = 0; i < columns.size(); ++i) {
         const auto found = std::find(cells.begin(), cells.end(), columns[i]);
         if (!headerless && found == cells.end())
-          throw InputError(where, fmt::format("column {} is missing, expected a header {}", columns[i], wanted));
+          throw InputError(where,
+                           fmt::format("column {} is missing, expected a header {}", columns[i], wanted));
         place.push_back(headerless ? i : static_cast<std::size_t>(found - cells.begin()));
       }
       if (!options.text_column.empty()) {
@@ -78,7 +81,8 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
         throw InputError(where, fmt::format("{} is '{}', expected a finite number", columns[i], cell));
       table.values.push_back(value);
     }
-    if (text_place != std::string_view::npos) table.texts.emplace_back(text_place < cells.size() ? cells[text_place] : "");
+    if (text_place != std::string_view::npos)
+      table.texts.emplace_back(text_place < cells.size() ? cells[text_place] : "");
     table.lines.push_back(number);
   }
   if (table.rows() == 0) throw InputError(file.string(), fmt::format("holds no rows, expected {}", wanted));

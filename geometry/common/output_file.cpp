@@ -52,14 +52,16 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
   if (fs::is_directory(file, error)) throw InputError(file.string(), "is a folder, expected a file to write");
   const fs::path folder = folder_of(file);
   if (!fs::is_directory(folder, error))
-    throw InputError(file.string(), fmt::format("cannot be written, folder {} does not exist", folder.string()));
+    throw InputError(file.string(),
+                     fmt::format("cannot be written, folder {} does not exist", folder.string()));
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
   if (fs::exists(file, error) && ::access(file.c_str(), W_OK) != 0)
     throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
   for (const fs::path& input : read)
     if (!input.empty() && fs::equivalent(file, input, error))
-      throw InputError(file.string(), fmt::format("would replace {}, which is read, expected another file", input.string()));
+      throw InputError(file.string(),
+                       fmt::format("would replace {}, which is read, expected another file", input.string()));
 }
 
 OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
@@ -69,13 +71,16 @@ OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
   } else {
     static std::atomic<unsigned> counter{0};
     sweep_parts(folder_of(file_), file_.filename().string());
-    temporary_ = folder_of(file_) / fmt::format(".{}.{}-{}.part", file_.filename().string(), ::getpid(), counter++);
+    temporary_ =
+        folder_of(file_) / fmt::format(".{}.{}-{}.part", file_.filename().string(), ::getpid(), counter++);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   }
   if (descriptor_ < 0) fail(errno);
 }
 
-OutputFile::~OutputFile() { discard(); }
+OutputFile::~OutputFile() {
+  discard();
+}
 
 void OutputFile::discard() {
   if (descriptor_ < 0) return;

@@ -11,26 +11,27 @@ namespace forefeel {
 
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path file);     // InputError where it cannot be written
+  explicit OutputFile(std::filesystem::path file);  // InputError where it cannot be written
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  void write(std::string_view bytes);                  // buffered; InputError on a full disk, here or in commit()
-  void commit();                                       // durable and visible on return
+  void write(std::string_view bytes);  // buffered; InputError on a full disk, here or in commit()
+  void commit();                       // durable and visible on return
 
  private:
   [[noreturn]] void fail(int error);
   void flush();
   void discard();
 
-  std::filesystem::path file_, temporary_;             // temporary_ empty: written directly
+  std::filesystem::path file_, temporary_;  // temporary_ empty: written directly
   std::string buffer_;
   int descriptor_ = -1;
 };
 
 // Throws InputError unless a file of that name could be made (folder there and writable), or where it is one of
 // those that are `read` for it; makes nothing.
-void check_writable(const std::filesystem::path& file, std::initializer_list<std::filesystem::path> read = {});
+void check_writable(const std::filesystem::path& file,
+                    std::initializer_list<std::filesystem::path> read = {});
 
 }  // namespace forefeel

@@ -14,15 +14,20 @@
 namespace forefeel {
 namespace {
 
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& file) { return read_start(file, std::string::npos); }
+std::string read_file(const std::filesystem::path& file) {
+  return read_start(file, std::string::npos);
+}
 
 std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
   std::error_code error;
-  if (std::filesystem::is_directory(file, error)) throw InputError(file.string(), "is a folder, expected a file");
+  if (std::filesystem::is_directory(file, error))
+    throw InputError(file.string(), "is a folder, expected a file");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
   if (!stream) throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
   std::string content;
@@ -34,14 +39,16 @@ std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
     if (n == 0) break;
     content.append(block, n);
   }
-  if (std::ferror(stream.get())) throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (std::ferror(stream.get()))
+    throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
   if (content.empty()) throw InputError(file.string(), "is empty");
   return content;
 }
 
 std::string lower_case(std::string_view text) {
   std::string result(text);
-  std::ranges::transform(result, result.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  std::ranges::transform(result, result.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
   return result;
 }
 
@@ -55,7 +62,7 @@ bool parse_real(std::string_view text, double& value) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || text.empty()) return false;
-  if (error == std::errc::result_out_of_range) {   // 1e-400 is 0, 1e400 is not a number
+  if (error == std::errc::result_out_of_range) {  // 1e-400 is 0, 1e400 is not a number
     value = std::strtod(std::string(text).c_str(), nullptr);
     return std::abs(value) < 1;
   }
@@ -114,7 +121,8 @@ double Scanner::real(const char* expected) {
 std::int64_t Scanner::integer(const char* expected) {
   const std::string_view text = token(expected);
   std::int64_t value = 0;
-  if (!parse_integer(text, value)) fail(fmt::format("'{:.40}' is not a whole number, expected {}", text, expected));
+  if (!parse_integer(text, value))
+    fail(fmt::format("'{:.40}' is not a whole number, expected {}", text, expected));
   return value;
 }
 
@@ -142,7 +150,8 @@ std::size_t Scanner::count(const char* expected, std::size_t bytes_each) {
 }
 
 void Scanner::check_count(std::uint64_t n, std::size_t bytes_each, const char* what) {
-  if (n > remaining() / bytes_each) fail_binary(fmt::format("{} {} announced, but the file is cut short", n, what));
+  if (n > remaining() / bytes_each)
+    fail_binary(fmt::format("{} {} announced, but the file is cut short", n, what));
 }
 
 bool Scanner::line(std::string_view& out) {
@@ -163,7 +172,8 @@ bool Scanner::skip_to(std::string_view word) {
 }
 
 bool Scanner::skip_past_line(std::string_view word) {
-  for (std::size_t found = content_.find(word, position_); found != std::string::npos; found = content_.find(word, found + 1)) {
+  for (std::size_t found = content_.find(word, position_); found != std::string::npos;
+       found = content_.find(word, found + 1)) {
     if (found != 0 && content_[found - 1] != '\n') continue;
     position_ = found + word.size();
     return true;
@@ -183,7 +193,9 @@ std::string Scanner::where() const {
   return fmt::format("{}:{}", name_, 1 + std::count(content_.begin(), end, '\n'));
 }
 
-void Scanner::fail(const std::string& problem) const { throw InputError(where(), problem); }
+void Scanner::fail(const std::string& problem) const {
+  throw InputError(where(), problem);
+}
 
 void Scanner::fail_binary(const std::string& problem) const {
   throw InputError(fmt::format("{}: byte {}", name_, position_), problem);

@@ -14,10 +14,11 @@ namespace forefeel {
 
 // Whole content; InputError if missing, a folder, unreadable or empty.
 std::string read_file(const std::filesystem::path& file);
-std::string read_start(const std::filesystem::path& file, std::size_t bytes);   // the first bytes, the same errors
+std::string read_start(const std::filesystem::path& file,
+                       std::size_t bytes);  // the first bytes, the same errors
 std::string lower_case(std::string_view text);
 std::string_view trim(std::string_view text);
-bool parse_real(std::string_view text, double& value);            // whole text is one number (nan, inf allowed)
+bool parse_real(std::string_view text, double& value);  // whole text is one number (nan, inf allowed)
 bool parse_integer(std::string_view text, std::int64_t& value);
 
 template <class T>
@@ -35,17 +36,17 @@ class Scanner {
 
   // Text. Tokens are separated by white space; comment(c): from c to the end of line is skipped.
   void comment(char mark) { comment_ = mark; }
-  bool at_end();                                     // only white space and comments are left
-  std::string_view token(const char* expected);      // InputError "ends where <expected> was expected"
-  std::string_view peek();                           // next token without taking it; empty at the end
+  bool at_end();                                 // only white space and comments are left
+  std::string_view token(const char* expected);  // InputError "ends where <expected> was expected"
+  std::string_view peek();                       // next token without taking it; empty at the end
   double real(const char* expected);
   std::int64_t integer(const char* expected);
   std::int64_t integer(const char* expected, std::int64_t low, std::int64_t high);
   // A count of items that take at least bytes_each: more than the file can hold is an error, before any allocation.
   std::size_t count(const char* expected, std::size_t bytes_each);
-  bool line(std::string_view& out);                  // rest of this line without its end; false at the end
-  bool skip_to(std::string_view word);               // past the next occurrence of word; false if there is none
-  bool skip_past_line(std::string_view word);        // the same for a line that begins with word
+  bool line(std::string_view& out);            // rest of this line without its end; false at the end
+  bool skip_to(std::string_view word);         // past the next occurrence of word; false if there is none
+  bool skip_past_line(std::string_view word);  // the same for a line that begins with word
 
   // Binary, at the byte after what was read last.
   void swap_bytes(bool on) { swap_ = on; }
@@ -64,15 +65,15 @@ class Scanner {
   void seek(std::size_t position) { position_ = position; }
   const std::string& name() const { return name_; }
   std::string_view content() const { return content_; }
-  std::string where() const;                         // "file:line"
-  [[noreturn]] void fail(const std::string& problem) const;          // at the token read last
-  [[noreturn]] void fail_binary(const std::string& problem) const;   // at this byte
+  std::string where() const;                                        // "file:line"
+  [[noreturn]] void fail(const std::string& problem) const;         // at the token read last
+  [[noreturn]] void fail_binary(const std::string& problem) const;  // at this byte
 
  private:
   void skip_space();
 
   std::string content_, name_;
-  std::size_t position_ = 0, token_ = 0;             // token_: start of the token read last
+  std::size_t position_ = 0, token_ = 0;  // token_: start of the token read last
   char comment_ = 0;
   bool swap_ = false;
 };

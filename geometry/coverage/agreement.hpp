@@ -19,7 +19,7 @@ struct Agreement {
     Vec3 at;
     Label delaunay, octree;
   };
-  std::optional<Difference> worst;   // none where nothing differs
+  std::optional<Difference> worst;  // none where nothing differs
 };
 
 // By the cubes of h/4 that the regions of the space are made of (voxel_grid.hpp): the volumes are those of both regions.

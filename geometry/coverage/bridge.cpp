@@ -17,8 +17,8 @@ constexpr double degrees = 180 / std::numbers::pi;
 constexpr double grain = 0.04;
 
 struct Ray {
-  Vec3 unit;               // mean of the cell
-  double distance;         // of its nearest state [m]
+  Vec3 unit;        // mean of the cell
+  double distance;  // of its nearest state [m]
   std::size_t states;
 };
 
@@ -48,14 +48,18 @@ double bridge_link_deg(double sparse_distance) {
 std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_deg) {
   const std::vector<Ray> rays = gather_rays(offsets);
   // Means of cells stand up to a cell's diagonal off.
-  const double link = std::cos(std::min(std::numbers::pi, link_deg / degrees + std::numbers::sqrt3 * grain / 2));
+  const double link =
+      std::cos(std::min(std::numbers::pi, link_deg / degrees + std::numbers::sqrt3 * grain / 2));
   UnionFind sets(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i)
     for (std::size_t j = i + 1; j < rays.size(); ++j)
-      if (rays[i].unit.dot(rays[j].unit) >= link) sets.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
+      if (rays[i].unit.dot(rays[j].unit) >= link)
+        sets.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
   std::map<std::uint32_t, BridgeSide> sides;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    BridgeSide& side = sides.try_emplace(sets.find(static_cast<std::uint32_t>(i)), BridgeSide{.distance = rays[i].distance}).first->second;
+    BridgeSide& side =
+        sides.try_emplace(sets.find(static_cast<std::uint32_t>(i)), BridgeSide{.distance = rays[i].distance})
+            .first->second;
     side.direction += static_cast<double>(rays[i].states) * rays[i].unit;
     side.states += rays[i].states;
     side.distance = std::min(side.distance, rays[i].distance);
@@ -67,7 +71,8 @@ std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_
     side.direction = length > 1e-9 ? Vec3(side.direction / length) : Vec3(Vec3::UnitX());
     double least = 1;
     for (std::size_t i = 0; i < rays.size(); ++i)
-      if (sets.find(static_cast<std::uint32_t>(i)) == root) least = std::min(least, side.direction.dot(rays[i].unit));
+      if (sets.find(static_cast<std::uint32_t>(i)) == root)
+        least = std::min(least, side.direction.dot(rays[i].unit));
     side.half_angle_deg = std::acos(std::clamp(least, -1.0, 1.0)) * degrees;
     result.push_back(side);
   }
@@ -75,9 +80,12 @@ std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_
   return result;
 }
 
-double rim_reach(double sparse_distance, double spacing) { return (sparse_distance + 0.5) * spacing; }
+double rim_reach(double sparse_distance, double spacing) {
+  return (sparse_distance + 0.5) * spacing;
+}
 
-void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside, std::vector<std::set<std::uint32_t>>& near_safe,
+void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside,
+                          std::vector<std::set<std::uint32_t>>& near_safe,
                           std::vector<RegionComponent>& components) {
   for (std::size_t c = 0; c < components.size(); ++c) {
     std::set<std::uint32_t>& safe = near_safe[c];

@@ -10,7 +10,9 @@ namespace {
 
 constexpr double slack = 1e-9;
 
-double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
+double cosine_of(double degrees) {
+  return std::cos(degrees * std::numbers::pi / 180);
+}
 
 struct Scratch {
   Directions directions;
@@ -34,10 +36,14 @@ void gather(const PointOctree& points, const Vec3& q, double radius, double merg
 
 std::string_view name(Label label) {
   switch (label) {
-    case Label::safe: return "safe";
-    case Label::sparse: return "sparse";
-    case Label::gap: return "gap";
-    case Label::blank: break;
+    case Label::safe:
+      return "safe";
+    case Label::sparse:
+      return "sparse";
+    case Label::gap:
+      return "gap";
+    case Label::blank:
+      break;
   }
   return "blank";
 }
@@ -74,7 +80,8 @@ EmptyCone CoverageQuery::largest_empty_cone(const Vec3& q, double radius, double
 }
 
 // gamma(q, safe_radius) against its limit. A cell around q with all corners in reach (and none at q) decides alone.
-bool CoverageQuery::safe_cone(const Vec3& q, const Spread& spread, const Thresholds& limits, Vec3* witness) const {
+bool CoverageQuery::safe_cone(const Vec3& q, const Spread& spread, const Thresholds& limits,
+                              Vec3* witness) const {
   if (limits.cell_suffices && spread.inside) {
     double farthest = 0, nearest = std::numeric_limits<double>::infinity();
     for (const Vec3& corner : spread.at) {
@@ -82,7 +89,8 @@ bool CoverageQuery::safe_cone(const Vec3& q, const Spread& spread, const Thresho
       farthest = std::max(farthest, squared);
       nearest = std::min(nearest, squared);
     }
-    if (farthest <= limits.safe_radius * limits.safe_radius && nearest > limits.merge * limits.merge) return true;
+    if (farthest <= limits.safe_radius * limits.safe_radius && nearest > limits.merge * limits.merge)
+      return true;
   }
   return enclosed(q, limits.safe_radius, limits.safe_cos, limits.merge, witness);
 }

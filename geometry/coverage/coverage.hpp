@@ -18,19 +18,20 @@ enum class Label : std::uint8_t { safe, sparse, gap, blank };
 std::string_view name(Label label);
 
 struct CoverageOptions {
-  double safe_spread = 0.95;        // kappa_s: safe needs pi <= kappa_s h ...
-  double safe_cone_radius = 1.45;   // ... and gamma(q, 1.45 h) < safe_angle_deg
+  double safe_spread = 0.95;       // kappa_s: safe needs pi <= kappa_s h ...
+  double safe_cone_radius = 1.45;  // ... and gamma(q, 1.45 h) < safe_angle_deg
   double safe_angle_deg = 90;
-  double sparse_distance = 1.5;     // kappa_p: sparse needs delta <= kappa_p h
-  double gap_cone_radius = 8;       // gap needs gamma(q, 8 h) <= gap_angle_deg
+  double sparse_distance = 1.5;  // kappa_p: sparse needs delta <= kappa_p h
+  double gap_cone_radius = 8;    // gap needs gamma(q, 8 h) <= gap_angle_deg
   double gap_angle_deg = 85;
 };
 
 struct Coverage {
   Label label = Label::blank;
-  double spread = std::numeric_limits<double>::infinity();   // pi [m]
-  double alpha = std::numeric_limits<double>::infinity();    // least circumradius over the cells that contain q [m]
-  double delta = std::numeric_limits<double>::infinity();    // [m]
+  double spread = std::numeric_limits<double>::infinity();  // pi [m]
+  double alpha =
+      std::numeric_limits<double>::infinity();  // least circumradius over the cells that contain q [m]
+  double delta = std::numeric_limits<double>::infinity();       // [m]
   double gamma_deg = std::numeric_limits<double>::quiet_NaN();  // gamma(q, 8 h), NaN where no test needed it
 };
 

@@ -7,8 +7,8 @@
 
 #include <optional>
 
-#include "geometry/index/cone.hpp"
 #include "geometry/coverage/coverage.hpp"
+#include "geometry/index/cone.hpp"
 #include "geometry/index/delaunay_index.hpp"
 #include "geometry/index/point_octree.hpp"
 
@@ -18,11 +18,11 @@ namespace forefeel {
 struct Thresholds {
   Thresholds(const CoverageOptions& options, double spacing, double merge);
 
-  double safe_spread, safe_radius, safe_cos;   // [m], [m], cos of the angle
-  double sparse_distance;                      // [m]
-  double gap_radius, gap_cos;                  // [m], cos of the angle
-  double merge;                                // a state nearer than this is at q itself [m]
-  bool cell_suffices;                          // the safe angle is 90 degrees or wider
+  double safe_spread, safe_radius, safe_cos;  // [m], [m], cos of the angle
+  double sparse_distance;                     // [m]
+  double gap_radius, gap_cos;                 // [m], cos of the angle
+  double merge;                               // a state nearer than this is at q itself [m]
+  bool cell_suffices;                         // the safe angle is 90 degrees or wider
 
   // The same options at another spacing: lengths times `factor`; what counts as one state does not change.
   Thresholds scaled(double factor) const;
@@ -30,7 +30,8 @@ struct Thresholds {
 
 class CoverageQuery {
  public:
-  CoverageQuery(const PointOctree& points, const DelaunayIndex& delaunay) : points_(points), delaunay_(delaunay) {}
+  CoverageQuery(const PointOctree& points, const DelaunayIndex& delaunay)
+      : points_(points), delaunay_(delaunay) {}
 
   // near: a state close to q, or invalid.
   Coverage coverage(const Vec3& q, const Thresholds& limits) const;
@@ -39,7 +40,8 @@ class CoverageQuery {
 
   // gamma(q, radius) <= the limit's angle; on false *witness is the axis of a wider empty cone.
   bool enclosed(const Vec3& q, double radius, double cosine, double merge, Vec3* witness = nullptr) const;
-  bool safe_cone(const Vec3& q, const Spread& spread, const Thresholds& limits, Vec3* witness = nullptr) const;
+  bool safe_cone(const Vec3& q, const Spread& spread, const Thresholds& limits,
+                 Vec3* witness = nullptr) const;
   EmptyCone largest_empty_cone(const Vec3& q, double radius, double merge) const;
 
   const PointOctree& points() const { return points_; }

@@ -10,8 +10,8 @@
 namespace forefeel {
 
 struct FillDistance {
-  double reached = 0;    // delta at some place of the box [m]
-  double bound = 0;      // no place of the box is farther from a state [m]
+  double reached = 0;  // delta at some place of the box [m]
+  double bound = 0;    // no place of the box is farther from a state [m]
 };
 
 // delta: distance to the nearest state [m]. known: a value that delta is known to reach; parts below it are not looked

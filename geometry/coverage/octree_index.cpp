@@ -5,14 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/index/cone.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/index/cone.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr double slack = 1e-9;
-constexpr double merge = 1e-9;   // in spacings: a state nearer than this is at q itself
+constexpr double merge = 1e-9;  // in spacings: a state nearer than this is at q itself
 
 // The 26 directions to the neighbours of a cube.
 std::array<Vec3, 26> make_directions() {
@@ -37,7 +37,8 @@ OctreeIndex::OctreeIndex(AdaptiveLattice lattice, CoverageOptions options)
       lattice_(std::make_unique<AdaptiveLattice>(std::move(lattice))) {}
 
 void OctreeIndex::insert(StateId id, const Vec3& at) {
-  if (at_.size() <= id.value) at_.resize(std::max<std::size_t>(id.value + 1, 2 * at_.size()), Vec3::Constant(unknown));
+  if (at_.size() <= id.value)
+    at_.resize(std::max<std::size_t>(id.value + 1, 2 * at_.size()), Vec3::Constant(unknown));
   at_[id.value] = at;
   points_.insert(id.value, at);
 }
@@ -58,7 +59,8 @@ OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
   offsets.clear();
   ids.clear();
   Near result;
-  const double rho = options_.safe_cone_radius * s * (1 + slack), reach = options_.sparse_distance * s * (1 + slack);
+  const double rho = options_.safe_cone_radius * s * (1 + slack),
+               reach = options_.sparse_distance * s * (1 + slack);
   double nearest = std::numeric_limits<double>::infinity();
   points_.for_each_within(q, std::max(rho, reach), [&](std::uint32_t id, const Vec3& offset, double squared) {
     nearest = std::min(nearest, squared);
@@ -94,7 +96,8 @@ double OctreeIndex::least_side(const Vec3& q, double radius, double enough) cons
   points_.for_each_leaf_within(q, radius, [&](const Vec3& offset) {
     const Vec3 u = offset.normalized();
     double least = 1;
-    for (std::size_t i = 0; i < axes.size(); ++i) least = std::min(least, most[i] = std::max(most[i], axes[i].dot(u)));
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      least = std::min(least, most[i] = std::max(most[i], axes[i].dot(u)));
     return least < enough;
   });
   return *std::min_element(most.begin(), most.end());
@@ -110,7 +113,8 @@ Label OctreeIndex::label(const Vec3& q, PathWalk& walk) const {
   const double s = spacing_at(q);
   std::array<double, 4> weight;
   if (walk.version == version_ && options_.safe_angle_deg >= 90 && walk.holds(q, weight)) {
-    const double limit = options_.safe_spread * s * (1 + slack), rho = options_.safe_cone_radius * s * (1 + slack);
+    const double limit = options_.safe_spread * s * (1 + slack),
+                 rho = options_.safe_cone_radius * s * (1 + slack);
     double sum = 0, farthest = 0, nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {
       const double squared = (walk.at[i] - q).squaredNorm();
@@ -175,7 +179,9 @@ void OctreeIndex::nearest(const Vec3& q, std::size_t n, std::vector<StateId>& ou
 
 void OctreeIndex::within(const Vec3& q, double radius, std::vector<StateId>& out) const {
   std::vector<PointOctree::Neighbour> found;
-  points_.for_each_within(q, radius, [&](std::uint32_t id, const Vec3&, double d) { found.push_back({d, id}); });
+  points_.for_each_within(q, radius, [&](std::uint32_t id, const Vec3&, double d) {
+    found.push_back({d, id});
+  });
   std::sort(found.begin(), found.end());
   out.clear();
   for (const auto& neighbour : found) out.push_back({neighbour.id});

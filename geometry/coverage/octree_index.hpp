@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/coverage/coverage.hpp"
+#include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/index/local_spread.hpp"
 #include "geometry/index/path_walk.hpp"
 #include "geometry/index/point_octree.hpp"
@@ -32,7 +32,7 @@ class OctreeIndex {
   explicit OctreeIndex(AdaptiveLattice lattice, CoverageOptions options = {});
 
   void insert(StateId id, const Vec3& at);
-  bool erase(StateId id);                      // false: not there
+  bool erase(StateId id);  // false: not there
   std::size_t size() const { return points_.size(); }
 
   Coverage coverage(const Vec3& q) const;
@@ -43,7 +43,7 @@ class OctreeIndex {
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
 
-  double delta(const Vec3& q) const { return std::sqrt(points_.nearest(q).squared); }   // [m]
+  double delta(const Vec3& q) const { return std::sqrt(points_.nearest(q).squared); }  // [m]
   const Vec3& position(StateId id) const { return at_[id.value]; }
   const AdaptiveLattice* lattice() const { return lattice_.get(); }
   AdaptiveLattice* lattice() { return lattice_.get(); }
@@ -54,8 +54,8 @@ class OctreeIndex {
   double spacing_at(const Vec3& q) const { return lattice_ ? lattice_->spacing_at(q) : spacing_; }
   struct Near {
     LocalSpread local;
-    std::array<StateId, 4> corner;    // of its tetrahedron
-    bool any = false;                 // a state within kappa_p s
+    std::array<StateId, 4> corner;  // of its tetrahedron
+    bool any = false;               // a state within kappa_p s
     bool safe = false;
   };
   Near look_near(const Vec3& q, double s) const;
@@ -65,8 +65,8 @@ class OctreeIndex {
   CoverageOptions options_;
   std::unique_ptr<AdaptiveLattice> lattice_;
   PointOctree points_;
-  std::vector<Vec3> at_;                       // by id
-  std::uint64_t version_ = next_version();     // of walks; changed by erase()
+  std::vector<Vec3> at_;                    // by id
+  std::uint64_t version_ = next_version();  // of walks; changed by erase()
 };
 
 }  // namespace forefeel

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "geometry/index/delaunay_index.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/index/delaunay_index.hpp"
 
 namespace forefeel {
 namespace {
@@ -17,9 +17,9 @@ class AppendedArrays {
   template <class T>
   std::string add(std::string_view type, std::string_view name, int width, const std::vector<T>& values) {
     const std::uint64_t bytes = values.size() * sizeof(T);
-    std::string head =
-        fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-                    type, name, width, data_.size());
+    std::string head = fmt::format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+        type, name, width, data_.size());
     data_.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
     if (bytes > 0) data_.append(reinterpret_cast<const char*>(values.data()), bytes);
     return head;
@@ -31,10 +31,10 @@ class AppendedArrays {
 };
 
 struct Grid {
-  std::vector<double> points;               // #P x 3
+  std::vector<double> points;  // #P x 3
   std::vector<std::int64_t> connectivity;
-  int corners = 0;                          // of every cell
-  std::uint8_t type = 0;                    // VTK cell type
+  int corners = 0;        // of every cell
+  std::uint8_t type = 0;  // VTK cell type
 };
 
 void write_grid(const std::filesystem::path& file, const Grid& grid, const std::string& cell_data,
@@ -44,8 +44,10 @@ void write_grid(const std::filesystem::path& file, const Grid& grid, const std::
   for (std::size_t i = 0; i < cells; ++i) offsets[i] = static_cast<std::int64_t>(i + 1) * grid.corners;
   const std::vector<std::uint8_t> types(cells, grid.type);
   OutputFile out(file);
-  out.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-            "header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+  out.write(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<UnstructuredGrid>\n");
   out.write(fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<CellData>\n{}</CellData>\n",
                         grid.points.size() / 3, cells, cell_data));
   out.write("<Points>\n" + arrays.add("Float64", "position", 3, grid.points) + "</Points>\n<Cells>\n");
@@ -63,10 +65,11 @@ namespace {
 
 void add_voxel(const Box& box, Grid& grid) {
   grid.corners = 8;
-  grid.type = 11;   // VTK_VOXEL: x fastest, then y, then z
+  grid.type = 11;  // VTK_VOXEL: x fastest, then y, then z
   for (int corner = 0; corner < 8; ++corner) {
     grid.connectivity.push_back(static_cast<std::int64_t>(grid.points.size() / 3));
-    for (int axis = 0; axis < 3; ++axis) grid.points.push_back((corner >> axis) & 1 ? box.high[axis] : box.low[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+      grid.points.push_back((corner >> axis) & 1 ? box.high[axis] : box.low[axis]);
   }
 }
 
@@ -103,7 +106,8 @@ void write_changes_vtu(const std::filesystem::path& file, std::span<const Region
     after.push_back(static_cast<std::uint8_t>(change.after));
   }
   AppendedArrays arrays;
-  const std::string data = arrays.add("UInt8", "label_before", 1, before) + arrays.add("UInt8", "label_after", 1, after);
+  const std::string data =
+      arrays.add("UInt8", "label_before", 1, before) + arrays.add("UInt8", "label_after", 1, after);
   write_grid(file, grid, data, arrays);
 }
 
@@ -112,8 +116,8 @@ void write_regions_csv(const std::filesystem::path& file, std::span<const Region
   out.write("x,y,z,dx,dy,dz,label,component\n");
   for (const RegionLeaf& leaf : leaves) {
     const Vec3 c = leaf.box.centre(), d = leaf.box.size();
-    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(), name(leaf.label),
-                          leaf.component));
+    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
+                          name(leaf.label), leaf.component));
   }
   out.commit();
 }
@@ -121,7 +125,7 @@ void write_regions_csv(const std::filesystem::path& file, std::span<const Region
 void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space) {
   Grid grid;
   grid.corners = 4;
-  grid.type = 10;   // VTK_TETRA
+  grid.type = 10;  // VTK_TETRA
   for (std::uint32_t id = 0; id < space.size(); ++id)
     for (int axis = 0; axis < 3; ++axis) grid.points.push_back(space[{id}].at[axis]);
   std::vector<double> spread, alpha;
@@ -137,17 +141,19 @@ void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space)
     alpha.push_back(cell.circumradius);
   }
   AppendedArrays arrays;
-  const std::string data = arrays.add("Float64", "spread", 1, spread) + arrays.add("Float64", "alpha", 1, alpha);
+  const std::string data =
+      arrays.add("Float64", "spread", 1, spread) + arrays.add("Float64", "alpha", 1, alpha);
   write_grid(file, grid, data, arrays);
 }
 
 void write_pvd(const std::filesystem::path& file, std::span<const SeriesEntry> entries) {
   OutputFile out(file);
-  out.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-            "<Collection>\n");
+  out.write(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<Collection>\n");
   for (const SeriesEntry& entry : entries)
-    out.write(fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", entry.time, entry.part,
-                          entry.file));
+    out.write(fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", entry.time,
+                          entry.part, entry.file));
   out.write("</Collection>\n</VTKFile>\n");
   out.commit();
 }

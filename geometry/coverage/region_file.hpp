@@ -18,7 +18,7 @@ void write_regions_vtu(const std::filesystem::path& file, std::span<const Region
                        std::span<const RegionComponent> components = {});
 // What changed from one set to another: one VTK_VOXEL a leaf, with cell data label_before and label_after.
 struct RegionChange {
-  Box box;              // [m]
+  Box box;  // [m]
   Label before = Label::blank, after = Label::blank;
 };
 void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes);
@@ -30,7 +30,7 @@ void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space)
 struct SeriesEntry {
   double time = 0;
   int part = 0;
-  std::string file;     // relative to the series
+  std::string file;  // relative to the series
 };
 void write_pvd(const std::filesystem::path& file, std::span<const SeriesEntry> entries);
 

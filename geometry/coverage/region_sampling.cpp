@@ -5,8 +5,8 @@
 #include <numeric>
 #include <set>
 
-#include "geometry/coverage/bridge.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
 
 namespace forefeel {
@@ -32,15 +32,18 @@ Voxels label_voxels(const Box& box, double spacing, const std::function<Label(co
   Voxels voxels{VoxelGrid(box, spacing / 4), {}, {}};
   double total = 1;
   for (const double n : voxels.grid.count) total *= n;
-  if (!(total <= 4e8)) throw InputError("box", "holds more than 4e8 voxels of h/4, expected a smaller box or a larger spacing");
-  for (std::size_t axis = 0; axis < 3; ++axis) voxels.count[axis] = static_cast<std::int64_t>(voxels.grid.count[axis]);
+  if (!(total <= 4e8))
+    throw InputError("box", "holds more than 4e8 voxels of h/4, expected a smaller box or a larger spacing");
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    voxels.count[axis] = static_cast<std::int64_t>(voxels.grid.count[axis]);
   const auto& n = voxels.count;
   voxels.label.resize(static_cast<std::size_t>(total));
 #pragma omp parallel for schedule(dynamic)
   for (std::int64_t k = 0; k < n[2]; ++k)
     for (std::int64_t j = 0; j < n[1]; ++j)
       for (std::int64_t i = 0; i < n[0]; ++i)
-        voxels.label[static_cast<std::size_t>(voxels.index(i, j, k))] = label(voxels.grid.centre(Voxels::voxel(i, j, k)));
+        voxels.label[static_cast<std::size_t>(voxels.index(i, j, k))] =
+            label(voxels.grid.centre(Voxels::voxel(i, j, k)));
   return voxels;
 }
 
@@ -48,7 +51,9 @@ Voxels label_voxels(const Box& box, double spacing, const std::function<Label(co
 std::vector<std::array<std::int64_t, 3>> steps_within(double rim, double side) {
   std::vector<std::array<std::int64_t, 3>> steps;
   const auto most = static_cast<std::int64_t>(std::floor(rim / side)) + 1;
-  const auto apart = [&](std::int64_t d) { return side * static_cast<double>(std::max<std::int64_t>(0, std::abs(d) - 1)); };
+  const auto apart = [&](std::int64_t d) {
+    return side * static_cast<double>(std::max<std::int64_t>(0, std::abs(d) - 1));
+  };
   for (std::int64_t k = -most; k <= most; ++k)
     for (std::int64_t j = -most; j <= most; ++j)
       for (std::int64_t i = -most; i <= most; ++i)
@@ -56,7 +61,8 @@ std::vector<std::array<std::int64_t, 3>> steps_within(double rim, double side) {
   return steps;
 }
 
-void find_safe_neighbours(const Voxels& voxels, const std::vector<std::uint32_t>& component, double rim, RegionSummary& result) {
+void find_safe_neighbours(const Voxels& voxels, const std::vector<std::uint32_t>& component, double rim,
+                          RegionSummary& result) {
   const auto& n = voxels.count;
   const std::array<std::int64_t, 3> step{1, n[0], n[0] * n[1]};
   std::vector<std::set<std::uint32_t>> beside(result.components.size()), near_safe(result.components.size());
@@ -64,7 +70,8 @@ void find_safe_neighbours(const Voxels& voxels, const std::vector<std::uint32_t>
   const auto for_each = [&](auto&& visit) {
     for (std::int64_t k = 0; k < n[2]; ++k)
       for (std::int64_t j = 0; j < n[1]; ++j)
-        for (std::int64_t i = 0; i < n[0]; ++i) visit(std::array{i, j, k}, static_cast<std::size_t>(voxels.index(i, j, k)));
+        for (std::int64_t i = 0; i < n[0]; ++i)
+          visit(std::array{i, j, k}, static_cast<std::size_t>(voxels.index(i, j, k)));
   };
   for_each([&](const std::array<std::int64_t, 3>& at, std::size_t here) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -100,7 +107,8 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
   const auto for_each = [&](auto&& visit) {
     for (std::int64_t k = 0; k < n[2]; ++k)
       for (std::int64_t j = 0; j < n[1]; ++j)
-        for (std::int64_t i = 0; i < n[0]; ++i) visit(i, j, k, static_cast<std::uint32_t>(voxels.index(i, j, k)));
+        for (std::int64_t i = 0; i < n[0]; ++i)
+          visit(i, j, k, static_cast<std::uint32_t>(voxels.index(i, j, k)));
   };
   for_each([&](std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t here) {
     const std::array<std::int64_t, 3> at{i, j, k};
@@ -117,7 +125,11 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
     const Box box = voxels.box_of(i, j, k, 1);
     if (number[root] == 0xffffffffu) {
       number[root] = static_cast<std::uint32_t>(found.size());
-      found.push_back({.label = voxels.label[here], .bounds = box, .inner = box.centre(), .safe_neighbours = {}, .sides = {}});
+      found.push_back({.label = voxels.label[here],
+                       .bounds = box,
+                       .inner = box.centre(),
+                       .safe_neighbours = {},
+                       .sides = {}});
     }
     RegionComponent& mine = found[number[root]];
     mine.volume += box.size().prod();
@@ -126,7 +138,8 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
   std::vector<std::uint32_t> order(found.size()), rank(found.size()), component(parent.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return found[a].label != found[b].label ? found[a].label < found[b].label : found[a].volume > found[b].volume;
+    return found[a].label != found[b].label ? found[a].label < found[b].label
+                                            : found[a].volume > found[b].volume;
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
     rank[order[i]] = static_cast<std::uint32_t>(i);
@@ -138,8 +151,8 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
 }
 
 // Appends cubes of one label, as wide as they can be; false where the cube holds more than one.
-bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component, std::array<std::int64_t, 3> low,
-             std::int64_t width, RegionSummary& result) {
+bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component,
+             std::array<std::int64_t, 3> low, std::int64_t width, RegionSummary& result) {
   const auto& n = voxels.count;
   if (low[0] >= n[0] || low[1] >= n[1] || low[2] >= n[2]) return true;
   const auto here = static_cast<std::size_t>(voxels.index(low[0], low[1], low[2]));
@@ -152,7 +165,8 @@ bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component, 
   for (int child = 0; child < 8; ++child) {
     const std::int64_t half = width / 2;
     const std::size_t before = result.leaves.size();
-    const std::array<std::int64_t, 3> part{low[0] + ((child & 1) ? half : 0), low[1] + ((child & 2) ? half : 0),
+    const std::array<std::int64_t, 3> part{low[0] + ((child & 1) ? half : 0),
+                                           low[1] + ((child & 2) ? half : 0),
                                            low[2] + ((child & 4) ? half : 0)};
     whole = collect(voxels, component, part, half, result) && whole;
     whole = whole && (result.leaves.size() == before || result.leaves.back().label == voxels.label[here]);
@@ -165,14 +179,16 @@ bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component, 
 
 }  // namespace
 
-RegionSummary sample_regions(const Box& box, double spacing, double rim, const std::function<Label(const Vec3&)>& label) {
+RegionSummary sample_regions(const Box& box, double spacing, double rim,
+                             const std::function<Label(const Vec3&)>& label) {
   const Voxels voxels = label_voxels(box, spacing, label);
   RegionSummary result;
   const std::vector<std::uint32_t> component = components_of(voxels, rim, result);
   constexpr std::int64_t root = 32;
   for (std::int64_t k = 0; k < voxels.count[2]; k += root)
     for (std::int64_t j = 0; j < voxels.count[1]; j += root)
-      for (std::int64_t i = 0; i < voxels.count[0]; i += root) collect(voxels, component, {i, j, k}, root, result);
+      for (std::int64_t i = 0; i < voxels.count[0]; i += root)
+        collect(voxels, component, {i, j, k}, root, result);
   for (const RegionLeaf& leaf : result.leaves) ++result.components[leaf.component].leaves;
   for (const RegionComponent& c : result.components) {
     result.volume[static_cast<std::size_t>(c.label)] += c.volume;

@@ -10,6 +10,7 @@ namespace forefeel {
 
 // label must be safe to call from several threads at once; rim: how far from a gap its safe neighbours may lie
 // (rim_reach() of bridge.hpp) [m]. InputError beyond 4e8 voxels.
-RegionSummary sample_regions(const Box& box, double spacing, double rim, const std::function<Label(const Vec3&)>& label);
+RegionSummary sample_regions(const Box& box, double spacing, double rim,
+                             const std::function<Label(const Vec3&)>& label);
 
 }  // namespace forefeel

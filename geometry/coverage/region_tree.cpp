@@ -4,29 +4,33 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/coverage/bridge.hpp"
+#include "geometry/index/adaptive_lattice.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr std::uint8_t unresolved_bit = 0x10, axis_bit = 0x20, anything = 0x3f;
-constexpr int block_level = 2;        // 4 voxels = h wide
+constexpr int block_level = 2;  // 4 voxels = h wide
 constexpr std::uint32_t nobody = 0xffffffffu;
-constexpr std::size_t most_waiting = 100'000;   // places that wait for somebody to look: 3 MB
+constexpr std::size_t most_waiting = 100'000;  // places that wait for somebody to look: 3 MB
 
-std::uint8_t bit(Label label) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(label)); }
+std::uint8_t bit(Label label) {
+  return static_cast<std::uint8_t>(1u << static_cast<unsigned>(label));
+}
 
 std::int32_t child_of(const RegionNode& node, const std::array<std::int32_t, 3>& voxel) {
   const int shift = node.level - 1;
-  return node.children + (((voxel[0] >> shift) & 1) | ((voxel[1] >> shift) & 1) << 1 | ((voxel[2] >> shift) & 1) << 2);
+  return node.children +
+         (((voxel[0] >> shift) & 1) | ((voxel[1] >> shift) & 1) << 1 | ((voxel[2] >> shift) & 1) << 2);
 }
 
 // Whether an insertion may change a label below without the Delaunay cells telling: safe stays, and sparse voxels that
 // a cell speaks for are reported by it.
 bool may_move(const RegionNode& node) {
   if (node.kind == RegionNode::Kind::leaf) return node.label != Label::safe;
-  return node.kind == RegionNode::Kind::branch && (node.below & (bit(Label::gap) | bit(Label::blank) | axis_bit));
+  return node.kind == RegionNode::Kind::branch &&
+         (node.below & (bit(Label::gap) | bit(Label::blank) | axis_bit));
 }
 
 }  // namespace
@@ -56,7 +60,8 @@ RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const
   for (std::size_t root = 0; root < roots_; ++root) {
     const auto r = static_cast<std::int32_t>(root);
     nodes_[root].level = static_cast<std::uint8_t>(root_level_);
-    nodes_[root].low = {(r % root_grid_[0]) << root_level_, (r / root_grid_[0] % root_grid_[1]) << root_level_,
+    nodes_[root].low = {(r % root_grid_[0]) << root_level_,
+                        (r / root_grid_[0] % root_grid_[1]) << root_level_,
                         (r / root_grid_[0] / root_grid_[1]) << root_level_};
   }
   pending_ = roots_;
@@ -72,7 +77,8 @@ double RegionTree::reach(const RegionNode& node) const {
   if (node.level == 0) return whole;
   // Where the box cuts a voxel off, its place is up to half a voxel from the middle of the voxel on each axis.
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (node.low[axis] == 0 || node.low[axis] + node.width() >= voxels_[axis]) return whole + 0.5 * voxel_ * std::numbers::sqrt3;
+    if (node.low[axis] == 0 || node.low[axis] + node.width() >= voxels_[axis])
+      return whole + 0.5 * voxel_ * std::numbers::sqrt3;
   return whole;
 }
 
@@ -80,10 +86,13 @@ bool RegionTree::outside(const RegionNode& node) const {
   return node.low[0] >= voxels_[0] || node.low[1] >= voxels_[1] || node.low[2] >= voxels_[2];
 }
 
-Box RegionTree::box_of(const RegionNode& node) const { return grid_.cube(node.low, node.width()); }
+Box RegionTree::box_of(const RegionNode& node) const {
+  return grid_.cube(node.low, node.width());
+}
 
 std::int32_t RegionTree::root_of(const std::array<std::int32_t, 3>& voxel) const {
-  return ((voxel[2] >> root_level_) * root_grid_[1] + (voxel[1] >> root_level_)) * root_grid_[0] + (voxel[0] >> root_level_);
+  return ((voxel[2] >> root_level_) * root_grid_[1] + (voxel[1] >> root_level_)) * root_grid_[0] +
+         (voxel[0] >> root_level_);
 }
 
 std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const {
@@ -140,13 +149,17 @@ void RegionTree::become_leaf(RegionNode& node, Label label, const Vec3& axis) {
 
 std::uint8_t RegionTree::summary(const RegionNode& node) const {
   switch (node.kind) {
-    case RegionNode::Kind::unresolved: return anything;   // it may become any leaf with nobody telling those above
+    case RegionNode::Kind::unresolved:
+      return anything;  // it may become any leaf with nobody telling those above
     case RegionNode::Kind::leaf: {
-      const bool by_axis = node.label == Label::sparse && !(node.axis[0] == 0 && node.axis[1] == 0 && node.axis[2] == 0);
+      const bool by_axis =
+          node.label == Label::sparse && !(node.axis[0] == 0 && node.axis[1] == 0 && node.axis[2] == 0);
       return static_cast<std::uint8_t>(bit(node.label) | (by_axis ? axis_bit : 0));
     }
-    case RegionNode::Kind::branch: return node.below;
-    case RegionNode::Kind::outside: break;
+    case RegionNode::Kind::branch:
+      return node.below;
+    case RegionNode::Kind::outside:
+      break;
   }
   return 0;
 }
@@ -175,7 +188,8 @@ void RegionTree::branch(std::int32_t index) {
     if (outside(made)) made.kind = RegionNode::Kind::outside;
   }
   // Conservative until a visit knows better; so are the ancestors, whose bits already hold everything new.
-  for (std::int32_t up = index; up >= 0; up = node(up).parent) nodes_[static_cast<std::size_t>(up)].below = anything;
+  for (std::int32_t up = index; up >= 0; up = node(up).parent)
+    nodes_[static_cast<std::size_t>(up)].below = anything;
 }
 
 // Eight leaves that are all safe, or all gap, need no proof of their own: the parent replaces them.
@@ -193,7 +207,7 @@ void RegionTree::collapse(std::int32_t index) {
       if (below.label != label || (label != Label::safe && label != Label::gap)) return;
       first = false;
     }
-    for (std::int32_t child = 0; child < 8; ++child)   // a late watch must not wake what is gone
+    for (std::int32_t child = 0; child < 8; ++child)  // a late watch must not wake what is gone
       nodes_[static_cast<std::size_t>(parent.children + child)].kind = RegionNode::Kind::outside;
     free_.push_back(parent.children);
     parent.children = -1;
@@ -232,7 +246,8 @@ bool RegionTree::find_axis(const Vec3& q, double radius, double cosine, double e
 }
 
 // All voxels farther than kappa_p h from every state: gap or blank, if one of the two can be proven for all.
-bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest) {
+bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
+                           const Vec3& nearest) {
   if (node.label == Label::gap) {
     become_leaf(node, Label::gap);
     return true;
@@ -258,10 +273,13 @@ bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec
 }
 
 // All voxels within kappa_p h of a state, none of them enclosed.
-bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest) {
+bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
+                              const Vec3& nearest) {
   // The corners of a cell around q within reach enclose q: no cone is empty.
   const Spread spread = delaunay_.spread(q, walk_);
-  const auto within = [&](const Vec3& corner) { return (corner - q).squaredNorm() <= limits.safe_radius * limits.safe_radius; };
+  const auto within = [&](const Vec3& corner) {
+    return (corner - q).squaredNorm() <= limits.safe_radius * limits.safe_radius;
+  };
   if (spread.inside && std::ranges::all_of(spread.at, within)) return false;
   Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
   if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
@@ -295,7 +313,7 @@ void RegionTree::resolve_voxel(std::int32_t index) {
   RegionNode& here = nodes_[static_cast<std::size_t>(index)];
   const Thresholds& limits = *limits_over(here);
   const Vec3 q = centre(here);
-  const bool was_sparse = here.label == Label::sparse;   // a state within kappa_p h is there already
+  const bool was_sparse = here.label == Label::sparse;  // a state within kappa_p h is there already
   if (!walk_.near.valid()) {
     walk_.near = {query_.points().nearest(q).id};
     if (!walk_.near.valid()) return become_leaf(here, Label::blank, Vec3::UnitX());
@@ -317,7 +335,8 @@ void RegionTree::resolve_voxel(std::int32_t index) {
   axis = Vec3(here.axis[0], here.axis[1], here.axis[2]);
   if (std::abs(axis.squaredNorm() - 1) < 0.1) {
     axis.normalize();
-    if (find_axis(q, limits.gap_radius, limits.gap_cos, 0, axis)) return become_leaf(here, Label::blank, axis);
+    if (find_axis(q, limits.gap_radius, limits.gap_cos, 0, axis))
+      return become_leaf(here, Label::blank, axis);
   }
   if (query_.enclosed(q, limits.gap_radius, limits.gap_cos, limits.merge, &axis))
     return become_leaf(here, Label::gap);
@@ -355,7 +374,7 @@ void RegionTree::settle_below(std::int32_t index, std::size_t& budget) {
   std::uint8_t below = 0;
   for (std::int32_t child = 0; child < 8; ++child) {
     settle_below(node(index).children + child, budget);
-    if (node(index).kind != RegionNode::Kind::branch) return;   // the child's collapse went on up to here
+    if (node(index).kind != RegionNode::Kind::branch) return;  // the child's collapse went on up to here
     below |= summary(node(node(index).children + child));
   }
   nodes_[static_cast<std::size_t>(index)].below = below;
@@ -420,7 +439,7 @@ bool RegionTree::breaks(const RegionNode& leaf, const Vec3& at) const {
   const bool sparse = leaf.label == Label::sparse;
   if (length > (sparse ? widest_.safe_radius : widest_.gap_radius) + e) return false;
   const Vec3 axis(leaf.axis[0], leaf.axis[1], leaf.axis[2]);
-  if (axis.isZero()) return false;   // enclosed: its watch tells
+  if (axis.isZero()) return false;  // enclosed: its watch tells
   const double cosine = sparse ? widest_.safe_cos : widest_.gap_cos;
   // 1e-6 covers the axis having been rounded to float.
   // A NaN axis (only coplanarity spoke against the label) breaks with any state in reach.
@@ -430,7 +449,8 @@ bool RegionTree::breaks(const RegionNode& leaf, const Vec3& at) const {
 // Whether a state at `at` may change a label below.
 bool RegionTree::reaches(const RegionNode& node, const Vec3& at) const {
   if (!may_move(node)) return false;
-  const bool blank = node.kind == RegionNode::Kind::leaf ? node.label == Label::blank : node.below & bit(Label::blank);
+  const bool blank =
+      node.kind == RegionNode::Kind::leaf ? node.label == Label::blank : node.below & bit(Label::blank);
   const double radius = blank ? std::max(widest_.gap_radius, widest_.sparse_distance)
                               : std::max(widest_.safe_radius, widest_.sparse_distance);
   const double half = 0.5 * node.width() * voxel_;

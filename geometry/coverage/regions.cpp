@@ -7,10 +7,10 @@
 #include <numeric>
 #include <set>
 
+#include "geometry/common/union_find.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/fill_distance.hpp"
 #include "geometry/coverage/region_tree.hpp"
-#include "geometry/common/union_find.hpp"
 
 namespace forefeel {
 namespace {
@@ -27,10 +27,18 @@ Regions::Regions(const PointOctree& points, DelaunayIndex& delaunay, const State
     : impl_(new Impl{RegionTree(points, delaunay, options)}) {}
 Regions::~Regions() = default;
 
-Label Regions::label_at(const Vec3& q) const { return impl_->tree.label_at(q); }
-double Regions::finest() const { return impl_->tree.voxel(); }
-const Box& Regions::box() const { return impl_->tree.box(); }
-std::size_t Regions::pending() const { return impl_->tree.pending(); }
+Label Regions::label_at(const Vec3& q) const {
+  return impl_->tree.label_at(q);
+}
+double Regions::finest() const {
+  return impl_->tree.voxel();
+}
+const Box& Regions::box() const {
+  return impl_->tree.box();
+}
+std::size_t Regions::pending() const {
+  return impl_->tree.pending();
+}
 void Regions::inserted(const Vec3& at, std::span<const std::uint32_t> disturbed) {
   impl_->tree.inserted(at, disturbed);
 }
@@ -75,14 +83,15 @@ void across(const RegionTree& tree, const RegionNode& node, std::size_t axis, Me
 
 // Leaves of the tree with an index, so that vectors can stand beside them.
 struct LeafTable {
-  std::vector<std::int32_t> node;                       // by leaf
-  std::vector<std::uint32_t> leaf;                      // by node
+  std::vector<std::int32_t> node;   // by leaf
+  std::vector<std::uint32_t> leaf;  // by node
 };
 
 LeafTable list_leaves(const RegionTree& tree) {
   LeafTable table;
   tree.for_each_leaf([&](std::int32_t index, const RegionNode&) {
-    if (table.leaf.size() <= static_cast<std::size_t>(index)) table.leaf.resize(static_cast<std::size_t>(index) + 1);
+    if (table.leaf.size() <= static_cast<std::size_t>(index))
+      table.leaf.resize(static_cast<std::size_t>(index) + 1);
     table.leaf[static_cast<std::size_t>(index)] = static_cast<std::uint32_t>(table.node.size());
     table.node.push_back(index);
   });
@@ -123,7 +132,8 @@ std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTab
   std::vector<std::uint32_t> order(found.size()), rank(found.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return found[a].label != found[b].label ? found[a].label < found[b].label : found[a].volume > found[b].volume;
+    return found[a].label != found[b].label ? found[a].label < found[b].label
+                                            : found[a].volume > found[b].volume;
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
     rank[order[i]] = static_cast<std::uint32_t>(i);
@@ -134,7 +144,8 @@ std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTab
 }
 
 // Which safe components a component touches, a gap through the sparse rim that separates them.
-void find_safe_neighbours(const RegionTree& tree, const LeafTable& table, const std::vector<std::uint32_t>& component,
+void find_safe_neighbours(const RegionTree& tree, const LeafTable& table,
+                          const std::vector<std::uint32_t>& component,
                           std::vector<RegionComponent>& components) {
   std::vector<std::set<std::uint32_t>> beside(components.size()), near_safe(components.size());
   std::vector<bool> rim(table.node.size());
@@ -166,9 +177,9 @@ void find_sides(const RegionTree& tree, std::vector<RegionComponent>& components
   for (RegionComponent& c : components) {
     if (c.label != Label::gap || done++ >= most_bridges) continue;
     std::vector<Vec3> offsets;
-    tree.query().points().for_each_within(c.inner, tree.gap_radius(c.inner), [&](std::uint32_t, const Vec3& offset, double) {
-      offsets.push_back(offset);
-    });
+    tree.query().points().for_each_within(
+        c.inner, tree.gap_radius(c.inner),
+        [&](std::uint32_t, const Vec3& offset, double) { offsets.push_back(offset); });
     c.sides = bridge_sides(offsets, tree.link_deg());
   }
 }
@@ -224,7 +235,8 @@ double Regions::fill_distance() const {
   for (const DelaunayIndex::Ball& ball : tree.query().delaunay().circumballs())
     if (tree.box().contains(ball.centre)) largest = std::max(largest, ball.radius);
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at((corner & 1 ? tree.box().high : tree.box().low).x(), (corner & 2 ? tree.box().high : tree.box().low).y(),
+    const Vec3 at((corner & 1 ? tree.box().high : tree.box().low).x(),
+                  (corner & 2 ? tree.box().high : tree.box().low).y(),
                   (corner & 4 ? tree.box().high : tree.box().low).z());
     largest = std::max(largest, std::sqrt(points.nearest(at).squared));
   }
@@ -233,7 +245,8 @@ double Regions::fill_distance() const {
       Box face = tree.box();
       (upper ? face.low : face.high)[axis] = (upper ? face.high : face.low)[axis];
       const auto delta = [&](const Vec3& q) { return std::sqrt(points.nearest(q).squared); };
-      largest = largest_distance(delta, face, largest, 4e-3 * tree.voxel(), static_cast<std::size_t>(-1)).reached;
+      largest =
+          largest_distance(delta, face, largest, 4e-3 * tree.voxel(), static_cast<std::size_t>(-1)).reached;
     }
   return largest;
 }
@@ -242,7 +255,9 @@ std::optional<LargestHole> Regions::largest_hole() const {
   const RegionTree& tree = impl_->tree;
   std::vector<DelaunayIndex::Ball> balls = tree.query().delaunay().circumballs();
   std::erase_if(balls, [&](const DelaunayIndex::Ball& ball) { return !tree.box().contains(ball.centre); });
-  const auto smaller = [](const DelaunayIndex::Ball& a, const DelaunayIndex::Ball& b) { return a.radius < b.radius; };
+  const auto smaller = [](const DelaunayIndex::Ball& a, const DelaunayIndex::Ball& b) {
+    return a.radius < b.radius;
+  };
   std::make_heap(balls.begin(), balls.end(), smaller);
   while (!balls.empty()) {
     std::pop_heap(balls.begin(), balls.end(), smaller);

@@ -22,8 +22,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/coverage/coverage.hpp"
 #include "geometry/common/types.hpp"
+#include "geometry/coverage/coverage.hpp"
 
 namespace forefeel {
 
@@ -32,9 +32,9 @@ class PointOctree;
 struct StateSpaceOptions;
 
 struct RegionLeaf {
-  Box box;                       // clipped to the box of the states [m]
+  Box box;  // clipped to the box of the states [m]
   Label label = Label::blank;
-  std::uint32_t component = 0;   // index into components()
+  std::uint32_t component = 0;  // index into components()
 };
 
 // One of the clusters of directions in which a gap meets known states (bridge.hpp), seen from its inner place.
@@ -48,24 +48,25 @@ struct BridgeSide {
 // Facet-connected leaves of one label.
 struct RegionComponent {
   Label label = Label::blank;
-  double volume = 0;             // [m^3]
+  double volume = 0;  // [m^3]
   std::size_t leaves = 0;
-  Box bounds;                    // [m]
-  Vec3 inner = Vec3::Zero();     // centre of its largest leaf [m]
-  std::vector<std::uint32_t> safe_neighbours;   // safe components that share a facet with it; of a gap, which sparse
-                                                // always surrounds, those within (kappa_p + 1/2) h of it
-  std::vector<BridgeSide> sides;                // of a gap, nearest first; only of the 1000 largest
+  Box bounds;                 // [m]
+  Vec3 inner = Vec3::Zero();  // centre of its largest leaf [m]
+  std::vector<std::uint32_t>
+      safe_neighbours;            // safe components that share a facet with it; of a gap, which sparse
+                                  // always surrounds, those within (kappa_p + 1/2) h of it
+  std::vector<BridgeSide> sides;  // of a gap, nearest first; only of the 1000 largest
 };
 
 struct LargestHole {
-  double radius = 0;             // [m]
+  double radius = 0;  // [m]
   Vec3 centre = Vec3::Zero();
 };
 
 struct RegionSummary {
   std::vector<RegionLeaf> leaves;
-  std::vector<RegionComponent> components;          // by label, then by falling volume
-  std::array<double, 4> volume{};                   // per label [m^3]
+  std::vector<RegionComponent> components;  // by label, then by falling volume
+  std::array<double, 4> volume{};           // per label [m^3]
   std::array<std::size_t, 4> component_count{};
 };
 
@@ -77,21 +78,21 @@ class Regions {
 
   // Label of the leaf that contains q; outside the box that of q itself.
   Label label_at(const Vec3& q) const;
-  double finest() const;         // side of the smallest leaf [m]
+  double finest() const;  // side of the smallest leaf [m]
   const Box& box() const;
 
   // Works out at most `budget` pending leaves; true when nothing is pending. For a planner's idle time.
   bool settle(std::size_t budget = static_cast<std::size_t>(-1),
               const std::function<void(double)>& progress = {}) const;
 
-  std::array<double, 4> volumes() const;            // [m^3], settles first
-  RegionSummary summary() const;                    // settles first; O(leaves)
-  double fill_distance() const;                     // [m], at most 1e-3 h below the supremum; infinite without states
+  std::array<double, 4> volumes() const;  // [m^3], settles first
+  RegionSummary summary() const;          // settles first; O(leaves)
+  double fill_distance() const;           // [m], at most 1e-3 h below the supremum; infinite without states
   std::optional<LargestHole> largest_hole() const;
 
   // A state was added; `disturbed` as DelaunayIndex reports it.
   void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
-  std::size_t pending() const;                      // leaves marked since all were settled
+  std::size_t pending() const;  // leaves marked since all were settled
 
  private:
   struct Impl;

@@ -10,7 +10,8 @@ namespace {
 
 // A repeatable share in [0, 1) for a lattice point: which states of a thinned layer are kept must not depend on order.
 double share(int i, int j, int k) {
-  std::uint64_t x = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ull + static_cast<std::uint64_t>(j) * 0xbf58476d1ce4e5b9ull +
+  std::uint64_t x = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ull +
+                    static_cast<std::uint64_t>(j) * 0xbf58476d1ce4e5b9ull +
                     static_cast<std::uint64_t>(k) * 0x94d049bb133111ebull;
   x ^= x >> 31;
   x *= 0xd6e8feb86659fd93ull;
@@ -20,12 +21,15 @@ double share(int i, int j, int k) {
 
 }  // namespace
 
-std::vector<std::string> setup_names() { return {"full", "sparse", "gap", "blank"}; }
+std::vector<std::string> setup_names() {
+  return {"full", "sparse", "gap", "blank"};
+}
 
 Setup make_setup(std::string_view name, const SetupOptions& options) {
   const bool full = name == "full", sparse = name == "sparse", gap = name == "gap";
   if (!full && !sparse && !gap && name != "blank")
-    throw InputError("setup", "\"" + std::string(name) + "\" is unknown, expected full, sparse, gap or blank");
+    throw InputError("setup",
+                     "\"" + std::string(name) + "\" is unknown, expected full, sparse, gap or blank");
   const int beyond = static_cast<int>(std::lround(options.width / options.spacing));
   const int last = full || sparse || name == "blank" ? beyond : beyond + options.depth;
   Setup setup{std::string(name), {}, {}};
@@ -37,7 +41,8 @@ Setup make_setup(std::string_view name, const SetupOptions& options) {
         if (known) setup.states.emplace_back(i * options.spacing, j * options.spacing, k * options.spacing);
       }
   const double side = options.half_width * options.spacing;
-  setup.box = {Vec3(-options.depth * options.spacing, -side, -side), Vec3(last * options.spacing, side, side)};
+  setup.box = {Vec3(-options.depth * options.spacing, -side, -side),
+               Vec3(last * options.spacing, side, side)};
   return setup;
 }
 

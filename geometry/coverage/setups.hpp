@@ -15,19 +15,19 @@
 namespace forefeel {
 
 struct SetupOptions {
-  double spacing = 0.006;       // h [m]
-  int depth = 8;                // layers of a slab
-  int half_width = 10;          // lattice steps to each side in y and z
-  double width = 0.048;         // of the gap, or of what lies beyond the slab [m]
+  double spacing = 0.006;  // h [m]
+  int depth = 8;           // layers of a slab
+  int half_width = 10;     // lattice steps to each side in y and z
+  double width = 0.048;    // of the gap, or of what lies beyond the slab [m]
 };
 
 struct Setup {
   std::string name;
   std::vector<Vec3> states;
-  Box box;                      // slabs and what lies between or beyond
+  Box box;  // slabs and what lies between or beyond
 };
 
 std::vector<std::string> setup_names();
-Setup make_setup(std::string_view name, const SetupOptions& options = {});   // InputError lists the names
+Setup make_setup(std::string_view name, const SetupOptions& options = {});  // InputError lists the names
 
 }  // namespace forefeel

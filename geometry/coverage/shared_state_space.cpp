@@ -21,7 +21,7 @@ void SharedStateSpace::wait_until_empty(std::size_t side) const {
 StateSpace::Insertion SharedStateSpace::insert(const State& state) {
   const std::lock_guard lock(writing_);
   const std::size_t old = open_.load();
-  wait_until_empty(1 - old);   // readers that came too late and are leaving
+  wait_until_empty(1 - old);  // readers that came too late and are leaving
   const StateSpace::Insertion result = spaces_[1 - old].insert(state);
   open_.store(1 - old);
   wait_until_empty(old);

@@ -15,7 +15,8 @@ namespace forefeel {
 
 class SharedStateSpace {
  public:
-  explicit SharedStateSpace(const StateSpaceOptions& options) : spaces_{StateSpace(options), StateSpace(options)} {}
+  explicit SharedStateSpace(const StateSpaceOptions& options)
+      : spaces_{StateSpace(options), StateSpace(options)} {}
 
   // Callers queue. On return every later read() sees the state. Waits for readers that are still in the old copy.
   StateSpace::Insertion insert(const State& state);

@@ -5,11 +5,11 @@
 #include <cassert>
 #include <cmath>
 
-#include "geometry/index/adaptive_lattice.hpp"
-#include "geometry/coverage/coverage_query.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
+#include "geometry/index/adaptive_lattice.hpp"
 
 namespace forefeel {
 
@@ -19,42 +19,55 @@ struct StateSpace::Impl {
   PointOctree points;
   DelaunayIndex delaunay;
   Thresholds limits;
-  VoxelGrid voxels;   // of the regions
+  VoxelGrid voxels;  // of the regions
   std::unique_ptr<Regions> regions;
-  StateId last;   // of insert(): paths arrive in order
+  StateId last;  // of insert(): paths arrive in order
 
   explicit Impl(StateSpaceOptions given)
       : options(std::move(given)),
         limits(options.coverage, options.spacing, options.merge_distance * options.spacing),
         voxels(options.box, options.spacing / 4) {}
 
-  double spacing_at(const Vec3& q) const { return options.lattice ? options.lattice->spacing_at(q) : options.spacing; }
+  double spacing_at(const Vec3& q) const {
+    return options.lattice ? options.lattice->spacing_at(q) : options.spacing;
+  }
   Thresholds limits_at(const Vec3& q) const {
     return options.lattice ? limits.scaled(options.lattice->spacing_at(q) / options.spacing) : limits;
   }
   // A state near q to start the walk from: the last one inserted if it is close, else the nearest.
   StateId hint(const Vec3& q) const {
-    if (last.valid() && (states[last.value].at - q).squaredNorm() < 9 * options.spacing * options.spacing) return last;
+    if (last.valid() && (states[last.value].at - q).squaredNorm() < 9 * options.spacing * options.spacing)
+      return last;
     return {points.nearest(q).id};
   }
 };
 
 StateSpace::StateSpace(StateSpaceOptions options) {
   if (!(options.spacing > 0) || !std::isfinite(options.spacing))
-    throw InputError("spacing", "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
+    throw InputError("spacing",
+                     "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
   // A safe position is within kappa_s h of a state; regions rely on its being sparse at least.
   if (!(options.coverage.sparse_distance >= options.coverage.safe_spread))
-    throw InputError("coverage", "the sparse distance is below the safe spread, expected it to be at least as large");
+    throw InputError("coverage",
+                     "the sparse distance is below the safe spread, expected it to be at least as large");
   impl_ = std::make_unique<Impl>(std::move(options));
 }
 StateSpace::~StateSpace() = default;
 StateSpace::StateSpace(StateSpace&&) noexcept = default;
 StateSpace& StateSpace::operator=(StateSpace&&) noexcept = default;
 
-const StateSpaceOptions& StateSpace::options() const { return impl_->options; }
-std::size_t StateSpace::size() const { return impl_->states.size(); }
-const State& StateSpace::operator[](StateId id) const { return impl_->states[id.value]; }
-const DelaunayIndex& StateSpace::delaunay() const { return impl_->delaunay; }
+const StateSpaceOptions& StateSpace::options() const {
+  return impl_->options;
+}
+std::size_t StateSpace::size() const {
+  return impl_->states.size();
+}
+const State& StateSpace::operator[](StateId id) const {
+  return impl_->states[id.value];
+}
+const DelaunayIndex& StateSpace::delaunay() const {
+  return impl_->delaunay;
+}
 
 StateSpace::Insertion StateSpace::insert(State state) {
   assert(state.usable() && state.at.allFinite());
@@ -81,7 +94,8 @@ Label StateSpace::label(const Vec3& q) const {
 Label StateSpace::label(const Vec3& q, PathWalk& walk) const {
   const CoverageQuery query(impl_->points, impl_->delaunay);
   if (!walk.near.valid()) walk.near = impl_->hint(q);
-  return impl_->options.lattice ? query.label(q, walk, impl_->limits_at(q)) : query.label(q, walk, impl_->limits);
+  return impl_->options.lattice ? query.label(q, walk, impl_->limits_at(q))
+                                : query.label(q, walk, impl_->limits);
 }
 
 // A leaf has the label of the middle of each of its voxels.
@@ -89,7 +103,9 @@ Label StateSpace::region_label(const Vec3& q) const {
   return label(impl_->options.box.contains(q) ? impl_->voxels.centre(impl_->voxels.voxel_of(q)) : q);
 }
 
-double StateSpace::spacing_at(const Vec3& q) const { return impl_->spacing_at(q); }
+double StateSpace::spacing_at(const Vec3& q) const {
+  return impl_->spacing_at(q);
+}
 
 void StateSpace::nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const {
   thread_local std::vector<PointOctree::Neighbour> found;

@@ -19,10 +19,10 @@ class DelaunayIndex;
 class Regions;
 
 struct StateSpaceOptions {
-  double spacing = 0.006;               // h [m]
-  Box box{};                            // where states are placed; the HIP may leave it
+  double spacing = 0.006;  // h [m]
+  Box box{};               // where states are placed; the HIP may leave it
   CoverageOptions coverage{};
-  double merge_distance = 1e-9;         // in spacings: nearer states are one
+  double merge_distance = 1e-9;  // in spacings: nearer states are one
   // Where given, labels use its h(q) instead of `spacing`, which then sets only the finest regions, spacing / 4, and
   // what counts as one state. Shared and never changed.
   std::shared_ptr<const AdaptiveLattice> lattice = nullptr;
@@ -41,19 +41,19 @@ class StateSpace {
   const State& operator[](StateId id) const;
 
   struct Insertion {
-    StateId id;            // of the new state, or of the one already there
-    bool is_new = false;   // false: a state lies within merge_distance; the known one is kept
+    StateId id;           // of the new state, or of the one already there
+    bool is_new = false;  // false: a state lies within merge_distance; the known one is kept
   };
-  Insertion insert(State state);          // state.usable()
+  Insertion insert(State state);  // state.usable()
 
-  Coverage coverage(const Vec3& q) const;                                   // label and its measures at q
-  Label label(const Vec3& q) const;                                         // the same label, cheaper
-  Label label(const Vec3& q, PathWalk& walk) const;                         // the same, cheapest along a path
-  Label region_label(const Vec3& q) const;                                  // regions().label_at(q) without any regions
-  double spacing_at(const Vec3& q) const;                                   // h(q) [m]
-  void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;     // by distance, ties by id
-  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;            // the same order
-  StateId find(const Vec3& q) const;      // the state within merge_distance of q, or an invalid id
+  Coverage coverage(const Vec3& q) const;            // label and its measures at q
+  Label label(const Vec3& q) const;                  // the same label, cheaper
+  Label label(const Vec3& q, PathWalk& walk) const;  // the same, cheapest along a path
+  Label region_label(const Vec3& q) const;           // regions().label_at(q) without any regions
+  double spacing_at(const Vec3& q) const;            // h(q) [m]
+  void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;  // by distance, ties by id
+  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;   // the same order
+  StateId find(const Vec3& q) const;  // the state within merge_distance of q, or an invalid id
 
   const DelaunayIndex& delaunay() const;
   // The labelled leaves of the box; built at the first call, kept up to date by insert() from then on.

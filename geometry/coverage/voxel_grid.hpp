@@ -12,10 +12,10 @@
 namespace forefeel {
 
 struct VoxelGrid {
-  Box box;                                  // [m]
-  double side = 0;                          // [m]
-  std::array<double, 3> count{};            // voxels along each axis, whole numbers; a box may hold more than an int
-  Vec3 origin = Vec3::Zero();               // low corner of voxel (0, 0, 0) [m]
+  Box box;                        // [m]
+  double side = 0;                // [m]
+  std::array<double, 3> count{};  // voxels along each axis, whole numbers; a box may hold more than an int
+  Vec3 origin = Vec3::Zero();     // low corner of voxel (0, 0, 0) [m]
 
   VoxelGrid(const Box& around, double voxel) : box(around), side(voxel) {
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -23,7 +23,9 @@ struct VoxelGrid {
     origin = box.centre() - 0.5 * side * Vec3(count[0], count[1], count[2]);
   }
 
-  Vec3 low_of(const std::array<std::int32_t, 3>& voxel) const { return origin + side * Vec3(voxel[0], voxel[1], voxel[2]); }
+  Vec3 low_of(const std::array<std::int32_t, 3>& voxel) const {
+    return origin + side * Vec3(voxel[0], voxel[1], voxel[2]);
+  }
   // Of a place in the box.
   std::array<std::int32_t, 3> voxel_of(const Vec3& q) const {
     std::array<std::int32_t, 3> voxel{};
@@ -43,7 +45,8 @@ struct VoxelGrid {
   // The middle of what the box leaves of a voxel.
   Vec3 centre(const std::array<std::int32_t, 3>& voxel) const {
     const Vec3 low = low_of(voxel);
-    const Vec3 below = (box.low - low).cwiseMax(0.0), above = (low + Vec3::Constant(side) - box.high).cwiseMax(0.0);
+    const Vec3 below = (box.low - low).cwiseMax(0.0),
+               above = (low + Vec3::Constant(side) - box.high).cwiseMax(0.0);
     const auto cut = [&](double d) { return d > 1e-6 * side ? d : 0.0; };
     Vec3 middle = low + Vec3::Constant(0.5 * side);
     for (int axis = 0; axis < 3; ++axis) middle[axis] += 0.5 * (cut(below[axis]) - cut(above[axis]));

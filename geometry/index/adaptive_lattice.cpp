@@ -11,7 +11,7 @@
 namespace forefeel {
 namespace {
 
-constexpr int finest = 12;   // levels that a cell number can address
+constexpr int finest = 12;  // levels that a cell number can address
 
 }  // namespace
 
@@ -20,7 +20,8 @@ AdaptiveLattice::AdaptiveLattice(const Box& box, double coarsest) : asked_(box),
   double count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
-    const double low = std::floor(box.low[a] / coarsest + 1e-9), high = std::ceil(box.high[a] / coarsest - 1e-9);
+    const double low = std::floor(box.low[a] / coarsest + 1e-9),
+                 high = std::ceil(box.high[a] / coarsest - 1e-9);
     const double steps = std::max(1.0, high - low);
     count *= steps;
     if (!(std::abs(low) < 1e5 && std::abs(high) < 1e5 && count < 1e8))
@@ -32,10 +33,13 @@ AdaptiveLattice::AdaptiveLattice(const Box& box, double coarsest) : asked_(box),
   for (std::int32_t k = 0; k < roots_[2]; ++k)
     for (std::int32_t j = 0; j < roots_[1]; ++j)
       for (std::int32_t i = 0; i < roots_[0]; ++i)
-        nodes_.push_back({.children = -1, .level = 0, .widest = 0, .low = {low_[0] + i, low_[1] + j, low_[2] + k}});
+        nodes_.push_back(
+            {.children = -1, .level = 0, .widest = 0, .low = {low_[0] + i, low_[1] + j, low_[2] + k}});
 }
 
-double AdaptiveLattice::side_of(const Node& node) const { return std::ldexp(coarsest_, -node.level); }
+double AdaptiveLattice::side_of(const Node& node) const {
+  return std::ldexp(coarsest_, -node.level);
+}
 
 Box AdaptiveLattice::box_of(const Node& node) const {
   const double side = side_of(node);
@@ -61,7 +65,8 @@ std::int32_t AdaptiveLattice::leaf_index(const Cell& fine) const {
   while (nodes_[static_cast<std::size_t>(index)].children >= 0) {
     const Node& here = nodes_[static_cast<std::size_t>(index)];
     const int shift = finest - here.level - 1;
-    index = here.children + (((fine[0] >> shift) & 1) | ((fine[1] >> shift) & 1) << 1 | ((fine[2] >> shift) & 1) << 2);
+    index = here.children +
+            (((fine[0] >> shift) & 1) | ((fine[1] >> shift) & 1) << 1 | ((fine[2] >> shift) & 1) << 2);
   }
   return index;
 }
@@ -207,7 +212,8 @@ std::optional<AdaptiveLattice> lattice_of(std::span<const State> states, const B
       [&](const LatticeLeaf& leaf) {
         double wanted = leaf.spacing;
         const double slack = 1e-9 * leaf.spacing;
-        auto from = std::ranges::upper_bound(marks, leaf.box.low.x() + slack, {}, [](const auto& mark) { return mark.first.x(); });
+        auto from = std::ranges::upper_bound(marks, leaf.box.low.x() + slack, {},
+                                             [](const auto& mark) { return mark.first.x(); });
         for (; from != marks.end() && from->first.x() < leaf.box.high.x() - slack; ++from)
           if ((from->first.array() > leaf.box.low.array() + slack).all() &&
               (from->first.array() < leaf.box.high.array() - slack).all())

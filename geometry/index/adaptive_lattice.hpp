@@ -16,9 +16,9 @@
 namespace forefeel {
 
 struct LatticeLeaf {
-  Box box;                  // [m]
-  double spacing = 0;       // side [m]
-  int level = 0;            // 0: as wide as the coarsest spacing
+  Box box;             // [m]
+  double spacing = 0;  // side [m]
+  int level = 0;       // 0: as wide as the coarsest spacing
 };
 
 class AdaptiveLattice {
@@ -30,7 +30,7 @@ class AdaptiveLattice {
   // Returns how many leaves were split.
   std::size_t refine(const std::function<double(const LatticeLeaf&)>& target, int max_level = 6);
 
-  double spacing_at(const Vec3& q) const;          // h(q); outside the leaves that of the nearest place in them
+  double spacing_at(const Vec3& q) const;  // h(q); outside the leaves that of the nearest place in them
   // h(q) where it is the same for all q of the box because one leaf holds them all.
   std::optional<double> spacing_over(const Box& box) const;
   LatticeLeaf leaf_at(const Vec3& q) const;
@@ -47,12 +47,12 @@ class AdaptiveLattice {
   struct Node {
     std::int32_t children = -1;
     std::int32_t level = 0;
-    std::int32_t widest = 0;             // of a leaf: the least level among the leaves that touch it
-    std::array<std::int32_t, 3> low{};   // in units of its own side
+    std::int32_t widest = 0;            // of a leaf: the least level among the leaves that touch it
+    std::array<std::int32_t, 3> low{};  // in units of its own side
   };
   using Cell = std::array<std::int32_t, 3>;
 
-  std::int32_t leaf_index(const Cell& fine) const;   // by cell of the finest level, clamped into the leaves
+  std::int32_t leaf_index(const Cell& fine) const;  // by cell of the finest level, clamped into the leaves
   Cell fine_cell(const Vec3& q) const;
   Box box_of(const Node& node) const;
   double side_of(const Node& node) const;

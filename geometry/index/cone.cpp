@@ -11,9 +11,9 @@
 namespace forefeel {
 namespace {
 
-constexpr double tolerance = 1e-9;   // on cosines
-constexpr double beyond = 1e-11;     // a direction lies beyond a facet when it is farther by this
-constexpr double flat = 1e-7;        // height below which directions count as coplanar
+constexpr double tolerance = 1e-9;  // on cosines
+constexpr double beyond = 1e-11;    // a direction lies beyond a facet when it is farther by this
+constexpr double flat = 1e-7;       // height below which directions count as coplanar
 
 FOREFEEL_CLONES
 double largest_product(const double* __restrict x, const double* __restrict y, const double* __restrict z,
@@ -173,7 +173,7 @@ Vec3 ConeSolver::nearest_of_hull(const Directions& directions) const {
     double value = 0;
     const std::size_t next = directions.farthest(-point, value);
     if (-value >= point.squaredNorm() - 1e-15) break;
-    if (used == 4) break;   // a tetrahedron around the origin: the hull contains it
+    if (used == 4) break;  // a tetrahedron around the origin: the hull contains it
     corner[used] = directions[next];
     weight[used] = 0;
     ++used;
@@ -218,7 +218,8 @@ EmptyCone ConeSolver::largest_empty(const Directions& directions) {
 
 EmptyCone ConeSolver::finish(const Directions& directions, Stop stop, std::size_t lowest) const {
   if (directions.size() == 0) return {};
-  if (stop == Stop::open && facets_[lowest].offset >= 0) return {facets_[lowest].offset, facets_[lowest].normal};
+  if (stop == Stop::open && facets_[lowest].offset >= 0)
+    return {facets_[lowest].offset, facets_[lowest].normal};
   const Vec3 point = nearest_of_hull(directions);
   const double distance = point.norm();
   if (distance > 1e-9) return {-std::min(distance, 1.0), -point / distance};

@@ -31,14 +31,14 @@ class Directions {
 };
 
 struct EmptyCone {
-  double cos_half = -1;           // cos gamma; -1 where there are no directions
-  Vec3 axis = Vec3::UnitX();      // unit, of one largest empty cone
+  double cos_half = -1;       // cos gamma; -1 where there are no directions
+  Vec3 axis = Vec3::UnitX();  // unit, of one largest empty cone
 };
 
 struct ConeFacet {
   std::array<std::uint32_t, 3> corner;
-  Vec3 normal;                    // unit, outward
-  double offset;                  // normal . u on the facet
+  Vec3 normal;    // unit, outward
+  double offset;  // normal . u on the facet
 };
 
 class ConeSolver {
@@ -63,7 +63,7 @@ class ConeSolver {
   std::vector<ConeFacet> facets_, kept_;
   std::vector<std::array<std::uint32_t, 2>> rim_;
   Vec3 inside_ = Vec3::Zero();
-  Vec3 plane_ = Vec3::UnitZ();    // normal of the plane where start() finds the directions flat
+  Vec3 plane_ = Vec3::UnitZ();  // normal of the plane where start() finds the directions flat
 };
 
 }  // namespace forefeel

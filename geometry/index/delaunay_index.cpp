@@ -26,11 +26,12 @@ struct Kernel : CGAL::Exact_predicates_inexact_constructions_kernel {
   struct Orientation_3 : Exact::Orientation_3 {
     using Exact::Orientation_3::operator();
     CGAL::Orientation operator()(const Point& p, const Point& q, const Point& r, const Point& s) const {
-      const Vec3 a(q.x() - p.x(), q.y() - p.y(), q.z() - p.z()), b(r.x() - p.x(), r.y() - p.y(), r.z() - p.z()),
-          c(s.x() - p.x(), s.y() - p.y(), s.z() - p.z());
+      const Vec3 a(q.x() - p.x(), q.y() - p.y(), q.z() - p.z()),
+          b(r.x() - p.x(), r.y() - p.y(), r.z() - p.z()), c(s.x() - p.x(), s.y() - p.y(), s.z() - p.z());
       const double volume = a.dot(b.cross(c));
       // Six products of three differences, each rounded by at most 9 units in the last place with those of the sums.
-      const double bound = 1e-14 * a.cwiseAbs().maxCoeff() * b.cwiseAbs().maxCoeff() * c.cwiseAbs().maxCoeff();
+      const double bound =
+          1e-14 * a.cwiseAbs().maxCoeff() * b.cwiseAbs().maxCoeff() * c.cwiseAbs().maxCoeff();
       if (std::abs(volume) > bound && bound > 1e-250) return volume > 0 ? CGAL::POSITIVE : CGAL::NEGATIVE;
       const GridPoints<4> grid({coordinates(p), coordinates(q), coordinates(r), coordinates(s)});
       if (!grid.exact()) return Exact::Orientation_3()(p, q, r, s);
@@ -40,7 +41,8 @@ struct Kernel : CGAL::Exact_predicates_inexact_constructions_kernel {
   Orientation_3 orientation_3_object() const { return {}; }
 
   struct Side_of_oriented_sphere_3 : Exact::Side_of_oriented_sphere_3 {
-    CGAL::Oriented_side operator()(const Point& p, const Point& q, const Point& r, const Point& s, const Point& t) const {
+    CGAL::Oriented_side operator()(const Point& p, const Point& q, const Point& r, const Point& s,
+                                   const Point& t) const {
       const Vec3 o = vec(t), a = vec(p) - o, b = vec(r) - o, c = vec(q) - o, d = vec(s) - o;
       const double aa = a.squaredNorm(), bb = b.squaredNorm(), cc = c.squaredNorm(), dd = d.squaredNorm();
       const Vec3 ab = a.cross(b), cd = c.cross(d);
@@ -48,8 +50,10 @@ struct Kernel : CGAL::Exact_predicates_inexact_constructions_kernel {
       const Vec3 most = a.cwiseAbs().cwiseMax(b.cwiseAbs()).cwiseMax(c.cwiseAbs()).cwiseMax(d.cwiseAbs());
       // 24 products, each at most this one, rounded by at most 24 units in the last place with those of the sums.
       const double bound = 1.5e-13 * most.prod() * std::max({aa, bb, cc, dd});
-      if (std::abs(sum) > bound && bound > 1e-250) return sum > 0 ? CGAL::ON_POSITIVE_SIDE : CGAL::ON_NEGATIVE_SIDE;
-      const GridPoints<5> grid({coordinates(p), coordinates(q), coordinates(r), coordinates(s), coordinates(t)});
+      if (std::abs(sum) > bound && bound > 1e-250)
+        return sum > 0 ? CGAL::ON_POSITIVE_SIDE : CGAL::ON_NEGATIVE_SIDE;
+      const GridPoints<5> grid(
+          {coordinates(p), coordinates(q), coordinates(r), coordinates(s), coordinates(t)});
       if (!grid.exact()) return Exact::Side_of_oriented_sphere_3()(p, q, r, s, t);
       return static_cast<CGAL::Oriented_side>(sphere_sign(grid(0, 4), grid(2, 4), grid(1, 4), grid(3, 4)));
     }
@@ -63,7 +67,8 @@ struct Kernel : CGAL::Exact_predicates_inexact_constructions_kernel {
 }  // namespace forefeel
 
 template <>
-struct CGAL::Triangulation_structural_filtering_traits<forefeel::Kernel> {   // as for the kernel it derives from
+struct CGAL::Triangulation_structural_filtering_traits<
+    forefeel::Kernel> {  // as for the kernel it derives from
   using Use_structural_filtering_tag = CGAL::Tag_true;
 };
 
@@ -71,11 +76,11 @@ namespace forefeel {
 namespace {
 
 struct CellNote {
-  std::int32_t watches = -1;   // head of a list in Impl::links
+  std::int32_t watches = -1;  // head of a list in Impl::links
 };
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>;
-using CellBase =
-    CGAL::Triangulation_cell_base_with_info_3<CellNote, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
+using CellBase = CGAL::Triangulation_cell_base_with_info_3<CellNote, Kernel,
+                                                           CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
 using Tds = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, Tds>;
 using Point = Kernel::Point_3;
@@ -109,13 +114,17 @@ struct Triangulation : Delaunay {
   }
 };
 
-constexpr double flat = 1e-7;        // relative height of cells whose circumcentre rounding decides
-constexpr double thin = 1e-12;       // relative height of cells that count as coplanar
-constexpr double on_face = 1e-9;     // weights below are zero: q lies on a facet, edge or vertex
-constexpr double rounding = 0x1p-52; // of a coordinate
+constexpr double flat = 1e-7;         // relative height of cells whose circumcentre rounding decides
+constexpr double thin = 1e-12;        // relative height of cells that count as coplanar
+constexpr double on_face = 1e-9;      // weights below are zero: q lies on a facet, edge or vertex
+constexpr double rounding = 0x1p-52;  // of a coordinate
 
-Vec3 vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
-Point point(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 vec(const Point& p) {
+  return {p.x(), p.y(), p.z()};
+}
+Point point(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 // Corners relative to q, and the barycentric weights of q.
 struct Simplex {
@@ -128,11 +137,13 @@ struct Simplex {
     for (int i = 0; i < 4; ++i) at[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point()) - q;
     const Vec3 a = at[1] - at[0], b = at[2] - at[0], c = at[3] - at[0];
     const double volume = a.dot(b.cross(c));
-    const double squared = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()}), longest = std::sqrt(squared);
+    const double squared = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()}),
+                 longest = std::sqrt(squared);
     if (volume <= (thin * longest + height) * squared) return false;
     if (volume > 1e-5 * squared * longest) {
       const Vec3 bc = at[2].cross(at[3]), ab = at[0].cross(at[1]);
-      weight = {at[1].dot(bc) / volume, -at[0].dot(bc) / volume, at[3].dot(ab) / volume, -at[2].dot(ab) / volume};
+      weight = {at[1].dot(bc) / volume, -at[0].dot(bc) / volume, at[3].dot(ab) / volume,
+                -at[2].dot(ab) / volume};
     } else {
       set_exactly(cell, q);
     }
@@ -144,7 +155,8 @@ struct Simplex {
     using Long3 = Eigen::Matrix<long double, 3, 1>;
     std::array<Long3, 4> p;
     for (int i = 0; i < 4; ++i)
-      p[static_cast<std::size_t>(i)] = vec(cell->vertex(i)->point()).cast<long double>() - q.cast<long double>();
+      p[static_cast<std::size_t>(i)] =
+          vec(cell->vertex(i)->point()).cast<long double>() - q.cast<long double>();
     const Long3 bc = p[2].cross(p[3]), ab = p[0].cross(p[1]);
     const std::array<long double, 4> part{p[1].dot(bc), -p[0].dot(bc), p[3].dot(ab), -p[2].dot(ab)};
     const long double whole = part[0] + part[1] + part[2] + part[3];
@@ -166,8 +178,10 @@ struct Simplex {
 class Inside {
  public:
   Inside() {
-    for (int k = 0; k < 13; ++k) direction_[static_cast<std::size_t>(k)] = Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-    for (std::size_t i = 0; i < 13; ++i) low_[i] = std::numeric_limits<double>::infinity(), high_[i] = -low_[i];
+    for (int k = 0; k < 13; ++k)
+      direction_[static_cast<std::size_t>(k)] = Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    for (std::size_t i = 0; i < 13; ++i)
+      low_[i] = std::numeric_limits<double>::infinity(), high_[i] = -low_[i];
   }
   void add(const Vec3& p) {
     bool changed = false;
@@ -182,7 +196,7 @@ class Inside {
     for (std::size_t i = 0; i < 13; ++i) mean_ += (first_[i] + last_[i]) / 26;
   }
   const Vec3& place() const { return mean_; }
-  double largest() const { return largest_; }   // coordinate of any state, without sign [m]
+  double largest() const { return largest_; }  // coordinate of any state, without sign [m]
 
  private:
   std::array<Vec3, 13> direction_, first_, last_;
@@ -198,10 +212,13 @@ Vec3 circumcentre(CellHandle cell) {
              c = vec(cell->vertex(3)->point()) - o;
   const double aa = a.squaredNorm(), bb = b.squaredNorm(), cc = c.squaredNorm();
   const double volume = a.dot(b.cross(c)), longest = std::max({aa, bb, cc});
-  if (volume <= flat * longest * std::sqrt(longest)) return Vec3::Constant(std::numeric_limits<double>::infinity());
+  if (volume <= flat * longest * std::sqrt(longest))
+    return Vec3::Constant(std::numeric_limits<double>::infinity());
   return (aa * b.cross(c) + bb * c.cross(a) + cc * a.cross(b)) / (2 * volume);
 }
-double circumradius(CellHandle cell) { return circumcentre(cell).norm(); }
+double circumradius(CellHandle cell) {
+  return circumcentre(cell).norm();
+}
 
 Spread spread_of(const Simplex& simplex, CellHandle cell) {
   Spread result;
@@ -225,7 +242,7 @@ std::uint64_t next_version() {
 struct DelaunayIndex::Impl {
   Triangulation triangulation;
   std::uint64_t version = next_version();
-  std::vector<VertexHandle> vertex;   // by id
+  std::vector<VertexHandle> vertex;  // by id
   struct Link {
     std::uint32_t token;
     std::int32_t next;
@@ -276,8 +293,8 @@ void DelaunayIndex::Impl::release_watches(CellHandle cell) {
 
 // The facet by which q left the hull, for an infinite cell: how far q is above its plane.
 struct Exit {
-  double longest;   // edge [m]
-  double height;    // [m]; 0 where the facet is too thin to have a normal
+  double longest;  // edge [m]
+  double height;   // [m]; 0 where the facet is too thin to have a normal
 
   Exit(const Delaunay& triangulation, CellHandle cell, const Vec3& q) {
     const int far = cell->index(triangulation.infinite_vertex());
@@ -293,11 +310,12 @@ struct Exit {
 // A cell that contains q and is not flat, from a flat one or, where q lies outside the hull by rounding, from an
 // infinite one: that of a place beside q, towards the inside of the hull. Over the flat cells of a face the lifted
 // hull can only rise outwards (it is convex, and does not fall steeply within), so the inner cell has the least spread.
-CellHandle DelaunayIndex::Impl::inner_cell(CellHandle cell, const Vec3& q, double longest, Simplex& simplex) const {
+CellHandle DelaunayIndex::Impl::inner_cell(CellHandle cell, const Vec3& q, double longest,
+                                           Simplex& simplex) const {
   const Vec3 toward = (inside.place() - q).normalized();
   // No direction of a lattice: a step along a flat cell would stay in it.
-  static const std::array<Vec3, 4> aside{Vec3(0.267, -0.534, 0.802), Vec3(-0.771, 0.154, 0.617), Vec3(0.577, 0.742, -0.342),
-                                         Vec3(-0.302, -0.905, -0.301)};
+  static const std::array<Vec3, 4> aside{Vec3(0.267, -0.534, 0.802), Vec3(-0.771, 0.154, 0.617),
+                                         Vec3(0.577, 0.742, -0.342), Vec3(-0.302, -0.905, -0.301)};
   for (const double step : {1e-11, 1e-9}) {
     const double length = std::max(step * longest, 8 * grain());
     for (const double bend : {0.0, 0.3, 0.03, 0.003})
@@ -358,7 +376,8 @@ double DelaunayIndex::Impl::least_circumradius(CellHandle cell, const Simplex& s
       take(star[next]);
       for (int i = 0; i < 4; ++i) {
         const CellHandle other = star[next]->neighbor(i);
-        if (other->has_vertex(here) && std::find(star.begin(), star.end(), other) == star.end()) star.push_back(other);
+        if (other->has_vertex(here) && std::find(star.begin(), star.end(), other) == star.end())
+          star.push_back(other);
       }
     }
   }
@@ -370,10 +389,18 @@ DelaunayIndex::~DelaunayIndex() = default;
 DelaunayIndex::DelaunayIndex(DelaunayIndex&&) noexcept = default;
 DelaunayIndex& DelaunayIndex::operator=(DelaunayIndex&&) noexcept = default;
 
-std::size_t DelaunayIndex::size() const { return impl_->triangulation.number_of_vertices(); }
-int DelaunayIndex::dimension() const { return impl_->triangulation.dimension(); }
-std::size_t DelaunayIndex::cell_count() const { return impl_->triangulation.number_of_finite_cells(); }
-std::span<const std::uint32_t> DelaunayIndex::disturbed() const { return impl_->disturbed; }
+std::size_t DelaunayIndex::size() const {
+  return impl_->triangulation.number_of_vertices();
+}
+int DelaunayIndex::dimension() const {
+  return impl_->triangulation.dimension();
+}
+std::size_t DelaunayIndex::cell_count() const {
+  return impl_->triangulation.number_of_finite_cells();
+}
+std::span<const std::uint32_t> DelaunayIndex::disturbed() const {
+  return impl_->disturbed;
+}
 
 StateId DelaunayIndex::insert(StateId id, const Vec3& at, StateId near) {
   Impl& my = *impl_;
@@ -390,12 +417,15 @@ StateId DelaunayIndex::insert(StateId id, const Vec3& at, StateId near) {
   my.version = next_version();
   my.inside.add(at);
   vertex->info() = id.value;
-  if (my.vertex.size() <= id.value) my.vertex.resize(std::max<std::size_t>(id.value + 1, 2 * my.vertex.size()));
+  if (my.vertex.size() <= id.value)
+    my.vertex.resize(std::max<std::size_t>(id.value + 1, 2 * my.vertex.size()));
   my.vertex[id.value] = vertex;
   return id;
 }
 
-Vec3 DelaunayIndex::position(StateId id) const { return vec(impl_->vertex[id.value]->point()); }
+Vec3 DelaunayIndex::position(StateId id) const {
+  return vec(impl_->vertex[id.value]->point());
+}
 
 Spread DelaunayIndex::spread(const Vec3& q, StateId near, bool with_alpha) const {
   Simplex simplex;
@@ -456,7 +486,8 @@ bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
 
 void DelaunayIndex::watch(const PathWalk& walk, std::uint32_t token) {
   assert(walk.version == impl_->version && walk.cell);
-  impl_->add_watch(Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(walk.cell))), token);
+  impl_->add_watch(Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(walk.cell))),
+                   token);
 }
 
 std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {

@@ -27,10 +27,10 @@ namespace forefeel {
 
 struct Spread {
   double spread = std::numeric_limits<double>::infinity();
-  double alpha = std::numeric_limits<double>::infinity();   // filled where asked
-  bool inside = false;                                      // in the hull, and of a cell that is not flat
-  std::array<StateId, 4> states;                            // of one cell that contains q
-  std::array<double, 4> weights{};                          // barycentric, >= 0, sum 1
+  double alpha = std::numeric_limits<double>::infinity();  // filled where asked
+  bool inside = false;                                     // in the hull, and of a cell that is not flat
+  std::array<StateId, 4> states;                           // of one cell that contains q
+  std::array<double, 4> weights{};                         // barycentric, >= 0, sum 1
   std::array<Vec3, 4> at;
 };
 
@@ -42,13 +42,13 @@ class DelaunayIndex {
   DelaunayIndex& operator=(DelaunayIndex&&) noexcept;
 
   std::size_t size() const;
-  int dimension() const;                // of the affine hull of the states; -1 while there are none
+  int dimension() const;  // of the affine hull of the states; -1 while there are none
 
   // Adds a state; `near` is a known state close to it, or an invalid id. Returns the id of the state at exactly
   // this position: id itself, or the one already there. Ids may come in any order but must be below 2^31.
   StateId insert(StateId id, const Vec3& at, StateId near = {});
 
-  Vec3 position(StateId id) const;      // [m]; of a state that is there
+  Vec3 position(StateId id) const;  // [m]; of a state that is there
 
   // Const members may run in many threads at once, but not beside insert().
   Spread spread(const Vec3& q, StateId near, bool with_alpha = false) const;
@@ -60,19 +60,19 @@ class DelaunayIndex {
   bool watch(const Vec3& q, StateId near, std::uint32_t token);
   // The same where spread(q, walk) has just found q inside.
   void watch(const PathWalk& walk, std::uint32_t token);
-  std::span<const std::uint32_t> disturbed() const;   // by the last insert(); each token once
+  std::span<const std::uint32_t> disturbed() const;  // by the last insert(); each token once
 
   struct Cell {
-    std::array<StateId, 4> states;      // positively oriented
-    double circumradius = 0;            // [m]
+    std::array<StateId, 4> states;  // positively oriented
+    double circumradius = 0;        // [m]
   };
-  std::vector<Cell> cells() const;      // finite ones
+  std::vector<Cell> cells() const;  // finite ones
   std::size_t cell_count() const;
   struct Ball {
     Vec3 centre;
     double radius = 0;
   };
-  std::vector<Ball> circumballs() const;   // of the finite cells that are not flat: the largest empty balls
+  std::vector<Ball> circumballs() const;  // of the finite cells that are not flat: the largest empty balls
 
  private:
   struct Impl;

@@ -98,16 +98,18 @@ class GridPoints {
 
   // coordinates: Points x 3
   explicit GridPoints(const std::array<std::array<double, 3>, Points>& coordinates) {
-    std::uint64_t most = 0;   // of the bits: magnitudes are in the order of their bits
+    std::uint64_t most = 0;  // of the bits: magnitudes are in the order of their bits
     for (const auto& point : coordinates)
-      for (const double x : point) most = std::max(most, std::bit_cast<std::uint64_t>(x) & ~(std::uint64_t{1} << 63));
-    const auto exponent = static_cast<std::int64_t>(most >> 52);   // 2^(exponent - 1023) <= |x|
-    if (exponent < 200 || exponent > 1083) return;   // a normal scale, of 1 or more: no product is rounded
-    const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(1023 + 60 - (exponent - 1023)) << 52);
+      for (const double x : point)
+        most = std::max(most, std::bit_cast<std::uint64_t>(x) & ~(std::uint64_t{1} << 63));
+    const auto exponent = static_cast<std::int64_t>(most >> 52);  // 2^(exponent - 1023) <= |x|
+    if (exponent < 200 || exponent > 1083) return;  // a normal scale, of 1 or more: no product is rounded
+    const double scale =
+        std::bit_cast<double>(static_cast<std::uint64_t>(1023 + 60 - (exponent - 1023)) << 52);
     exact_ = true;
     for (std::size_t i = 0; i < Points; ++i)
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double scaled = coordinates[i][axis] * scale;   // exact: a power of two
+        const double scaled = coordinates[i][axis] * scale;  // exact: a power of two
         place_[i][axis] = static_cast<std::int64_t>(scaled);
         exact_ = exact_ && static_cast<double>(place_[i][axis]) == scaled;
       }
@@ -130,7 +132,9 @@ inline Signed128 minor(const GridVector& a, const GridVector& b, std::size_t i, 
 
 // |a, b, c| given the minors of a and b
 inline WideInteger<3> triple(const std::array<Signed128, 3>& ab, const GridVector& c) {
-  const auto term = [](Signed128 m, std::int64_t x) { return wide<2>(m) * WideInteger<1>{{static_cast<std::uint64_t>(x)}}; };
+  const auto term = [](Signed128 m, std::int64_t x) {
+    return wide<2>(m) * WideInteger<1>{{static_cast<std::uint64_t>(x)}};
+  };
   return term(ab[0], c[0]) + term(ab[1], c[1]) + term(ab[2], c[2]);
 }
 
@@ -139,7 +143,8 @@ inline std::array<Signed128, 3> minors(const GridVector& a, const GridVector& b)
 }
 
 inline Signed128 squared(const GridVector& a) {
-  return static_cast<Signed128>(a[0]) * a[0] + static_cast<Signed128>(a[1]) * a[1] + static_cast<Signed128>(a[2]) * a[2];
+  return static_cast<Signed128>(a[0]) * a[0] + static_cast<Signed128>(a[1]) * a[1] +
+         static_cast<Signed128>(a[2]) * a[2];
 }
 
 // Sign of |a, b, c|.
@@ -150,8 +155,11 @@ inline int orientation_sign(const GridVector& a, const GridVector& b, const Grid
 // Sign of |a, |a|^2; b, |b|^2; c, |c|^2; d, |d|^2| = -|a|^2 |b c d| + |b|^2 |a c d| - |c|^2 |a b d| + |d|^2 |a b c|.
 inline int sphere_sign(const GridVector& a, const GridVector& b, const GridVector& c, const GridVector& d) {
   const std::array<Signed128, 3> ab = minors(a, b), cd = minors(c, d);
-  const auto term = [](const GridVector& x, const WideInteger<3>& volume) { return volume * wide<2>(squared(x)); };
-  return (term(d, triple(ab, c)) - term(c, triple(ab, d)) + term(b, triple(cd, a)) - term(a, triple(cd, b))).sign();
+  const auto term = [](const GridVector& x, const WideInteger<3>& volume) {
+    return volume * wide<2>(squared(x));
+  };
+  return (term(d, triple(ab, c)) - term(c, triple(ab, d)) + term(b, triple(cd, a)) - term(a, triple(cd, b)))
+      .sign();
 }
 
 }  // namespace forefeel

@@ -9,7 +9,8 @@ namespace forefeel {
 
 // A corner that is a lattice point within rounding belongs to the lattice.
 inline bool holds_lattice_position(const Box& box, double spacing) {
-  const Eigen::Array3d first = (box.low.array() / spacing - 1e-9).ceil(), last = (box.high.array() / spacing + 1e-9).floor();
+  const Eigen::Array3d first = (box.low.array() / spacing - 1e-9).ceil(),
+                       last = (box.high.array() / spacing + 1e-9).floor();
   return (first <= last).all();
 }
 

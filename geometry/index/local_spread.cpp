@@ -6,9 +6,9 @@
 namespace forefeel {
 namespace {
 
-constexpr double far_away = 16;      // of the artificial corners, in scales
-constexpr double penalty = 1e8;      // their squared distance, so that any state is preferred
-constexpr double flat = 1e-7;        // relative height of tetrahedra that count as coplanar
+constexpr double far_away = 16;  // of the artificial corners, in scales
+constexpr double penalty = 1e8;  // their squared distance, so that any state is preferred
+constexpr double flat = 1e-7;    // relative height of tetrahedra that count as coplanar
 constexpr std::uint32_t artificial = 0xfffffffcu;
 
 // Corners v (in scales) and costs of a tetrahedron around the origin, with the inverse of its edges from v_0.
@@ -16,7 +16,7 @@ struct Basis {
   std::array<Vec3, 4> at;
   std::array<double, 4> cost;
   std::array<std::uint32_t, 4> corner;
-  std::array<double, 4> weight;      // of the origin, >= 0
+  std::array<double, 4> weight;  // of the origin, >= 0
   Mat3 inverse;
   double volume = 0;
 
@@ -32,7 +32,10 @@ struct Basis {
     const Vec3 w = inverse * (p - at[0]);
     return {1 - w.sum(), w[0], w[1], w[2]};
   }
-  bool real() const { return corner[0] < artificial && corner[1] < artificial && corner[2] < artificial && corner[3] < artificial; }
+  bool real() const {
+    return corner[0] < artificial && corner[1] < artificial && corner[2] < artificial &&
+           corner[3] < artificial;
+  }
 };
 
 Basis start() {
@@ -55,9 +58,9 @@ bool pivot(Basis& basis, const Vec3& p, double cost, std::uint32_t index) {
     if (share[i] <= 1e-10) continue;
     const double ratio = basis.weight[i] / share[i];
     // Of equals the artificial one leaves, else the one that keeps the tetrahedron fattest.
-    const bool better = ratio < step - 1e-13 ||
-                        (out < 4 && ratio < step + 1e-13 && basis.corner[out] < artificial &&
-                         (basis.corner[i] >= artificial || share[i] > share[out]));
+    const bool better =
+        ratio < step - 1e-13 || (out < 4 && ratio < step + 1e-13 && basis.corner[out] < artificial &&
+                                 (basis.corner[i] >= artificial || share[i] > share[out]));
     if (better) step = std::min(step, ratio), out = i;
   }
   if (out == 4) return false;
@@ -84,8 +87,9 @@ LocalSpread least_spread(std::span<const Vec3> offsets, double scale) {
   const double unit = 1 / scale;
   for (int round = 0; round < 200; ++round) {
     // Dual: the plane t + g . r through the lifted corners; a state below it enters.
-    const Vec3 g = basis.inverse.transpose() * Vec3(basis.cost[1] - basis.cost[0], basis.cost[2] - basis.cost[0],
-                                                    basis.cost[3] - basis.cost[0]);
+    const Vec3 g =
+        basis.inverse.transpose() *
+        Vec3(basis.cost[1] - basis.cost[0], basis.cost[2] - basis.cost[0], basis.cost[3] - basis.cost[0]);
     const double t = basis.cost[0] - g.dot(basis.at[0]);
     const Vec3 slope = g * unit;
     double lowest = basis.real() ? -1e-11 * (1 + std::abs(t)) : -1e-6;

@@ -15,9 +15,9 @@
 namespace forefeel {
 
 struct LocalSpread {
-  double spread = std::numeric_limits<double>::infinity();   // [m]
-  bool solid = false;                                        // the four corners below are states, not coplanar
-  std::array<std::uint32_t, 4> corner{};                     // indices of the optimal tetrahedron
+  double spread = std::numeric_limits<double>::infinity();  // [m]
+  bool solid = false;                                       // the four corners below are states, not coplanar
+  std::array<std::uint32_t, 4> corner{};                    // indices of the optimal tetrahedron
 };
 
 // offsets x_j - q [m]; scale: a length of their order [m].

@@ -16,13 +16,13 @@
 namespace forefeel {
 
 struct PathWalk {
-  std::uint64_t version = 0;              // of the index that it belongs to; 0: nowhere yet
-  const void* cell = nullptr;             // the index's own
-  StateId near;                           // where a search starts if the rest is out of date
-  bool cached = false;                    // the fields below are of the cell
+  std::uint64_t version = 0;   // of the index that it belongs to; 0: nowhere yet
+  const void* cell = nullptr;  // the index's own
+  StateId near;                // where a search starts if the rest is out of date
+  bool cached = false;         // the fields below are of the cell
   std::array<StateId, 4> states;
-  std::array<Vec3, 4> at;                 // [m]
-  Mat3 inverse = Mat3::Zero();            // B [1/m]
+  std::array<Vec3, 4> at;       // [m]
+  Mat3 inverse = Mat3::Zero();  // B [1/m]
 
   void keep(const std::array<Vec3, 4>& corners) {
     at = corners;

@@ -171,8 +171,8 @@ void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double ha
   }
 }
 
-bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone, double& best,
-                               Vec3& offset) const {
+bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone,
+                               double& best, Vec3& offset) const {
   const Node& n = nodes_[static_cast<std::size_t>(node)];
   if (n.children < 0 && n.bucket < 0) return false;
   if (squared_to_cube(centre, half, cone.apex) > cone.squared) return false;
@@ -182,8 +182,8 @@ bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double hal
   if (n.children >= 0) {
     const int first = octant(Vec3::Zero(), cone.axis);
     for (const int flip : {0, 1, 2, 4, 3, 5, 6, 7})
-      found |= find_in_cone(n.children + (first ^ flip), child_centre(centre, half, first ^ flip), 0.5 * half, cone, best,
-                            offset);
+      found |= find_in_cone(n.children + (first ^ flip), child_centre(centre, half, first ^ flip), 0.5 * half,
+                            cone, best, offset);
     return found;
   }
   for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
@@ -217,8 +217,8 @@ PointOctree::Neighbour PointOctree::nearest(const Vec3& q, double reach) const {
   return best;
 }
 
-void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, std::size_t n,
-                                std::vector<Neighbour>& heap) const {
+void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q,
+                                std::size_t n, std::vector<Neighbour>& heap) const {
   const Node& here = nodes_[static_cast<std::size_t>(node)];
   if (here.children >= 0) {
     const int first = octant(centre, q);

@@ -42,7 +42,8 @@ class PointOctree {
 
   // Of the points within `reach` of q, one with the largest axis . d - cosine |d| + margin, d = x - q, if that is
   // positive anywhere: false says that the cone around the axis is empty, with the margin to spare [m]. axis: unit.
-  bool find_in_cone(const Vec3& q, const Vec3& axis, double cosine, double margin, double reach, Vec3& offset) const {
+  bool find_in_cone(const Vec3& q, const Vec3& axis, double cosine, double margin, double reach,
+                    Vec3& offset) const {
     if (nodes_.empty()) return false;
     double best = 0;
     return find_in_cone(0, centre_, half_, {q, axis, cosine, margin, reach * reach}, best, offset);
@@ -114,7 +115,9 @@ class PointOctree {
     const Node& n = nodes_[static_cast<std::size_t>(node)];
     if (n.children >= 0) {
       for (int child = 0; child < 8; ++child)
-        if (!visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit)) return false;
+        if (!visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared,
+                          visit))
+          return false;
       return true;
     }
     const bool small = 16 * half * half <= (centre - q).squaredNorm();
@@ -141,8 +144,10 @@ class PointOctree {
     double cosine, margin, squared;
     double value(const Vec3& d) const { return axis.dot(d) - cosine * d.norm() + margin; }
   };
-  bool find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone, double& best, Vec3& offset) const;
-  void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, Neighbour& best) const;
+  bool find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone, double& best,
+                    Vec3& offset) const;
+  void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q,
+                     Neighbour& best) const;
   void nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, std::size_t n,
                      std::vector<Neighbour>& heap) const;
   void grow_to(const Vec3& at);
@@ -157,7 +162,7 @@ class PointOctree {
     double half = 0;
   };
 
-  Place last_;                 // the leaf of the last insert()
+  Place last_;  // the leaf of the last insert()
   std::vector<Node> nodes_;
   std::vector<Bucket> buckets_;
   std::vector<std::int32_t> free_buckets_;

@@ -6,8 +6,8 @@
 #include <iterator>
 
 #include "geometry/common/error.hpp"
-#include "geometry/mesh/mesh_formats.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/mesh/mesh_formats.hpp"
 
 namespace forefeel {
 
@@ -27,7 +27,8 @@ bool is_mesh_file(const std::filesystem::path& file) {
 TetMesh read_mesh(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   if (!is_mesh_file(file))
-    throw InputError(file.string(), fmt::format("unknown kind of mesh '{}', expected .msh, .vtk, .vtu or .mesh", extension));
+    throw InputError(file.string(),
+                     fmt::format("unknown kind of mesh '{}', expected .msh, .vtk, .vtu or .mesh", extension));
   Scanner in(read_file(file), file.string());
   TetMesh mesh = extension == ".msh"   ? read_gmsh(std::move(in))
                  : extension == ".vtk" ? read_vtk_legacy(std::move(in))
@@ -56,7 +57,8 @@ void write_msh(const std::filesystem::path& file, const TetMesh& mesh) {
   fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", elements);
   int tag = 2;
   for (const auto& [name, nodes] : mesh.groups) {
-    for (const NodeIndex node : nodes) fmt::format_to(out, "{} 15 2 {} {} {}\n", number++, tag, tag, node + 1);
+    for (const NodeIndex node : nodes)
+      fmt::format_to(out, "{} 15 2 {} {} {}\n", number++, tag, tag, node + 1);
     ++tag;
   }
   for (const Tet& t : mesh.tets)

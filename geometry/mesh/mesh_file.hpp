@@ -8,7 +8,7 @@
 
 namespace forefeel {
 
-bool is_mesh_file(const std::filesystem::path& file);   // by extension: .msh .vtk .vtu .mesh
+bool is_mesh_file(const std::filesystem::path& file);  // by extension: .msh .vtk .vtu .mesh
 
 // Reads by extension. Physical groups of Gmsh become groups by name (of any dimension; one that holds the whole body is
 // left out), references of Medit ref_vertices_R, ref_triangles_R, …. Does not check quality (see check_and_orient).

@@ -11,13 +11,14 @@
 
 namespace forefeel {
 
-TetMesh read_gmsh(Scanner in);       // .msh 2.2 and 4.1, ASCII and binary
-TetMesh read_vtk_legacy(Scanner in); // .vtk, DATASET UNSTRUCTURED_GRID, ASCII and BINARY
-TetMesh read_vtu(Scanner in);        // .vtu: ascii, binary or appended data, zlib where the build has it
-TetMesh read_medit(Scanner in);      // .mesh
+TetMesh read_gmsh(Scanner in);        // .msh 2.2 and 4.1, ASCII and binary
+TetMesh read_vtk_legacy(Scanner in);  // .vtk, DATASET UNSTRUCTURED_GRID, ASCII and BINARY
+TetMesh read_vtu(Scanner in);         // .vtu: ascii, binary or appended data, zlib where the build has it
+TetMesh read_medit(Scanner in);       // .mesh
 
 // Takes a tetrahedron, passes over points, lines and faces, refuses the rest. where names the file.
-void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t> nodes, const std::string& where);
+void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t> nodes,
+                  const std::string& where);
 
 // Sorts and makes unique every group; drops empty ones.
 void tidy_groups(TetMesh& mesh);

@@ -36,15 +36,17 @@ class GmshReader {
     read_format();
     while (!in_.at_end()) {
       const std::string section(in_.token("a section"));
-      if (section.size() < 2 || section[0] != '$') in_.fail(fmt::format("'{:.40}' stands where a $Section was expected", section));
+      if (section.size() < 2 || section[0] != '$')
+        in_.fail(fmt::format("'{:.40}' stands where a $Section was expected", section));
       read_section(section.substr(1));
     }
     if (!seen_nodes_) throw InputError(in_.name(), "holds no $Nodes section");
     if (!seen_elements_) throw InputError(in_.name(), "holds no $Elements section");
     for (const auto& [group, nodes] : physical_) {
-      if (group.first == 3 && covers_all(nodes)) continue;      // "the body" says nothing
+      if (group.first == 3 && covers_all(nodes)) continue;  // "the body" says nothing
       const auto named = names_.find(group);
-      const std::string name = named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
+      const std::string name =
+          named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
       auto& target = mesh_.groups[name];
       target.insert(target.end(), nodes.begin(), nodes.end());
     }
@@ -52,7 +54,7 @@ class GmshReader {
   }
 
  private:
-  using Group = std::pair<int, std::int64_t>;   // dimension, physical tag
+  using Group = std::pair<int, std::int64_t>;  // dimension, physical tag
 
   bool covers_all(const std::vector<NodeIndex>& nodes) const {
     std::vector<char> there(mesh_.nodes.size(), 0);
@@ -79,22 +81,30 @@ class GmshReader {
   }
 
   void read_section(const std::string& section) {
-    if (section == "PhysicalNames") read_physical_names();
-    else if (section == "Entities" && four_) read_entities();
-    else if (section == "Nodes") four_ ? read_nodes_4() : read_nodes_2();
-    else if (section == "Elements") four_ ? read_elements_4() : read_elements_2();
-    else if (section == "ParametricNodes") in_.fail("$ParametricNodes is not read, expected $Nodes");
-    else skip_section(section);
+    if (section == "PhysicalNames")
+      read_physical_names();
+    else if (section == "Entities" && four_)
+      read_entities();
+    else if (section == "Nodes")
+      four_ ? read_nodes_4() : read_nodes_2();
+    else if (section == "Elements")
+      four_ ? read_elements_4() : read_elements_2();
+    else if (section == "ParametricNodes")
+      in_.fail("$ParametricNodes is not read, expected $Nodes");
+    else
+      skip_section(section);
   }
 
   void skip_section(const std::string& section) {
     const std::string where = in_.where();
-    if (!in_.skip_past_line("$End" + section)) throw InputError(where, fmt::format("section ${:.40} has no end", section));
+    if (!in_.skip_past_line("$End" + section))
+      throw InputError(where, fmt::format("section ${:.40} has no end", section));
   }
 
   void end_section(const std::string& section) {
     const auto word = in_.token("the end of a section");
-    if (word != "$End" + section) in_.fail(fmt::format("'{:.40}' stands where $End{} was expected", word, section));
+    if (word != "$End" + section)
+      in_.fail(fmt::format("'{:.40}' stands where $End{} was expected", word, section));
   }
 
   // Binary data begin on the byte after the line that announces them.
@@ -103,11 +113,14 @@ class GmshReader {
     if (!in_.line(rest) || !trim(rest).empty()) in_.fail("text stands where binary data were expected");
   }
 
-  std::int64_t whole(const char* expected) { return binary_ ? in_.raw<std::int32_t>(expected) : in_.integer(expected); }
-  std::int64_t size(const char* expected) {      // size_t of format 4.1
+  std::int64_t whole(const char* expected) {
+    return binary_ ? in_.raw<std::int32_t>(expected) : in_.integer(expected);
+  }
+  std::int64_t size(const char* expected) {  // size_t of format 4.1
     if (!binary_) return in_.integer(expected);
     const auto value = in_.raw<std::uint64_t>(expected);
-    if (value > (std::uint64_t{1} << 62)) in_.fail_binary(fmt::format("{} is out of range, expected {}", value, expected));
+    if (value > (std::uint64_t{1} << 62))
+      in_.fail_binary(fmt::format("{} is out of range, expected {}", value, expected));
     return static_cast<std::int64_t>(value);
   }
   double real(const char* expected) { return binary_ ? in_.raw<double>(expected) : in_.real(expected); }
@@ -117,7 +130,9 @@ class GmshReader {
     in_.check_count(value, bytes_binary, expected);
     return value;
   }
-  [[noreturn]] void fail(const std::string& problem) { binary_ ? in_.fail_binary(problem) : in_.fail(problem); }
+  [[noreturn]] void fail(const std::string& problem) {
+    binary_ ? in_.fail_binary(problem) : in_.fail(problem);
+  }
 
   void read_physical_names() {
     const std::size_t n = in_.count("a number of names", 4);
@@ -127,7 +142,8 @@ class GmshReader {
       std::string_view rest;
       if (!in_.line(rest)) in_.fail("the file ends where a name was expected");
       rest = trim(rest);
-      if (rest.size() < 2 || rest.front() != '"' || rest.back() != '"') in_.fail("a name in quotes was expected");
+      if (rest.size() < 2 || rest.front() != '"' || rest.back() != '"')
+        in_.fail("a name in quotes was expected");
       names_[{dimension, tag}] = std::string(rest.substr(1, rest.size() - 2));
     }
     end_section("PhysicalNames");
@@ -152,7 +168,8 @@ class GmshReader {
   }
 
   void add_node(std::int64_t tag, const Vec3& position) {
-    if (!index_.emplace(tag, static_cast<NodeIndex>(mesh_.nodes.size())).second) fail(fmt::format("node {} is there twice", tag));
+    if (!index_.emplace(tag, static_cast<NodeIndex>(mesh_.nodes.size())).second)
+      fail(fmt::format("node {} is there twice", tag));
     mesh_.nodes.push_back(position);
   }
 
@@ -177,7 +194,8 @@ class GmshReader {
   void read_nodes_4() {
     begin_nodes();
     if (binary_) next_line();
-    const std::size_t blocks = size_count("a number of blocks", 6, 20), n = size_count("a number of nodes", 7, 32);
+    const std::size_t blocks = size_count("a number of blocks", 6, 20),
+                      n = size_count("a number of nodes", 7, 32);
     size("the least node tag"), size("the greatest node tag");
     mesh_.nodes.reserve(n), index_.reserve(n);
     std::vector<std::int64_t> tags;
@@ -194,7 +212,8 @@ class GmshReader {
         add_node(tag, {x, y, z});
       }
     }
-    if (mesh_.nodes.size() != n) fail(fmt::format("{} nodes were announced, {} found", n, mesh_.nodes.size()));
+    if (mesh_.nodes.size() != n)
+      fail(fmt::format("{} nodes were announced, {} found", n, mesh_.nodes.size()));
     end_section("Nodes");
   }
 
@@ -213,11 +232,13 @@ class GmshReader {
     const ElementType result = element_type(type);
     if (result.nodes == 0) fail(fmt::format("element type {} is unknown", type));
     if (result.dimension == 3 && type != 4)
-      fail(fmt::format("element type {} is not a linear tetrahedron, expected volume elements of type 4 alone", type));
+      fail(fmt::format(
+          "element type {} is not a linear tetrahedron, expected volume elements of type 4 alone", type));
     return result;
   }
 
-  void add_element(const ElementType& type, std::span<const NodeIndex> nodes, std::span<const std::int64_t> groups) {
+  void add_element(const ElementType& type, std::span<const NodeIndex> nodes,
+                   std::span<const std::int64_t> groups) {
     if (type.dimension == 3) mesh_.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
     for (const auto tag : groups)
       if (tag != 0) {
@@ -248,7 +269,8 @@ class GmshReader {
       const std::int64_t follow = binary_ ? whole("a number of elements") : 1;
       const std::int64_t tags = whole("a number of tags");
       if (tags < 0 || tags > 1000) fail(fmt::format("{} tags, expected 0 to 1000", tags));
-      if (follow < 1 || static_cast<std::size_t>(follow) > n - i) fail(fmt::format("a block of {} elements does not fit", follow));
+      if (follow < 1 || static_cast<std::size_t>(follow) > n - i)
+        fail(fmt::format("a block of {} elements does not fit", follow));
       for (std::int64_t k = 0; k < follow; ++k) {
         if (binary_) in_.raw<std::int32_t>("an element number");
         read_element_2(type, tags);
@@ -261,7 +283,8 @@ class GmshReader {
   void read_elements_4() {
     begin_elements();
     if (binary_) next_line();
-    const std::size_t blocks = size_count("a number of blocks", 6, 20), n = size_count("a number of elements", 4, 16);
+    const std::size_t blocks = size_count("a number of blocks", 6, 20),
+                      n = size_count("a number of elements", 4, 16);
     size("the least element tag"), size("the greatest element tag");
     std::size_t found = 0;
     for (std::size_t block = 0; block < blocks; ++block) {
@@ -269,8 +292,9 @@ class GmshReader {
       const ElementType type = known_type(whole("an element type"));
       const std::size_t count = size_count("a number of elements", 4, 16);
       const auto physical = entity_.find({static_cast<int>(dimension), entity});
-      const std::span<const std::int64_t> groups =
-          physical == entity_.end() ? std::span<const std::int64_t>{} : std::span<const std::int64_t>(physical->second);
+      const std::span<const std::int64_t> groups = physical == entity_.end()
+                                                       ? std::span<const std::int64_t>{}
+                                                       : std::span<const std::int64_t>(physical->second);
       for (std::size_t k = 0; k < count; ++k) {
         size("an element tag");
         scratch_.resize(static_cast<std::size_t>(type.nodes));
@@ -286,8 +310,8 @@ class GmshReader {
   Scanner in_;
   bool four_ = false, binary_ = false, seen_nodes_ = false, seen_elements_ = false;
   TetMesh mesh_;
-  std::unordered_map<std::int64_t, NodeIndex> index_;              // node tag -> number here
-  std::map<Group, std::vector<std::int64_t>> entity_;              // 4.1: dimension, entity -> physical tags
+  std::unordered_map<std::int64_t, NodeIndex> index_;  // node tag -> number here
+  std::map<Group, std::vector<std::int64_t>> entity_;  // 4.1: dimension, entity -> physical tags
   std::map<Group, std::string> names_;
   std::map<Group, std::vector<NodeIndex>> physical_;
   std::vector<NodeIndex> scratch_;
@@ -295,6 +319,8 @@ class GmshReader {
 
 }  // namespace
 
-TetMesh read_gmsh(Scanner in) { return GmshReader(std::move(in)).read(); }
+TetMesh read_gmsh(Scanner in) {
+  return GmshReader(std::move(in)).read();
+}
 
 }  // namespace forefeel

@@ -13,17 +13,29 @@ namespace {
 
 // Integers a line of the section holds, reference included; 0: not a section that we can skip.
 int integers_per_line(const std::string& keyword) {
-  static const std::map<std::string, int> known{
-      {"edges", 3},  {"triangles", 4},  {"quadrilaterals", 5}, {"tetrahedra", 5}, {"corners", 1},           {"ridges", 1},
-      {"requiredvertices", 1}, {"requirededges", 1}, {"requiredtriangles", 1}, {"requiredquadrilaterals", 1}, {"requiredtetrahedra", 1}};
+  static const std::map<std::string, int> known{{"edges", 3},
+                                                {"triangles", 4},
+                                                {"quadrilaterals", 5},
+                                                {"tetrahedra", 5},
+                                                {"corners", 1},
+                                                {"ridges", 1},
+                                                {"requiredvertices", 1},
+                                                {"requirededges", 1},
+                                                {"requiredtriangles", 1},
+                                                {"requiredquadrilaterals", 1},
+                                                {"requiredtetrahedra", 1}};
   const auto found = known.find(keyword);
   return found == known.end() ? 0 : found->second;
 }
 
 // Real numbers a line of the section holds, after `integers` leading ones are counted too.
 int reals_per_line(const std::string& keyword) {
-  static const std::map<std::string, int> known{{"normals", 3}, {"tangents", 3}, {"normalatvertices", 2}, {"tangentatvertices", 2},
-                                                {"normalattrianglevertices", 3}, {"tangentatedgevertices", 3},
+  static const std::map<std::string, int> known{{"normals", 3},
+                                                {"tangents", 3},
+                                                {"normalatvertices", 2},
+                                                {"tangentatvertices", 2},
+                                                {"normalattrianglevertices", 3},
+                                                {"tangentatedgevertices", 3},
                                                 {"normalatquadrilateralvertices", 3}};
   const auto found = known.find(keyword);
   return found == known.end() ? 0 : found->second;
@@ -40,15 +52,24 @@ class MeditReader {
     bool ended = false;
     while (!ended && !in_.at_end()) {
       const std::string keyword = lower_case(in_.token("a keyword"));
-      if (keyword == "end") ended = true;
-      else if (keyword == "dimension") in_.integer("dimension 3", 3, 3);
-      else if (keyword == "vertices") read_vertices();
-      else if (const int n = integers_per_line(keyword); n > 0) read_elements(keyword, n);
-      else if (const int m = reals_per_line(keyword); m > 0) skip_reals(m);
-      else if (keyword == "hexahedra" || keyword == "hexaedra" || keyword == "prisms" || keyword == "pyramids") refuse(keyword);
-      else in_.fail(fmt::format("keyword '{:.40}' is unknown, expected a Medit section", keyword));
+      if (keyword == "end")
+        ended = true;
+      else if (keyword == "dimension")
+        in_.integer("dimension 3", 3, 3);
+      else if (keyword == "vertices")
+        read_vertices();
+      else if (const int n = integers_per_line(keyword); n > 0)
+        read_elements(keyword, n);
+      else if (const int m = reals_per_line(keyword); m > 0)
+        skip_reals(m);
+      else if (keyword == "hexahedra" || keyword == "hexaedra" || keyword == "prisms" ||
+               keyword == "pyramids")
+        refuse(keyword);
+      else
+        in_.fail(fmt::format("keyword '{:.40}' is unknown, expected a Medit section", keyword));
     }
-    if (!ended && !seen_tetrahedra_) throw InputError(in_.name(), "ends before its Tetrahedra section, the file is cut short");
+    if (!ended && !seen_tetrahedra_)
+      throw InputError(in_.name(), "ends before its Tetrahedra section, the file is cut short");
     if (!seen_vertices_) throw InputError(in_.name(), "holds no Vertices section");
     resolve();
     return std::move(mesh_);
@@ -98,7 +119,8 @@ class MeditReader {
 
   void resolve() const {
     if (greatest_ >= static_cast<std::int64_t>(mesh_.nodes.size()))
-      throw InputError(in_.name(), fmt::format("an element names vertex {}, expected 1 to {}", greatest_ + 1, mesh_.nodes.size()));
+      throw InputError(in_.name(), fmt::format("an element names vertex {}, expected 1 to {}", greatest_ + 1,
+                                               mesh_.nodes.size()));
   }
 
   Scanner in_;
@@ -109,6 +131,8 @@ class MeditReader {
 
 }  // namespace
 
-TetMesh read_medit(Scanner in) { return MeditReader(std::move(in)).read(); }
+TetMesh read_medit(Scanner in) {
+  return MeditReader(std::move(in)).read();
+}
 
 }  // namespace forefeel

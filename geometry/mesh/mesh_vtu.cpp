@@ -20,9 +20,9 @@ namespace {
 using Attributes = std::map<std::string, std::string>;
 
 struct Tag {
-  std::string name;            // "/Piece" for an end
+  std::string name;  // "/Piece" for an end
   Attributes attributes;
-  bool empty = false;          // <Tag/>
+  bool empty = false;  // <Tag/>
 };
 
 std::string decode_base64(std::string_view text, Scanner& in) {
@@ -30,7 +30,8 @@ std::string decode_base64(std::string_view text, Scanner& in) {
     std::array<int, 256> t;
     t.fill(-1);
     const std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t i = 0; i < letters.size(); ++i) t[static_cast<unsigned char>(letters[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < letters.size(); ++i)
+      t[static_cast<unsigned char>(letters[i])] = static_cast<int>(i);
     return t;
   }();
   std::string result;
@@ -40,7 +41,8 @@ std::string decode_base64(std::string_view text, Scanner& in) {
     int padding = 0;
     for (std::size_t k = 0; k < 4; ++k) {
       const int value = table[static_cast<unsigned char>(text[i + k])];
-      if (value < 0 && (text[i + k] != '=' || k < 2)) in.fail("base64 data hold a character that does not belong there");
+      if (value < 0 && (text[i + k] != '=' || k < 2))
+        in.fail("base64 data hold a character that does not belong there");
       padding += value < 0;
       word = word << 6 | static_cast<std::uint32_t>(std::max(value, 0));
     }
@@ -49,7 +51,9 @@ std::string decode_base64(std::string_view text, Scanner& in) {
   return result;
 }
 
-std::size_t base64_length(std::size_t bytes) { return (bytes + 2) / 3 * 4; }
+std::size_t base64_length(std::size_t bytes) {
+  return (bytes + 2) / 3 * 4;
+}
 
 class VtuReader {
  public:
@@ -60,12 +64,19 @@ class VtuReader {
     Tag tag;
     bool grid = false, closed = false;
     while (next_tag(tag)) {
-      if (tag.name == "VTKFile") read_root(tag);
-      else if (tag.name == "UnstructuredGrid") grid = true;
-      else if (tag.name == "Piece" && grid) read_piece(tag);
-      else if (tag.name == "/UnstructuredGrid") { closed = true; break; }
+      if (tag.name == "VTKFile")
+        read_root(tag);
+      else if (tag.name == "UnstructuredGrid")
+        grid = true;
+      else if (tag.name == "Piece" && grid)
+        read_piece(tag);
+      else if (tag.name == "/UnstructuredGrid") {
+        closed = true;
+        break;
+      }
     }
-    if (!grid) throw InputError(in_.name(), "is not a VTU file, expected <VTKFile type=\"UnstructuredGrid\">");
+    if (!grid)
+      throw InputError(in_.name(), "is not a VTU file, expected <VTKFile type=\"UnstructuredGrid\">");
     if (!closed) throw InputError(in_.name(), "ends before </UnstructuredGrid>, the file is cut short");
     return std::move(mesh_);
   }
@@ -73,7 +84,7 @@ class VtuReader {
  private:
   struct Array {
     Attributes attributes;
-    std::string_view text;      // between the tags
+    std::string_view text;  // between the tags
   };
 
   // Appended data may hold any bytes, '<' too: they begin after the '_' that follows <AppendedData …>.
@@ -110,7 +121,8 @@ class VtuReader {
     text.remove_prefix(name_end);
     while (!(text = trim(text)).empty()) {
       const std::size_t equals = text.find('=');
-      if (equals == std::string_view::npos) in_.fail(fmt::format("<{:.40}> has an attribute without a value", tag.name));
+      if (equals == std::string_view::npos)
+        in_.fail(fmt::format("<{:.40}> has an attribute without a value", tag.name));
       const std::string key(trim(text.substr(0, equals)));
       text = trim(text.substr(equals + 1));
       const std::size_t end = text.empty() ? std::string_view::npos : text.find(text.front(), 1);
@@ -126,43 +138,55 @@ class VtuReader {
       const auto found = tag.attributes.find(key);
       return found == tag.attributes.end() ? std::string() : found->second;
     };
-    if (get("type") != "UnstructuredGrid") throw InputError(in_.name(), fmt::format("VTKFile of type '{:.40}', expected UnstructuredGrid", get("type")));
+    if (get("type") != "UnstructuredGrid")
+      throw InputError(in_.name(),
+                       fmt::format("VTKFile of type '{:.40}', expected UnstructuredGrid", get("type")));
     in_.swap_bytes((get("byte_order") == "BigEndian") != (std::endian::native == std::endian::big));
     header_bytes_ = get("header_type") == "UInt64" ? 8 : 4;
     const std::string compressor = get("compressor");
     compressed_ = !compressor.empty();
     if (compressed_ && compressor != "vtkZLibDataCompressor")
-      throw InputError(in_.name(), fmt::format("compressor {:.40} is not read, expected vtkZLibDataCompressor or none", compressor));
+      throw InputError(
+          in_.name(),
+          fmt::format("compressor {:.40} is not read, expected vtkZLibDataCompressor or none", compressor));
 #ifndef FOREFEEL_ZLIB
-    if (compressed_) throw InputError(in_.name(), "its data are compressed, expected plain data (this build has no zlib)");
+    if (compressed_)
+      throw InputError(in_.name(), "its data are compressed, expected plain data (this build has no zlib)");
 #endif
   }
 
   std::size_t attribute_count(const Tag& tag, const char* key) {
     const auto found = tag.attributes.find(key);
     std::int64_t value = 0;
-    if (found == tag.attributes.end() || !parse_integer(found->second, value) || value < 0 || value > 0x7fffffff)
+    if (found == tag.attributes.end() || !parse_integer(found->second, value) || value < 0 ||
+        value > 0x7fffffff)
       throw InputError(in_.name(), fmt::format("<Piece> without a count {}", key));
     return static_cast<std::size_t>(value);
   }
 
   void read_piece(const Tag& piece) {
-    const std::size_t n_points = attribute_count(piece, "NumberOfPoints"), n_cells = attribute_count(piece, "NumberOfCells");
-    std::map<std::string, Array> arrays;      // "Points", "connectivity", "offsets", "types"
+    const std::size_t n_points = attribute_count(piece, "NumberOfPoints"),
+                      n_cells = attribute_count(piece, "NumberOfCells");
+    std::map<std::string, Array> arrays;  // "Points", "connectivity", "offsets", "types"
     std::string section;
     Tag tag;
     while (next_tag(tag) && tag.name != "/Piece") {
-      if (tag.name == "Points" || tag.name == "Cells" || tag.name == "PointData" || tag.name == "CellData") section = tag.name;
+      if (tag.name == "Points" || tag.name == "Cells" || tag.name == "PointData" || tag.name == "CellData")
+        section = tag.name;
       if (tag.name != "DataArray") continue;
       const std::size_t start = in_.position();
       std::size_t end = start;
       if (!tag.empty) {
         end = in_.content().find("</DataArray", start);
-        if (end == std::string_view::npos) throw InputError(in_.name(), "a DataArray has no end, the file is cut short");
+        if (end == std::string_view::npos)
+          throw InputError(in_.name(), "a DataArray has no end, the file is cut short");
         in_.seek(end);
       }
-      const std::string key = section == "Points" ? "Points" : section == "Cells" ? tag.attributes["Name"] : std::string();
-      const std::size_t stop = std::min(in_.content().find('<', start), end);     // before <InformationKey> and the like
+      const std::string key = section == "Points"  ? "Points"
+                              : section == "Cells" ? tag.attributes["Name"]
+                                                   : std::string();
+      const std::size_t stop =
+          std::min(in_.content().find('<', start), end);  // before <InformationKey> and the like
       if (!key.empty()) arrays[key] = {tag.attributes, in_.content().substr(start, stop - start)};
     }
     for (const char* key : {"Points", "connectivity", "offsets", "types"})
@@ -174,23 +198,32 @@ class VtuReader {
   void join(std::size_t n_points, std::size_t n_cells, std::map<std::string, Array>& arrays) {
     const auto first = static_cast<std::int64_t>(mesh_.nodes.size());
     const std::vector<double> points = values<double>(arrays["Points"]);
-    if (points.size() != 3 * n_points) throw InputError(in_.name(), fmt::format("{} coordinates, expected {}", points.size(), 3 * n_points));
-    for (std::size_t i = 0; i < n_points; ++i) mesh_.nodes.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+    if (points.size() != 3 * n_points)
+      throw InputError(in_.name(), fmt::format("{} coordinates, expected {}", points.size(), 3 * n_points));
+    for (std::size_t i = 0; i < n_points; ++i)
+      mesh_.nodes.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
     if (n_cells == 0) return;
     std::vector<std::int64_t> connectivity = values<std::int64_t>(arrays["connectivity"]);
-    const std::vector<std::int64_t> offsets = values<std::int64_t>(arrays["offsets"]), types = values<std::int64_t>(arrays["types"]);
+    const std::vector<std::int64_t> offsets = values<std::int64_t>(arrays["offsets"]),
+                                    types = values<std::int64_t>(arrays["types"]);
     if (offsets.size() != n_cells || types.size() != n_cells)
-      throw InputError(in_.name(), fmt::format("{} offsets and {} types, expected {}", offsets.size(), types.size(), n_cells));
+      throw InputError(in_.name(), fmt::format("{} offsets and {} types, expected {}", offsets.size(),
+                                               types.size(), n_cells));
     for (auto& node : connectivity) {
       if (node < 0 || node >= static_cast<std::int64_t>(n_points))
-        throw InputError(in_.name(), fmt::format("a cell names point {}, expected 0 to {}", node, static_cast<std::int64_t>(n_points) - 1));
+        throw InputError(in_.name(), fmt::format("a cell names point {}, expected 0 to {}", node,
+                                                 static_cast<std::int64_t>(n_points) - 1));
       node += first;
     }
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < n_cells; begin = offsets[i], ++i) {
       if (offsets[i] < begin || offsets[i] > static_cast<std::int64_t>(connectivity.size()))
         throw InputError(in_.name(), fmt::format("cell offset {} is out of order", offsets[i]));
-      add_vtk_cell(mesh_, types[i], std::span(connectivity).subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(offsets[i] - begin)), in_.name());
+      add_vtk_cell(
+          mesh_, types[i],
+          std::span(connectivity)
+              .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(offsets[i] - begin)),
+          in_.name());
     }
   }
 
@@ -205,8 +238,10 @@ class VtuReader {
     if (format.empty() || format == "ascii") {
       Scanner text(std::string(array.text), in_.name() + ": array " + get("Name"));
       while (!text.at_end()) {
-        if constexpr (std::is_same_v<T, double>) result.push_back(text.real("a number"));
-        else result.push_back(text.integer("a whole number"));
+        if constexpr (std::is_same_v<T, double>)
+          result.push_back(text.real("a number"));
+        else
+          result.push_back(text.integer("a whole number"));
       }
       return result;
     }
@@ -222,29 +257,46 @@ class VtuReader {
       result.reserve(data.remaining() / sizeof(S));
       while (data.remaining() >= sizeof(S)) result.push_back(static_cast<T>(data.raw<S>("a number")));
     };
-    if (type == "Float64") take(double{});
-    else if (type == "Float32") take(float{});
-    else if constexpr (std::is_same_v<T, double>) throw InputError(in_.name(), fmt::format("points of type '{:.40}', expected Float32 or Float64", type));
-    else if (type == "Int64" || type == "UInt64") take(std::int64_t{});
-    else if (type == "Int32") take(std::int32_t{});
-    else if (type == "UInt32") take(std::uint32_t{});
-    else if (type == "Int16") take(std::int16_t{});
-    else if (type == "UInt16") take(std::uint16_t{});
-    else if (type == "Int8") take(std::int8_t{});
-    else if (type == "UInt8") take(std::uint8_t{});
-    else throw InputError(in_.name(), fmt::format("data of type '{:.40}' are unknown", type));
+    if (type == "Float64")
+      take(double{});
+    else if (type == "Float32")
+      take(float{});
+    else if constexpr (std::is_same_v<T, double>)
+      throw InputError(in_.name(), fmt::format("points of type '{:.40}', expected Float32 or Float64", type));
+    else if (type == "Int64" || type == "UInt64")
+      take(std::int64_t{});
+    else if (type == "Int32")
+      take(std::int32_t{});
+    else if (type == "UInt32")
+      take(std::uint32_t{});
+    else if (type == "Int16")
+      take(std::int16_t{});
+    else if (type == "UInt16")
+      take(std::uint16_t{});
+    else if (type == "Int8")
+      take(std::int8_t{});
+    else if (type == "UInt8")
+      take(std::uint8_t{});
+    else
+      throw InputError(in_.name(), fmt::format("data of type '{:.40}' are unknown", type));
   }
 
   std::string bytes_of(const Array& array, const std::string& format, const std::string& offset) {
     if (format == "binary") return unpack(trim(array.text), true);
-    if (format != "appended") throw InputError(in_.name(), fmt::format("data format '{:.40}', expected ascii, binary or appended", format));
+    if (format != "appended")
+      throw InputError(in_.name(),
+                       fmt::format("data format '{:.40}', expected ascii, binary or appended", format));
     std::int64_t at = 0;
     if (!parse_integer(offset, at) || at < 0 || static_cast<std::size_t>(at) >= appended_.size())
-      throw InputError(in_.name(), fmt::format("appended data at '{:.40}' lie outside the file, which may be cut short", offset));
+      throw InputError(
+          in_.name(),
+          fmt::format("appended data at '{:.40}' lie outside the file, which may be cut short", offset));
     return unpack(appended_.substr(static_cast<std::size_t>(at)), appended_base64_);
   }
 
-  [[noreturn]] void cut_short() { throw InputError(in_.name(), "binary data are cut short"); }
+  [[noreturn]] void cut_short() {
+    throw InputError(in_.name(), "binary data are cut short");
+  }
 
   std::uint64_t header_word(std::string_view bytes, std::size_t i) {
     if ((i + 1) * header_bytes_ > bytes.size()) cut_short();
@@ -286,19 +338,24 @@ class VtuReader {
     std::size_t at = 0;
     for (std::size_t b = 0; b < first; ++b) {
       const std::uint64_t last = header_word(header, 2), size = header_word(header, 3 + b);
-      inflate_block(std::string_view(packed).substr(at, size), b + 1 == first && last != 0 ? last : header_word(header, 1), result);
+      inflate_block(std::string_view(packed).substr(at, size),
+                    b + 1 == first && last != 0 ? last : header_word(header, 1), result);
       at += size;
     }
     return result;
   }
 
-  void inflate_block([[maybe_unused]] std::string_view packed, [[maybe_unused]] std::uint64_t size, [[maybe_unused]] std::string& result) {
+  void inflate_block([[maybe_unused]] std::string_view packed, [[maybe_unused]] std::uint64_t size,
+                     [[maybe_unused]] std::string& result) {
 #ifdef FOREFEEL_ZLIB
-    if (size > 1100 * packed.size() + 1100) throw InputError(in_.name(), "compressed data announce more than they can hold");
+    if (size > 1100 * packed.size() + 1100)
+      throw InputError(in_.name(), "compressed data announce more than they can hold");
     const std::size_t start = result.size();
     result.resize(start + size);
     uLongf written = size;
-    if (uncompress(reinterpret_cast<Bytef*>(result.data() + start), &written, reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK || written != size)
+    if (uncompress(reinterpret_cast<Bytef*>(result.data() + start), &written,
+                   reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK ||
+        written != size)
       throw InputError(in_.name(), "compressed data are damaged");
 #endif
   }
@@ -312,6 +369,8 @@ class VtuReader {
 
 }  // namespace
 
-TetMesh read_vtu(Scanner in) { return VtuReader(std::move(in)).read(); }
+TetMesh read_vtu(Scanner in) {
+  return VtuReader(std::move(in)).read();
+}
 
 }  // namespace forefeel

@@ -18,10 +18,10 @@ namespace {
 constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 struct Face {
-  Triangle sorted;        // key
+  Triangle sorted;  // key
   std::uint32_t tet;
   std::uint8_t side;
-  bool even;              // parity of the outward order against the sorted one
+  bool even;  // parity of the outward order against the sorted one
 };
 
 std::vector<Face> sorted_faces(const TetMesh& mesh) {
@@ -47,14 +47,16 @@ std::vector<Face> sorted_faces(const TetMesh& mesh) {
 std::pair<double, double> dihedral_range(const TetMesh& mesh, const Tet& tet) {
   Vec3 normal[4];
   for (int i = 0; i < 4; ++i) {
-    const Vec3 &a = mesh.nodes[tet[faces[i][0]]], &b = mesh.nodes[tet[faces[i][1]]], &c = mesh.nodes[tet[faces[i][2]]];
+    const Vec3 &a = mesh.nodes[tet[faces[i][0]]], &b = mesh.nodes[tet[faces[i][1]]],
+               &c = mesh.nodes[tet[faces[i][2]]];
     normal[i] = (b - a).cross(c - a);
   }
   double low = 180, high = 0;
   for (int i = 0; i < 4; ++i)
     for (int j = i + 1; j < 4; ++j) {
       // atan2 keeps its digits near 0 and 180 degrees, where acos loses half of them.
-      const double angle = std::atan2(normal[i].cross(normal[j]).norm(), -normal[i].dot(normal[j])) * 180 / std::numbers::pi;
+      const double angle =
+          std::atan2(normal[i].cross(normal[j]).norm(), -normal[i].dot(normal[j])) * 180 / std::numbers::pi;
       low = std::min(low, angle), high = std::max(high, angle);
     }
   return {low, high};
@@ -77,11 +79,13 @@ void check_indices(const TetMesh& mesh, const std::string& where) {
   if (mesh.tets.empty()) throw InputError(where, "holds no tetrahedra, expected a tetrahedral mesh");
   const auto n = static_cast<NodeIndex>(mesh.nodes.size());
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
-    if (!mesh.nodes[i].allFinite()) throw InputError(where, fmt::format("node {} (from 0) has a coordinate that is not finite", i));
+    if (!mesh.nodes[i].allFinite())
+      throw InputError(where, fmt::format("node {} (from 0) has a coordinate that is not finite", i));
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
     for (const NodeIndex node : mesh.tets[t])
       if (node < 0 || node >= n)
-        throw InputError(where, fmt::format("tetrahedron {} (from 0) names node {}, expected 0 to {}", t, node, n - 1));
+        throw InputError(
+            where, fmt::format("tetrahedron {} (from 0) names node {}, expected 0 to {}", t, node, n - 1));
 }
 
 // In a conforming mesh every inner face is seen once from each side.
@@ -89,8 +93,10 @@ void check_conforming(const TetMesh& mesh, const std::string& where) {
   const std::vector<Face> all = sorted_faces(mesh);
   for (std::size_t i = 1; i < all.size(); ++i)
     if (all[i].sorted == all[i - 1].sorted && all[i].even == all[i - 1].even)
-      throw InputError(where, fmt::format("tetrahedra {} and {} (from 0) overlap: they lie on the same side of a shared face",
-                                          all[i - 1].tet, all[i].tet));
+      throw InputError(
+          where,
+          fmt::format("tetrahedra {} and {} (from 0) overlap: they lie on the same side of a shared face",
+                      all[i - 1].tet, all[i].tet));
 }
 
 }  // namespace
@@ -124,7 +130,9 @@ Box bounding_box(const TetMesh& mesh) {
   return box;
 }
 
-double longest_side(const TetMesh& mesh) { return bounding_box(mesh).size().maxCoeff(); }
+double longest_side(const TetMesh& mesh) {
+  return bounding_box(mesh).size().maxCoeff();
+}
 
 void scale_to_length(TetMesh& mesh, double length) {
   const double side = longest_side(mesh);
@@ -153,7 +161,8 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh) {
 
 std::vector<NodeIndex> surface_nodes(const TetMesh& mesh) {
   std::vector<NodeIndex> result;
-  for (const Triangle& triangle : boundary_triangles(mesh)) result.insert(result.end(), triangle.begin(), triangle.end());
+  for (const Triangle& triangle : boundary_triangles(mesh))
+    result.insert(result.end(), triangle.begin(), triangle.end());
   std::ranges::sort(result);
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
@@ -182,7 +191,8 @@ MeshCheck check_and_orient(TetMesh& mesh, const std::string& where) {
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const double volume = tet_volume(mesh, t);
     if (!(std::abs(volume) >= smallest) || volume == 0)
-      throw InputError(where, fmt::format("tetrahedron {} (from 0, nodes {}) has zero volume", t, fmt::join(mesh.tets[t], " ")));
+      throw InputError(where, fmt::format("tetrahedron {} (from 0, nodes {}) has zero volume", t,
+                                          fmt::join(mesh.tets[t], " ")));
     if (volume > 0 && positive++ == 0) first_positive = t;
     if (volume < 0 && t == positive) first_negative = t;
   }
@@ -191,14 +201,17 @@ MeshCheck check_and_orient(TetMesh& mesh, const std::string& where) {
     for (Tet& tet : mesh.tets) std::swap(tet[2], tet[3]);
     result.warnings.push_back("all tetrahedra were turned: their nodes were listed with negative volume");
   } else if (positive != mesh.tets.size()) {
-    throw InputError(where, fmt::format("mixed orientation: {} of {} tetrahedra have negative volume (tetrahedron {} has, {} "
-                                        "has not, from 0), expected all alike",
-                                        mesh.tets.size() - positive, mesh.tets.size(), first_negative, first_positive));
+    throw InputError(
+        where,
+        fmt::format("mixed orientation: {} of {} tetrahedra have negative volume (tetrahedron {} has, {} "
+                    "has not, from 0), expected all alike",
+                    mesh.tets.size() - positive, mesh.tets.size(), first_negative, first_positive));
   }
   check_conforming(mesh, where);
   const std::vector<int> part = components(mesh);
   if (const auto unused = std::ranges::count(part, -1); unused > 0)
-    result.warnings.push_back(fmt::format("{} node{} to no tetrahedron", unused, unused == 1 ? " belongs" : "s belong"));
+    result.warnings.push_back(
+        fmt::format("{} node{} to no tetrahedron", unused, unused == 1 ? " belongs" : "s belong"));
   if (const int last = *std::ranges::max_element(part); last > 0)
     result.warnings.push_back(fmt::format("the mesh has {} parts that do not hang together", last + 1));
   return result;

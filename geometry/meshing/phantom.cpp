@@ -14,13 +14,13 @@
 namespace forefeel {
 namespace {
 
-constexpr double patch_radius = 0.02;   // of the group "contact" [m]
+constexpr double patch_radius = 0.02;  // of the group "contact" [m]
 
 // Two ellipsoids with semi-axes r that differ above and below their equator, blended: g_i = |(x - c_i) / r_i|^2,
 // f = 1 / g_1^2 + 1 / g_2^2 - 1. The right lobe (x < 0) is thick, the left one thin; the underside is flat.
 struct Lobe {
   Vec3 centre;
-  double x, y, above, below;   // semi-axes [m]
+  double x, y, above, below;  // semi-axes [m]
 
   Vec3 weights(const Vec3& p) const {
     const double z = p.z() > centre.z() ? above : below;
@@ -70,7 +70,7 @@ Vec3 extreme(const ImplicitSurface& body, const Vec3& direction) {
 struct Liver {
   ImplicitSurface unscaled = liver_body();
   Vec3 left = extreme(unscaled, -Vec3::UnitX()), right = extreme(unscaled, Vec3::UnitX());
-  Vec3 top = cast(unscaled, lobes()[0].centre, Vec3::UnitZ());   // over the thickest place
+  Vec3 top = cast(unscaled, lobes()[0].centre, Vec3::UnitZ());  // over the thickest place
   double scale = 0.22 / (right.x() - left.x());
 
   Surface surface(int n) const {
@@ -87,27 +87,27 @@ const Liver& liver() {
 
 struct Blueprint {
   std::string_view name;
-  std::size_t elements;        // default
+  std::size_t elements;  // default
   Vec3 tip;
 };
 
 const std::array<Blueprint, 4>& blueprints() {
   static const std::array<Blueprint, 4> all{
-      Blueprint{"liver", 1777, liver().scale * liver().top},
-      Blueprint{"beam", 1920, {0.1, 0.01, 0.01}},
-      Blueprint{"ball", 2000, {0, 0, 0.05}},
-      Blueprint{"slab", 3000, {0, 0, 0.04}}};
+      Blueprint{"liver", 1777, liver().scale * liver().top}, Blueprint{"beam", 1920, {0.1, 0.01, 0.01}},
+      Blueprint{"ball", 2000, {0, 0, 0.05}}, Blueprint{"slab", 3000, {0, 0, 0.04}}};
   return all;
 }
 
 const Blueprint& blueprint(std::string_view name) {
   for (const Blueprint& known : blueprints())
     if (known.name == name) return known;
-  throw InputError("phantom", fmt::format("'{}' is unknown, expected one of {}", name, fmt::join(phantom_names(), ", ")));
+  throw InputError(
+      "phantom", fmt::format("'{}' is unknown, expected one of {}", name, fmt::join(phantom_names(), ", ")));
 }
 
 bool within_share(std::size_t count, std::size_t asked) {
-  return std::abs(static_cast<double>(count) - static_cast<double>(asked)) < 0.0499 * static_cast<double>(asked);
+  return std::abs(static_cast<double>(count) - static_cast<double>(asked)) <
+         0.0499 * static_cast<double>(asked);
 }
 
 Surface smooth_surface(std::string_view name, int n) {
@@ -126,8 +126,11 @@ TetMesh box_mesh(const Box& box, const std::array<int, 3>& cells) {
   for (int k = 0; k <= cells[2]; ++k)
     for (int j = 0; j <= cells[1]; ++j)
       for (int i = 0; i <= cells[0]; ++i)
-        mesh.nodes.emplace_back(box.low + Vec3(double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]).cwiseProduct(box.size()));
-  constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};   // first three even
+        mesh.nodes.emplace_back(
+            box.low +
+            Vec3(double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]).cwiseProduct(box.size()));
+  constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};  // first three even
   for (int k = 0; k < cells[2]; ++k)
     for (int j = 0; j < cells[1]; ++j)
       for (int i = 0; i < cells[0]; ++i)
@@ -154,14 +157,19 @@ std::array<int, 3> cells_for(const Vec3& size, std::size_t elements) {
   for (int i = 1; i <= reach(0); ++i)
     for (int j = 1; j <= reach(1); ++j) {
       const int k = std::max(1, static_cast<int>(std::lround(cells / i / j)));
-      const auto count = static_cast<std::size_t>(6) * static_cast<std::size_t>(i) * static_cast<std::size_t>(j) * static_cast<std::size_t>(k);
+      const auto count = static_cast<std::size_t>(6) * static_cast<std::size_t>(i) *
+                         static_cast<std::size_t>(j) * static_cast<std::size_t>(k);
       if (!within_share(count, elements)) continue;
       const Vec3 sides(size.x() / i, size.y() / j, size.z() / k);
       // The aspect ratio decides, then the count: 2 % off weighs as much as 2 % of elongation.
-      const double cost = sides.maxCoeff() / sides.minCoeff() + std::abs(static_cast<double>(count) / (6 * cells) - 1);
+      const double cost =
+          sides.maxCoeff() / sides.minCoeff() + std::abs(static_cast<double>(count) / (6 * cells) - 1);
       if (cost < least) least = cost, best = {i, j, k};
     }
-  if (best[0] == 0) throw InputError("phantom", fmt::format("{} elements cannot be met within 5 % by a grid, expected about {}", elements, 6 * std::max(1L, std::lround(cells))));
+  if (best[0] == 0)
+    throw InputError(
+        "phantom", fmt::format("{} elements cannot be met within 5 % by a grid, expected about {}", elements,
+                               6 * std::max(1L, std::lround(cells))));
   return best;
 }
 
@@ -169,7 +177,9 @@ Box box_of(std::string_view name) {
   return name == "beam" ? Box{{0, 0, 0}, {0.1, 0.02, 0.02}} : Box{{-0.1, -0.1, 0}, {0.1, 0.1, 0.04}};
 }
 
-bool is_box(std::string_view name) { return name == "beam" || name == "slab"; }
+bool is_box(std::string_view name) {
+  return name == "beam" || name == "slab";
+}
 
 // The geodesic frequency whose triangles are about as large as the faces of `elements` equal tetrahedra inside.
 int frequency_for(std::size_t elements) {
@@ -184,7 +194,8 @@ TetMesh smooth_mesh(std::string_view name, std::size_t elements) {
     problem = fill.problem;
     if (!fill.mesh) break;
   }
-  throw InputError("phantom", fmt::format("{} elements cannot be met within 5 %{}{}", elements, problem.empty() ? "" : ": ", problem));
+  throw InputError("phantom", fmt::format("{} elements cannot be met within 5 %{}{}", elements,
+                                          problem.empty() ? "" : ": ", problem));
 }
 
 // Where the body is held: beam at its root, ball and slab below, liver on its underside.
@@ -215,14 +226,17 @@ Surface phantom_surface(std::string_view name) {
 TetMesh phantom(std::string_view name, std::size_t elements) {
   const Blueprint& known = blueprint(name);
   if (elements == 0) elements = known.elements;
-  TetMesh mesh = is_box(name) ? box_mesh(box_of(name), cells_for(box_of(name).size(), elements)) : smooth_mesh(name, elements);
+  TetMesh mesh = is_box(name) ? box_mesh(box_of(name), cells_for(box_of(name).size(), elements))
+                              : smooth_mesh(name, elements);
   mesh.groups["clamp"] = clamp_nodes(name, mesh);
   auto& contact = mesh.groups["contact"];
   contact = surface_nodes_within(mesh, known.tip, name == "beam" ? patch_radius / 2 : patch_radius);
-  if (contact.empty()) contact = {nearest_surface_node(mesh, known.tip)};   // a mesh coarser than the patch
+  if (contact.empty()) contact = {nearest_surface_node(mesh, known.tip)};  // a mesh coarser than the patch
   return mesh;
 }
 
-Vec3 phantom_tip(std::string_view name) { return blueprint(name).tip; }
+Vec3 phantom_tip(std::string_view name) {
+  return blueprint(name).tip;
+}
 
 }  // namespace forefeel

@@ -12,9 +12,9 @@
 namespace forefeel {
 
 std::vector<std::string> phantom_names();
-Surface phantom_surface(std::string_view name);                          // InputError lists the accepted names
+Surface phantom_surface(std::string_view name);  // InputError lists the accepted names
 // elements = 0: the phantom's own default (liver: 1777).
 TetMesh phantom(std::string_view name, std::size_t elements = 0);
-Vec3 phantom_tip(std::string_view name);                                 // where one would touch it [m]
+Vec3 phantom_tip(std::string_view name);  // where one would touch it [m]
 
 }  // namespace forefeel

@@ -10,17 +10,19 @@
 namespace forefeel {
 namespace {
 
-constexpr int rounds = 30, smoothings = 6;   // relaxation: rounds of smoothing, each followed by flips
+constexpr int rounds = 30, smoothings = 6;  // relaxation: rounds of smoothing, each followed by flips
 
 struct Icosahedron {
   std::array<Vec3, 12> nodes;
-  std::array<Triangle, 20> triangles{{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                                      {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}}};
+  std::array<Triangle, 20> triangles{{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                      {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                      {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                      {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
   Icosahedron() {
     const double t = (1 + std::sqrt(5.0)) / 2;
-    nodes = {Vec3(-1, t, 0), Vec3(1, t, 0), Vec3(-1, -t, 0), Vec3(1, -t, 0), Vec3(0, -1, t), Vec3(0, 1, t),
-             Vec3(0, -1, -t), Vec3(0, 1, -t), Vec3(t, 0, -1), Vec3(t, 0, 1), Vec3(-t, 0, -1), Vec3(-t, 0, 1)};
+    nodes = {Vec3(-1, t, 0), Vec3(1, t, 0), Vec3(-1, -t, 0), Vec3(1, -t, 0),
+             Vec3(0, -1, t), Vec3(0, 1, t), Vec3(0, -1, -t), Vec3(0, 1, -t),
+             Vec3(t, 0, -1), Vec3(t, 0, 1), Vec3(-t, 0, -1), Vec3(-t, 0, 1)};
   }
 };
 
@@ -47,12 +49,14 @@ void smooth(const ImplicitSurface& body, Surface& surface, const std::vector<cha
   }
 }
 
-double cotangent(const Vec3& at, const Vec3& b, const Vec3& c) { return (b - at).dot(c - at) / (b - at).cross(c - at).norm(); }
+double cotangent(const Vec3& at, const Vec3& b, const Vec3& c) {
+  return (b - at).dot(c - at) / (b - at).cross(c - at).norm();
+}
 
 struct Edge {
-  NodeIndex a, b;          // a < b
+  NodeIndex a, b;  // a < b
   std::uint32_t triangle;
-  std::uint8_t corner;     // opposite the edge
+  std::uint8_t corner;  // opposite the edge
 };
 
 // Turns edges whose opposite angles sum to more than 180 degrees, where the new triangles do not fold. True if any.
@@ -64,11 +68,14 @@ bool flip_pass(Surface& surface) {
       const NodeIndex a = surface.triangles[t][(k + 1) % 3], b = surface.triangles[t][(k + 2) % 3];
       edges.push_back({std::min(a, b), std::max(a, b), t, k});
     }
-  std::ranges::sort(edges, [](const Edge& x, const Edge& y) { return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle); });
+  std::ranges::sort(edges, [](const Edge& x, const Edge& y) {
+    return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle);
+  });
   std::vector<char> touched(surface.triangles.size(), 0);
   const auto joined = [&](NodeIndex a, NodeIndex b) {
     const auto key = std::pair(std::min(a, b), std::max(a, b));
-    const auto at = std::ranges::lower_bound(edges, key, {}, [](const Edge& e) { return std::pair(e.a, e.b); });
+    const auto at =
+        std::ranges::lower_bound(edges, key, {}, [](const Edge& e) { return std::pair(e.a, e.b); });
     return at != edges.end() && std::pair(at->a, at->b) == key;
   };
   bool any = false;
@@ -78,10 +85,13 @@ bool flip_pass(Surface& surface) {
     Triangle &s = surface.triangles[x.triangle], &t = surface.triangles[y.triangle];
     const NodeIndex p = s[x.corner], q = t[y.corner], a = s[(x.corner + 1) % 3], b = s[(x.corner + 2) % 3];
     const auto& nodes = surface.nodes;
-    if (cotangent(nodes[p], nodes[a], nodes[b]) + cotangent(nodes[q], nodes[a], nodes[b]) >= -1e-9 || joined(p, q)) continue;
+    if (cotangent(nodes[p], nodes[a], nodes[b]) + cotangent(nodes[q], nodes[a], nodes[b]) >= -1e-9 ||
+        joined(p, q))
+      continue;
     const Triangle first{p, a, q}, second{q, b, p};
     const Vec3 normal = area_vector(surface, s) + area_vector(surface, t);
-    if (area_vector(surface, first).dot(normal) <= 0 || area_vector(surface, second).dot(normal) <= 0) continue;
+    if (area_vector(surface, first).dot(normal) <= 0 || area_vector(surface, second).dot(normal) <= 0)
+      continue;
     s = first, t = second;
     touched[x.triangle] = touched[y.triangle] = 1;
     any = true;
@@ -122,7 +132,9 @@ Surface geodesic_sphere(int n) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
         result.triangles.push_back({point(face, i, j), point(face, i + 1, j), point(face, i, j + 1)});
-        if (i + j + 1 < n) result.triangles.push_back({point(face, i + 1, j), point(face, i + 1, j + 1), point(face, i, j + 1)});
+        if (i + j + 1 < n)
+          result.triangles.push_back(
+              {point(face, i + 1, j), point(face, i + 1, j + 1), point(face, i, j + 1)});
       }
   return result;
 }

@@ -11,17 +11,17 @@
 namespace forefeel {
 
 struct ImplicitSurface {
-  std::function<double(const Vec3&)> value;       // > 0 inside
+  std::function<double(const Vec3&)> value;  // > 0 inside
   std::function<Vec3(const Vec3&)> gradient;
-  Vec3 centre;                                    // the body is star-shaped about it
-  double reach;                                   // no point of the body is farther from centre [m]
+  Vec3 centre;   // the body is star-shaped about it
+  double reach;  // no point of the body is farther from centre [m]
 };
 
 // The subdivided icosahedron: 20 n^2 triangles, 10 n^2 + 2 nodes on the unit sphere.
 Surface geodesic_sphere(int n);
 
-Vec3 project(const ImplicitSurface& body, Vec3 point);                       // nearest along the gradient
-Vec3 cast(const ImplicitSurface& body, const Vec3& from, const Vec3& direction);   // last crossing on the ray
+Vec3 project(const ImplicitSurface& body, Vec3 point);  // nearest along the gradient
+Vec3 cast(const ImplicitSurface& body, const Vec3& from, const Vec3& direction);  // last crossing on the ray
 
 // 20 n^2 triangles on the body, outward; one node comes to lie on each of `pins`.
 Surface triangulate(const ImplicitSurface& body, int n, std::span<const Vec3> pins);

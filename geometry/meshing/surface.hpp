@@ -12,11 +12,11 @@
 namespace forefeel {
 
 struct Surface {
-  std::vector<Vec3> nodes;            // [m]
+  std::vector<Vec3> nodes;  // [m]
   std::vector<Triangle> triangles;
 };
 
-bool is_surface_file(const std::filesystem::path& file);   // by extension
+bool is_surface_file(const std::filesystem::path& file);  // by extension
 
 // .obj .off .stl (ASCII and binary) .ply (ASCII and binary). InputError names file and line.
 Surface read_surface(const std::filesystem::path& file);
@@ -26,11 +26,11 @@ double enclosed_volume(const Surface& surface);  // [m^3], positive where the tr
 Box bounding_box(const Surface& surface);
 
 struct RepairReport {
-  std::size_t self_intersections = 0;     // pairs of triangles in the input
+  std::size_t self_intersections = 0;  // pairs of triangles in the input
   std::size_t holes = 0;
   std::size_t components = 0;
   bool reoriented = false;
-  bool wrapped = false;                   // rebuilt by an alpha wrap because local repair did not suffice
+  bool wrapped = false;  // rebuilt by an alpha wrap because local repair did not suffice
   std::size_t triangles_before = 0, triangles_after = 0;
 };
 
@@ -42,17 +42,18 @@ Surface repair(const Surface& surface, RepairReport& report);
 double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
 
 struct TetrahedraliseOptions {
-  std::size_t elements = 0;            // asked count, met within 5 %; 0: as the surface gives
-  std::optional<double> length = std::nullopt;   // rescale so that the longest side is this [m]
-  std::string name = "surface";        // named in errors
+  std::size_t elements = 0;                     // asked count, met within 5 %; 0: as the surface gives
+  std::optional<double> length = std::nullopt;  // rescale so that the longest side is this [m]
+  std::string name = "surface";                 // named in errors
 };
 
 struct TetrahedraliseReport {
   RepairReport repair;
-  double hausdorff = 0;                // largest distance between input surface and mesh boundary, both ways [m]
+  double hausdorff = 0;  // largest distance between input surface and mesh boundary, both ways [m]
 };
 
 // Repairs, decimates and fills a surface (TetGen, volume bound bisected). InputError if the count cannot be met.
-TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options, TetrahedraliseReport* report = nullptr);
+TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
+                       TetrahedraliseReport* report = nullptr);
 
 }  // namespace forefeel

@@ -17,18 +17,21 @@ inline Soup to_soup(const Surface& surface) {
   Soup soup;
   for (const Vec3& node : surface.nodes) soup.first.emplace_back(node.x(), node.y(), node.z());
   for (const auto& [a, b, c] : surface.triangles)
-    soup.second.push_back({static_cast<std::size_t>(a), static_cast<std::size_t>(b), static_cast<std::size_t>(c)});
+    soup.second.push_back(
+        {static_cast<std::size_t>(a), static_cast<std::size_t>(b), static_cast<std::size_t>(c)});
   return soup;
 }
 
 inline Surface from_mesh(Mesh& mesh) {
   mesh.collect_garbage();
   Surface surface;
-  for (const auto v : mesh.vertices()) surface.nodes.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  for (const auto v : mesh.vertices())
+    surface.nodes.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
   for (const auto f : mesh.faces()) {
     Triangle triangle{};
     std::size_t k = 0;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) triangle[k++] = static_cast<NodeIndex>(v.idx());
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
+      triangle[k++] = static_cast<NodeIndex>(v.idx());
     surface.triangles.push_back(triangle);
   }
   return surface;
@@ -39,7 +42,8 @@ inline Mesh to_mesh(const Surface& surface) {
   Mesh mesh;
   for (const Vec3& node : surface.nodes) mesh.add_vertex(Point(node.x(), node.y(), node.z()));
   for (const auto& [a, b, c] : surface.triangles)
-    mesh.add_face(Mesh::Vertex_index(static_cast<Mesh::size_type>(a)), Mesh::Vertex_index(static_cast<Mesh::size_type>(b)),
+    mesh.add_face(Mesh::Vertex_index(static_cast<Mesh::size_type>(a)),
+                  Mesh::Vertex_index(static_cast<Mesh::size_type>(b)),
                   Mesh::Vertex_index(static_cast<Mesh::size_type>(c)));
   return mesh;
 }

@@ -15,7 +15,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::int64_t most_corners = 10'000;   // of one polygon
+constexpr std::int64_t most_corners = 10'000;  // of one polygon
 
 // Collects corners of one polygon after another; indices are checked at the end, when all nodes are known.
 struct Builder {
@@ -26,7 +26,8 @@ struct Builder {
   void end_polygon() {
     for (const std::int64_t node : polygon) greatest = std::max(greatest, node);
     for (std::size_t k = 1; k + 1 < polygon.size(); ++k)
-      surface.triangles.push_back({static_cast<NodeIndex>(polygon[0]), static_cast<NodeIndex>(polygon[k]), static_cast<NodeIndex>(polygon[k + 1])});
+      surface.triangles.push_back({static_cast<NodeIndex>(polygon[0]), static_cast<NodeIndex>(polygon[k]),
+                                   static_cast<NodeIndex>(polygon[k + 1])});
     polygon.clear();
   }
 };
@@ -34,8 +35,10 @@ struct Builder {
 void read_obj_corner(Scanner& in, Builder& out, std::string_view corner) {
   std::int64_t index = 0;
   const auto known = static_cast<std::int64_t>(out.surface.nodes.size());
-  if (!parse_integer(corner.substr(0, corner.find('/')), index) || index == 0 || index < -known || index > 0x7fffffff)
-    in.fail(fmt::format("'{:.40}' is no vertex of a face, expected a number from 1, or from -1 back to -{}", corner, known));
+  if (!parse_integer(corner.substr(0, corner.find('/')), index) || index == 0 || index < -known ||
+      index > 0x7fffffff)
+    in.fail(fmt::format("'{:.40}' is no vertex of a face, expected a number from 1, or from -1 back to -{}",
+                        corner, known));
   out.polygon.push_back(index > 0 ? index - 1 : known + index);
 }
 
@@ -53,7 +56,8 @@ Vec3 read_obj_vertex(Scanner& in, const std::vector<std::string_view>& word) {
   Vec3 node;
   if (word.size() < 4) in.fail(fmt::format("a vertex with {} coordinates, expected 3", word.size() - 1));
   for (std::size_t k = 0; k < 3; ++k)
-    if (!parse_real(word[k + 1], node[static_cast<Eigen::Index>(k)])) in.fail(fmt::format("'{:.40}' is not a number, expected a coordinate", word[k + 1]));
+    if (!parse_real(word[k + 1], node[static_cast<Eigen::Index>(k)]))
+      in.fail(fmt::format("'{:.40}' is not a number, expected a coordinate", word[k + 1]));
   return node;
 }
 
@@ -65,7 +69,8 @@ void read_obj(Scanner& in, Builder& out) {
     if (word[0] == "v") {
       out.surface.nodes.push_back(read_obj_vertex(in, word));
     } else if (word[0] == "f") {
-      if (word.size() < 4) in.fail(fmt::format("a face with {} vertices, expected at least 3", word.size() - 1));
+      if (word.size() < 4)
+        in.fail(fmt::format("a face with {} vertices, expected at least 3", word.size() - 1));
       for (std::size_t k = 1; k < word.size(); ++k) read_obj_corner(in, out, word[k]);
       out.end_polygon();
     }
@@ -75,7 +80,8 @@ void read_obj(Scanner& in, Builder& out) {
 void read_off(Scanner& in, Builder& out) {
   in.comment('#');
   const std::string kind(in.token("OFF"));
-  if (kind != "OFF" && kind != "COFF" && kind != "NOFF" && kind != "CNOFF") in.fail("is not an OFF file, expected OFF in the first line");
+  if (kind != "OFF" && kind != "COFF" && kind != "NOFF" && kind != "CNOFF")
+    in.fail("is not an OFF file, expected OFF in the first line");
   const std::size_t nodes = in.count("a number of vertices", 6), faces = in.count("a number of faces", 2);
   in.integer("a number of edges");
   std::string_view rest;
@@ -84,11 +90,12 @@ void read_off(Scanner& in, Builder& out) {
   for (std::size_t i = 0; i < nodes; ++i) {
     const double x = in.real("x"), y = in.real("y"), z = in.real("z");
     out.surface.nodes.emplace_back(x, y, z);
-    in.line(rest);                                   // colours and normals
+    in.line(rest);  // colours and normals
   }
   for (std::size_t i = 0; i < faces; ++i) {
     const std::int64_t corners = in.integer("a number of corners", 1, most_corners);
-    for (std::int64_t k = 0; k < corners; ++k) out.polygon.push_back(in.integer("a vertex number", 0, 0x7fffffff));
+    for (std::int64_t k = 0; k < corners; ++k)
+      out.polygon.push_back(in.integer("a vertex number", 0, 0x7fffffff));
     out.end_polygon();
     in.line(rest);
   }
@@ -99,9 +106,9 @@ class Welder {
  public:
   explicit Welder(Builder& out) : out_(out) {}
   void corner(const Vec3& point) {
-    const std::array<double, 3> key{point.x() + 0.0, point.y() + 0.0, point.z() + 0.0};   // -0 is 0
+    const std::array<double, 3> key{point.x() + 0.0, point.y() + 0.0, point.z() + 0.0};  // -0 is 0
     if (key[0] != key[0] || key[1] != key[1] || key[2] != key[2]) {
-      out_.surface.nodes.push_back(point);            // refused later, with the other coordinates that are not finite
+      out_.surface.nodes.push_back(point);  // refused later, with the other coordinates that are not finite
       out_.polygon.push_back(static_cast<std::int64_t>(out_.surface.nodes.size()) - 1);
       return;
     }
@@ -118,7 +125,7 @@ class Welder {
 void read_stl_text(Scanner& in, Builder& out) {
   Welder weld(out);
   std::string_view line;
-  in.line(line);                                      // solid NAME
+  in.line(line);  // solid NAME
   bool ended = false;
   while (!in.at_end()) {
     const std::string word = lower_case(in.token("facet"));
@@ -128,14 +135,16 @@ void read_stl_text(Scanner& in, Builder& out) {
     } else if (word == "solid") {
       in.line(line);
     } else if (word == "facet") {
-      in.line(line);                                  // normal …
-      if (lower_case(in.token("outer")) != "outer" || lower_case(in.token("loop")) != "loop") in.fail("expected 'outer loop'");
+      in.line(line);  // normal …
+      if (lower_case(in.token("outer")) != "outer" || lower_case(in.token("loop")) != "loop")
+        in.fail("expected 'outer loop'");
       std::string next;
       while ((next = lower_case(in.token("vertex"))) == "vertex") {
         const double x = in.real("x"), y = in.real("y"), z = in.real("z");
         weld.corner({x, y, z});
       }
-      if (next != "endloop" || lower_case(in.token("endfacet")) != "endfacet") in.fail("expected 'endloop' and 'endfacet'");
+      if (next != "endloop" || lower_case(in.token("endfacet")) != "endfacet")
+        in.fail("expected 'endloop' and 'endfacet'");
       if (out.polygon.size() < 3) in.fail("a facet with fewer than 3 vertices");
       out.end_polygon();
     } else {
@@ -150,7 +159,8 @@ void read_stl(Scanner& in, Builder& out) {
   if (in.content().size() >= 84) std::memcpy(&n, in.content().data() + 80, 4);
   if (std::endian::native == std::endian::big) n = byte_swapped(n);
   // Binary files may begin with "solid" as well: their length tells.
-  const bool binary = in.content().size() >= 84 && in.content().size() == 84 + 50 * static_cast<std::size_t>(n);
+  const bool binary =
+      in.content().size() >= 84 && in.content().size() == 84 + 50 * static_cast<std::size_t>(n);
   if (!binary && lower_case(in.content().substr(0, 5)) == "solid") return read_stl_text(in, out);
   in.swap_bytes(std::endian::native == std::endian::big);
   in.bytes(84, "a header of 84 bytes");
@@ -179,7 +189,7 @@ class PlyReader {
 
  private:
   struct Property {
-    std::string name, type, count_type;   // count_type empty: a single value
+    std::string name, type, count_type;  // count_type empty: a single value
   };
   struct Element {
     std::string name;
@@ -188,26 +198,31 @@ class PlyReader {
   };
 
   static std::size_t size_of(const std::string& type) {
-    static const std::map<std::string, std::size_t> sizes{{"char", 1},  {"int8", 1},   {"uchar", 1},  {"uint8", 1},   {"short", 2},
-                                                          {"int16", 2}, {"ushort", 2}, {"uint16", 2}, {"int", 4},     {"int32", 4},
-                                                          {"uint", 4},  {"uint32", 4}, {"float", 4},  {"float32", 4}, {"double", 8},
-                                                          {"float64", 8}};
+    static const std::map<std::string, std::size_t> sizes{
+        {"char", 1},   {"int8", 1},    {"uchar", 1},  {"uint8", 1},  {"short", 2}, {"int16", 2},
+        {"ushort", 2}, {"uint16", 2},  {"int", 4},    {"int32", 4},  {"uint", 4},  {"uint32", 4},
+        {"float", 4},  {"float32", 4}, {"double", 8}, {"float64", 8}};
     const auto found = sizes.find(type);
     return found == sizes.end() ? 0 : found->second;
   }
 
   void read_header() {
     std::string_view line;
-    if (!in_.line(line) || trim(line) != "ply") in_.fail("is not a PLY file, expected 'ply' in the first line");
+    if (!in_.line(line) || trim(line) != "ply")
+      in_.fail("is not a PLY file, expected 'ply' in the first line");
     for (;;) {
       if (!in_.line(line)) in_.fail("the file ends before end_header");
       const std::vector<std::string_view> word = words(line);
       if (word.empty() || word[0] == "comment" || word[0] == "obj_info") continue;
       if (word[0] == "end_header") break;
-      if (word[0] == "format" && word.size() >= 2) read_format(std::string(word[1]));
-      else if (word[0] == "element" && word.size() == 3) read_element(word);
-      else if (word[0] == "property" && !elements_.empty()) read_property(word);
-      else in_.fail(fmt::format("'{:.40}' stands where element, property or end_header was expected", line));
+      if (word[0] == "format" && word.size() >= 2)
+        read_format(std::string(word[1]));
+      else if (word[0] == "element" && word.size() == 3)
+        read_element(word);
+      else if (word[0] == "property" && !elements_.empty())
+        read_property(word);
+      else
+        in_.fail(fmt::format("'{:.40}' stands where element, property or end_header was expected", line));
     }
     if (!formatted_) in_.fail("the header has no format");
     for (const Element& element : elements_) check_element(element);
@@ -223,15 +238,18 @@ class PlyReader {
 
   void read_element(const std::vector<std::string_view>& word) {
     std::int64_t n = 0;
-    if (!parse_integer(word[2], n) || n < 0) in_.fail(fmt::format("'{:.40}' is no count, expected a whole number", word[2]));
+    if (!parse_integer(word[2], n) || n < 0)
+      in_.fail(fmt::format("'{:.40}' is no count, expected a whole number", word[2]));
     elements_.push_back({std::string(word[1]), static_cast<std::size_t>(n), {}});
   }
 
   void read_property(const std::vector<std::string_view>& word) {
     const bool list = word.size() == 5 && word[1] == "list";
     if (!list && word.size() != 3) in_.fail("a property has a name and a type, or list and two types");
-    Property property{std::string(word.back()), std::string(word[word.size() - 2]), list ? std::string(word[2]) : std::string()};
-    if (size_of(property.type) == 0 || (list && size_of(property.count_type) == 0)) in_.fail("the type of a property is unknown");
+    Property property{std::string(word.back()), std::string(word[word.size() - 2]),
+                      list ? std::string(word[2]) : std::string()};
+    if (size_of(property.type) == 0 || (list && size_of(property.count_type) == 0))
+      in_.fail("the type of a property is unknown");
     elements_.back().properties.push_back(std::move(property));
   }
 
@@ -240,7 +258,8 @@ class PlyReader {
     std::size_t least = 0;
     for (const Property& property : element.properties)
       least += !binary_ ? 1 : size_of(property.count_type.empty() ? property.type : property.count_type);
-    if (least == 0 && element.count > 0) in_.fail(fmt::format("element {:.40} has no properties", element.name));
+    if (least == 0 && element.count > 0)
+      in_.fail(fmt::format("element {:.40} has no properties", element.name));
     if (least > 0) in_.check_count(element.count, least, element.name.c_str());
   }
 
@@ -248,16 +267,21 @@ class PlyReader {
     if (!binary_) return in_.real("a number");
     const bool is_unsigned = type[0] == 'u';
     switch (size_of(type)) {
-      case 1: return is_unsigned ? in_.raw<std::uint8_t>("a number") : in_.raw<std::int8_t>("a number");
-      case 2: return is_unsigned ? in_.raw<std::uint16_t>("a number") : in_.raw<std::int16_t>("a number");
+      case 1:
+        return is_unsigned ? in_.raw<std::uint8_t>("a number") : in_.raw<std::int8_t>("a number");
+      case 2:
+        return is_unsigned ? in_.raw<std::uint16_t>("a number") : in_.raw<std::int16_t>("a number");
       case 4:
         if (type[0] == 'f') return in_.raw<float>("a number");
         return is_unsigned ? in_.raw<std::uint32_t>("a number") : in_.raw<std::int32_t>("a number");
-      default: return in_.raw<double>("a number");
+      default:
+        return in_.raw<double>("a number");
     }
   }
 
-  [[noreturn]] void fail(const std::string& problem) { binary_ ? in_.fail_binary(problem) : in_.fail(problem); }
+  [[noreturn]] void fail(const std::string& problem) {
+    binary_ ? in_.fail_binary(problem) : in_.fail(problem);
+  }
 
   void read_item(const Element& element) {
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
@@ -271,12 +295,14 @@ class PlyReader {
         continue;
       }
       const double corners = value(property.count_type);
-      if (!(corners >= 0) || corners > static_cast<double>(in_.remaining())) fail(fmt::format("a list of {} entries does not fit", corners));
+      if (!(corners >= 0) || corners > static_cast<double>(in_.remaining()))
+        fail(fmt::format("a list of {} entries does not fit", corners));
       const bool wanted = is_face && (property.name == "vertex_indices" || property.name == "vertex_index");
       for (std::size_t k = 0; k < static_cast<std::size_t>(corners); ++k) {
         const double index = value(property.type);
         if (!wanted) continue;
-        if (!(index >= 0) || index > 0x7fffffff || index != std::floor(index)) fail(fmt::format("{} is no vertex, expected a number from 0", index));
+        if (!(index >= 0) || index > 0x7fffffff || index != std::floor(index))
+          fail(fmt::format("{} is no vertex, expected a number from 0", index));
         out_.polygon.push_back(static_cast<std::int64_t>(index));
       }
     }
@@ -293,9 +319,11 @@ class PlyReader {
 void check_surface(const Surface& surface, std::int64_t greatest, const std::string& where) {
   if (surface.triangles.empty()) throw InputError(where, "holds no triangles, expected a surface");
   if (greatest >= static_cast<std::int64_t>(surface.nodes.size()))
-    throw InputError(where, fmt::format("a face names vertex {} (from 0), but there are {}", greatest, surface.nodes.size()));
+    throw InputError(where, fmt::format("a face names vertex {} (from 0), but there are {}", greatest,
+                                        surface.nodes.size()));
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
-    if (!surface.nodes[i].allFinite()) throw InputError(where, fmt::format("vertex {} (from 0) has a coordinate that is not finite", i));
+    if (!surface.nodes[i].allFinite())
+      throw InputError(where, fmt::format("vertex {} (from 0) has a coordinate that is not finite", i));
 }
 
 }  // namespace
@@ -308,13 +336,19 @@ bool is_surface_file(const std::filesystem::path& file) {
 Surface read_surface(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   if (!is_surface_file(file))
-    throw InputError(file.string(), fmt::format("unknown kind of surface '{}', expected .obj, .off, .stl or .ply", extension));
+    throw InputError(
+        file.string(),
+        fmt::format("unknown kind of surface '{}', expected .obj, .off, .stl or .ply", extension));
   Scanner in(read_file(file), file.string());
   Builder out;
-  if (extension == ".obj") read_obj(in, out);
-  else if (extension == ".off") read_off(in, out);
-  else if (extension == ".stl") read_stl(in, out);
-  else PlyReader(in, out).read();
+  if (extension == ".obj")
+    read_obj(in, out);
+  else if (extension == ".off")
+    read_off(in, out);
+  else if (extension == ".stl")
+    read_stl(in, out);
+  else
+    PlyReader(in, out).read();
   check_surface(out.surface, out.greatest, file.string());
   return std::move(out.surface);
 }

@@ -5,7 +5,7 @@
 
 namespace forefeel {
 
-double area(const Surface& surface);                                // [m^2]
+double area(const Surface& surface);  // [m^2]
 bool intersects_itself(const Surface& surface);
 // A closed surface around everything, offset outward by a twentieth of alpha [m] (CGAL alpha_wrap_3).
 Surface alpha_wrap(const Surface& surface, double alpha);

@@ -56,7 +56,8 @@ std::size_t drop_crumbs(Mesh& mesh) {
   auto part = mesh.add_property_map<Mesh::Face_index, std::size_t>("f:part").first;
   const std::size_t parts = PMP::connected_components(mesh, part);
   std::vector<double> six_volumes(parts, 0);
-  const cgal::Point origin = mesh.number_of_vertices() ? mesh.point(*mesh.vertices().begin()) : cgal::Point(0, 0, 0);
+  const cgal::Point origin =
+      mesh.number_of_vertices() ? mesh.point(*mesh.vertices().begin()) : cgal::Point(0, 0, 0);
   for (const auto f : mesh.faces()) {
     cgal::Point corner[3];
     int k = 0;
@@ -74,22 +75,29 @@ std::size_t drop_crumbs(Mesh& mesh) {
   return keep.size();
 }
 
-bool is_solid(const Mesh& mesh) { return !mesh.is_empty() && CGAL::is_closed(mesh) && !PMP::does_self_intersect(mesh); }
+bool is_solid(const Mesh& mesh) {
+  return !mesh.is_empty() && CGAL::is_closed(mesh) && !PMP::does_self_intersect(mesh);
+}
 
 // In place; false where the mesh cannot be made solid by local means.
 bool repair_locally(Mesh& mesh, RepairReport& report) {
   report.holes = fill_holes(mesh);
   if (!CGAL::is_closed(mesh)) return false;
   report.components = drop_crumbs(mesh);
-  if (report.self_intersections > 0 || PMP::does_self_intersect(mesh)) PMP::experimental::remove_self_intersections(mesh);
+  if (report.self_intersections > 0 || PMP::does_self_intersect(mesh))
+    PMP::experimental::remove_self_intersections(mesh);
   return is_solid(mesh);
 }
 
-double diagonal(const Surface& surface) { return bounding_box(surface).size().norm(); }
+double diagonal(const Surface& surface) {
+  return bounding_box(surface).size().norm();
+}
 
 }  // namespace
 
-bool intersects_itself(const Surface& surface) { return PMP::does_self_intersect(cgal::to_mesh(surface)); }
+bool intersects_itself(const Surface& surface) {
+  return PMP::does_self_intersect(cgal::to_mesh(surface));
+}
 
 Surface alpha_wrap(const Surface& surface, double alpha) {
   const Soup soup = cgal::to_soup(surface);
@@ -114,7 +122,7 @@ Surface repair(const Surface& surface, RepairReport& report) {
       report.reoriented = report.reoriented || before < 0;
     }
   } catch (const CGAL::Failure_exception&) {
-    solid = false;     // the wrap below copes with anything
+    solid = false;  // the wrap below copes with anything
   }
   if (solid) {
     result = cgal::from_mesh(mesh);
@@ -131,7 +139,8 @@ Surface repair(const Surface& surface, RepairReport& report) {
     }
   }
   const double side = bounding_box(result).size().maxCoeff();
-  if (!(enclosed_volume(result) > 1e-9 * side * side * side)) throw InputError("surface", "encloses no volume, expected a closed surface");
+  if (!(enclosed_volume(result) > 1e-9 * side * side * side))
+    throw InputError("surface", "encloses no volume, expected a closed surface");
   report.triangles_after = result.triangles.size();
   return result;
 }

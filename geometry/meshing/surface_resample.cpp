@@ -29,16 +29,18 @@ using Tree = CGAL::AABB_tree<CGAL::AABB_traits<cgal::Kernel, CGAL::AABB_face_gra
 void decimate(Mesh& mesh, double share) {
   SMS::GarlandHeckbert_plane_policies<Mesh, cgal::Kernel> policies(mesh);
   SMS::Count_ratio_stop_predicate<Mesh> stop(share);
-  SMS::edge_collapse(mesh, stop, CGAL::parameters::get_cost(policies.get_cost()).get_placement(policies.get_placement()));
+  SMS::edge_collapse(mesh, stop,
+                     CGAL::parameters::get_cost(policies.get_cost()).get_placement(policies.get_placement()));
   mesh.collect_garbage();
 }
 
 // Largest distance from points of `from`, no more than `step` apart, to `to`.
 double one_sided_distance(const Surface& from, const Surface& to, double step) {
   const cgal::Soup soup = cgal::to_soup(to);
-  Mesh mesh;      // a soup may be non-manifold: each triangle stands alone
+  Mesh mesh;  // a soup may be non-manifold: each triangle stands alone
   for (const auto& face : soup.second) {
-    const auto a = mesh.add_vertex(soup.first[face[0]]), b = mesh.add_vertex(soup.first[face[1]]), c = mesh.add_vertex(soup.first[face[2]]);
+    const auto a = mesh.add_vertex(soup.first[face[0]]), b = mesh.add_vertex(soup.first[face[1]]),
+               c = mesh.add_vertex(soup.first[face[2]]);
     if (!CGAL::collinear(mesh.point(a), mesh.point(b), mesh.point(c))) mesh.add_face(a, b, c);
   }
   if (mesh.number_of_faces() == 0) return 0;
@@ -46,7 +48,9 @@ double one_sided_distance(const Surface& from, const Surface& to, double step) {
   tree.build();
   double largest = 0;
   for (const auto& [ia, ib, ic] : from.triangles) {
-    const Vec3 &a = from.nodes[static_cast<std::size_t>(ia)], u = from.nodes[static_cast<std::size_t>(ib)] - a, v = from.nodes[static_cast<std::size_t>(ic)] - a;
+    const Vec3 &a = from.nodes[static_cast<std::size_t>(ia)],
+               u = from.nodes[static_cast<std::size_t>(ib)] - a,
+               v = from.nodes[static_cast<std::size_t>(ic)] - a;
     const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
     const int n = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, 200);
     for (int i = 0; i <= n; ++i)
@@ -64,7 +68,10 @@ double area(const Surface& surface) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles) {
     const Vec3& origin = surface.nodes[static_cast<std::size_t>(a)];
-    sum += (surface.nodes[static_cast<std::size_t>(b)] - origin).cross(surface.nodes[static_cast<std::size_t>(c)] - origin).norm() / 2;
+    sum += (surface.nodes[static_cast<std::size_t>(b)] - origin)
+               .cross(surface.nodes[static_cast<std::size_t>(c)] - origin)
+               .norm() /
+           2;
   }
   return sum;
 }
@@ -77,8 +84,10 @@ Surface resample(const Surface& surface, double edge) {
     if (far_finer > 1) decimate(mesh, 1 / far_finer);
     auto sharp = get(CGAL::edge_is_feature, mesh);
     PMP::detect_sharp_edges(mesh, 50, sharp);
-    PMP::isotropic_remeshing(mesh.faces(), edge, mesh,
-                             CGAL::parameters::number_of_iterations(5).number_of_relaxation_steps(3).edge_is_constrained_map(sharp));
+    PMP::isotropic_remeshing(
+        mesh.faces(), edge, mesh,
+        CGAL::parameters::number_of_iterations(5).number_of_relaxation_steps(3).edge_is_constrained_map(
+            sharp));
   } catch (const CGAL::Failure_exception&) {
     return surface;
   }

@@ -29,7 +29,9 @@ std::vector<int> regions_of(const TetMesh& mesh, const Surface& surface) {
   std::vector<int> parent(mesh.tets.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
-    while (parent[static_cast<std::size_t>(i)] != i) i = parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
+    while (parent[static_cast<std::size_t>(i)] != i)
+      i = parent[static_cast<std::size_t>(i)] =
+          parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
     return i;
   };
   for (std::size_t i = 0; i + 1 < sides.size(); ++i)
@@ -50,7 +52,9 @@ double solid_angle(const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
 double winding_number(const Surface& surface, const Vec3& q) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles)
-    sum += solid_angle(q, surface.nodes[static_cast<std::size_t>(a)], surface.nodes[static_cast<std::size_t>(b)], surface.nodes[static_cast<std::size_t>(c)]);
+    sum +=
+        solid_angle(q, surface.nodes[static_cast<std::size_t>(a)], surface.nodes[static_cast<std::size_t>(b)],
+                    surface.nodes[static_cast<std::size_t>(c)]);
   return sum;
 }
 
@@ -73,7 +77,7 @@ void compact(TetMesh& mesh, std::size_t keep) {
 
 void drop_cavities(TetMesh& mesh, const Surface& surface) {
   const std::vector<int> region = regions_of(mesh, surface);
-  std::vector<int> inside(mesh.tets.size(), -1);      // by region: -1 not looked at yet
+  std::vector<int> inside(mesh.tets.size(), -1);  // by region: -1 not looked at yet
   std::vector<Tet> kept;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     int& known = inside[static_cast<std::size_t>(region[t])];

@@ -22,7 +22,9 @@
 #include <tetgen.h>
 #undef terminatetetgen
 void terminatetetgen(tetgenmesh*, int code);
-void terminatetetgen(tetgenmesh*, int code) { _exit(100 + code); }
+void terminatetetgen(tetgenmesh*, int code) {
+  _exit(100 + code);
+}
 
 namespace forefeel {
 namespace {
@@ -32,7 +34,8 @@ using Clock = std::chrono::steady_clock;
 // A power of two (so that scaling is exact) that brings the body to a size TetGen's tolerances suit.
 double scale_for(const Surface& surface) {
   double side = 0;
-  for (const Vec3& node : surface.nodes) side = std::max(side, (node - surface.nodes.front()).cwiseAbs().maxCoeff());
+  for (const Vec3& node : surface.nodes)
+    side = std::max(side, (node - surface.nodes.front()).cwiseAbs().maxCoeff());
   return side > 0 && std::isfinite(side) ? std::exp2(6 - std::ilogb(side)) : 1;
 }
 
@@ -52,7 +55,8 @@ void load(tetgenio& in, const Surface& surface, double scale) {
     tetgenio::polygon& polygon = facet.polygonlist[0];
     tetgenio::init(&polygon);
     polygon.numberofvertices = 3;
-    polygon.vertexlist = new int[3]{surface.triangles[i][0], surface.triangles[i][1], surface.triangles[i][2]};
+    polygon.vertexlist =
+        new int[3]{surface.triangles[i][0], surface.triangles[i][1], surface.triangles[i][2]};
   }
 }
 
@@ -80,9 +84,10 @@ bool write_all(int descriptor, const void* data, std::size_t size) {
     _exit(100);
   }
   const std::int64_t counts[2] = {result.numberofpoints, result.numberoftetrahedra};
-  const bool written = write_all(out, counts, sizeof counts) &&
-                       write_all(out, result.pointlist, sizeof(REAL) * 3 * static_cast<std::size_t>(counts[0])) &&
-                       write_all(out, result.tetrahedronlist, sizeof(int) * 4 * static_cast<std::size_t>(counts[1]));
+  const bool written =
+      write_all(out, counts, sizeof counts) &&
+      write_all(out, result.pointlist, sizeof(REAL) * 3 * static_cast<std::size_t>(counts[0])) &&
+      write_all(out, result.tetrahedronlist, sizeof(int) * 4 * static_cast<std::size_t>(counts[1]));
   _exit(written ? 0 : 99);
 }
 
@@ -114,12 +119,18 @@ std::size_t parts(const Surface& surface) {
 std::string reason(int status) {
   if (WIFSIGNALED(status)) return fmt::format("TetGen crashed (signal {})", WTERMSIG(status));
   switch (WEXITSTATUS(status)) {
-    case 101: return "TetGen ran out of memory";
-    case 103: return "the surface intersects itself";
-    case 104: return "the surface has features too small for TetGen";
-    case 105: return "the surface has facets that nearly touch";
-    case 110: return "TetGen rejects the surface";
-    default: return fmt::format("TetGen failed (code {})", WEXITSTATUS(status) - 100);
+    case 101:
+      return "TetGen ran out of memory";
+    case 103:
+      return "the surface intersects itself";
+    case 104:
+      return "the surface has features too small for TetGen";
+    case 105:
+      return "the surface has facets that nearly touch";
+    case 110:
+      return "TetGen rejects the surface";
+    default:
+      return fmt::format("TetGen failed (code {})", WEXITSTATUS(status) - 100);
   }
 }
 
@@ -134,14 +145,15 @@ std::optional<TetMesh> unpack(const std::string& data, double scale) {
   std::memcpy(static_cast<void*>(mesh.nodes.data()), data.data() + sizeof counts, 24 * points);
   std::memcpy(mesh.tets.data(), data.data() + sizeof counts + 24 * points, 16 * tets);
   for (Vec3& node : mesh.nodes) node /= scale;
-  for (std::size_t t = 0; t < tets; ++t)    // TetGen's own orientation is the opposite of ours
+  for (std::size_t t = 0; t < tets; ++t)  // TetGen's own orientation is the opposite of ours
     if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
   return mesh;
 }
 
 }  // namespace
 
-std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options, std::string& problem) {
+std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options,
+                                      std::string& problem) {
   std::string switches = fmt::format("pQO7/7q{:.3f}/{:.1f}", options.radius_edge, options.min_dihedral_deg);
   if (options.keep_surface) switches += "Y";
   const double scale = scale_for(surface);
@@ -154,7 +166,8 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
     run_child(ends[1], surface, scale, switches);
   }
   ::close(ends[1]);
-  if (child < 0) return ::close(ends[0]), problem = fmt::format("no process: {}", std::strerror(errno)), std::nullopt;
+  if (child < 0)
+    return ::close(ends[0]), problem = fmt::format("no process: {}", std::strerror(errno)), std::nullopt;
   std::string data;
   const bool in_time = drain(ends[0], Clock::now() + options.patience, data);
   ::close(ends[0]);
@@ -162,24 +175,30 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!in_time) return problem = fmt::format("TetGen did not finish within {} s", options.patience.count()), std::nullopt;
+  if (!in_time)
+    return problem = fmt::format("TetGen did not finish within {} s", options.patience.count()), std::nullopt;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return problem = reason(status), std::nullopt;
   std::optional<TetMesh> mesh = unpack(data, scale);
   if (!mesh) problem = "TetGen's answer was cut short";
   if (mesh && options.keep_surface && parts(surface) > 1) drop_cavities(*mesh, surface);
   // With new nodes on the surface we cannot tell them from inner ones: then none moves.
-  if (mesh && options.improve) improve(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
+  if (mesh && options.improve)
+    improve(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
   return mesh;
 }
 
 namespace {
 
-double log_ratio(std::size_t count, double asked) { return std::abs(std::log(static_cast<double>(count) / asked)); }
+double log_ratio(std::size_t count, double asked) {
+  return std::abs(std::log(static_cast<double>(count) / asked));
+}
 
 // The volume bound whose mesh comes nearest to a count.
 class BoundSearch {
  public:
-  BoundSearch(const Surface& surface, TetFillOptions options) : surface_(surface), options_(options) { options_.improve = false; }
+  BoundSearch(const Surface& surface, TetFillOptions options) : surface_(surface), options_(options) {
+    options_.improve = false;
+  }
 
   struct Result {
     std::optional<TetMesh> mesh;
@@ -191,7 +210,8 @@ class BoundSearch {
     const auto attempt = [&](double bound) -> std::size_t {
       const std::optional<TetMesh>& mesh = fill(bound, best.problem);
       if (!mesh || mesh->tets.empty()) return 0;
-      if (!best.mesh || log_ratio(mesh->tets.size(), asked) < log_ratio(best.mesh->tets.size(), asked)) best.mesh = mesh;
+      if (!best.mesh || log_ratio(mesh->tets.size(), asked) < log_ratio(best.mesh->tets.size(), asked))
+        best.mesh = mesh;
       return mesh->tets.size();
     };
     const auto near = [&](std::size_t count) { return log_ratio(count, asked) <= std::log1p(share); };
@@ -225,7 +245,8 @@ class BoundSearch {
 
 }  // namespace
 
-CountedFill fill_to_count(const Surface& surface, std::size_t elements, double share, TetFillOptions options) {
+CountedFill fill_to_count(const Surface& surface, std::size_t elements, double share,
+                          TetFillOptions options) {
   CountedFill result;
   BoundSearch search(surface, options);
   const auto asked = static_cast<double>(elements);
@@ -240,7 +261,8 @@ CountedFill fill_to_count(const Surface& surface, std::size_t elements, double s
     improve(*raw.mesh, {.fixed_nodes = surface.nodes.size()});
     const std::size_t count = raw.mesh->tets.size();
     left_by_flips = static_cast<double>(count) / before;
-    if (!result.mesh || log_ratio(count, asked) < log_ratio(result.mesh->tets.size(), asked)) result.mesh = std::move(*raw.mesh);
+    if (!result.mesh || log_ratio(count, asked) < log_ratio(result.mesh->tets.size(), asked))
+      result.mesh = std::move(*raw.mesh);
     if (log_ratio(result.mesh->tets.size(), asked) <= std::log1p(share)) break;
   }
   result.too_fine = result.too_fine && static_cast<double>(result.mesh->tets.size()) > asked * (1 + share);

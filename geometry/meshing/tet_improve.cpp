@@ -12,7 +12,7 @@
 namespace forefeel {
 namespace {
 
-constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};   // outward, opposite node i
+constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
 
 // Least sine of a dihedral angle, negative where the tetrahedron is turned: small angles and those near 180 degrees
 // count alike, and no trigonometry is needed. sin = 3/2 V l / (A_i A_j) with l the edge that the faces share.
@@ -20,7 +20,8 @@ double shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 p[4] = {a, b, c, d};
   const double six_volume = (b - a).cross(c - a).dot(d - a);
   double area[4];
-  for (int i = 0; i < 4; ++i) area[i] = (p[faces[i][1]] - p[faces[i][0]]).cross(p[faces[i][2]] - p[faces[i][0]]).norm();
+  for (int i = 0; i < 4; ++i)
+    area[i] = (p[faces[i][1]] - p[faces[i][0]]).cross(p[faces[i][2]] - p[faces[i][0]]).norm();
   double least = 1;
   for (int i = 0; i < 4; ++i)
     for (int j = i + 1; j < 4; ++j) {
@@ -34,13 +35,15 @@ double shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 using Key = std::uint64_t;
-Key face_key(NodeIndex a, NodeIndex b, NodeIndex c) {      // up to two million nodes
+Key face_key(NodeIndex a, NodeIndex b, NodeIndex c) {  // up to two million nodes
   if (a > b) std::swap(a, b);
   if (b > c) std::swap(b, c);
   if (a > b) std::swap(a, b);
   return static_cast<Key>(a) << 42 | static_cast<Key>(b) << 21 | static_cast<Key>(c);
 }
-Key edge_key(NodeIndex a, NodeIndex b) { return static_cast<Key>(std::min(a, b)) << 32 | static_cast<Key>(std::max(a, b)); }
+Key edge_key(NodeIndex a, NodeIndex b) {
+  return static_cast<Key>(std::min(a, b)) << 32 | static_cast<Key>(std::max(a, b));
+}
 
 class Improver {
  public:
@@ -74,9 +77,12 @@ class Improver {
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
       for (int side = 0; side < 4; ++side) {
         const Tet& tet = mesh_.tets[t];
-        result.push_back({face_key(tet[std::size_t(faces[side][0])], tet[std::size_t(faces[side][1])], tet[std::size_t(faces[side][2])]), static_cast<int>(t), side});
+        result.push_back({face_key(tet[std::size_t(faces[side][0])], tet[std::size_t(faces[side][1])],
+                                   tet[std::size_t(faces[side][2])]),
+                          static_cast<int>(t), side});
       }
-    std::ranges::sort(result, [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+    std::ranges::sort(
+        result, [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
     return result;
   }
 
@@ -87,12 +93,14 @@ class Improver {
     std::vector<std::vector<int>> outer(mesh_.tets.size());
     std::vector<Key> surface_edges;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool twin = (i > 0 && all[i - 1].key == all[i].key) || (i + 1 < all.size() && all[i + 1].key == all[i].key);
+      const bool twin =
+          (i > 0 && all[i - 1].key == all[i].key) || (i + 1 < all.size() && all[i + 1].key == all[i].key);
       if (twin) continue;
       outer[std::size_t(all[i].tet)].push_back(all[i].side);
       const Tet& tet = mesh_.tets[std::size_t(all[i].tet)];
       for (int k = 0; k < 3; ++k)
-        surface_edges.push_back(edge_key(tet[std::size_t(faces[all[i].side][k])], tet[std::size_t(faces[all[i].side][(k + 1) % 3])]));
+        surface_edges.push_back(edge_key(tet[std::size_t(faces[all[i].side][k])],
+                                         tet[std::size_t(faces[all[i].side][(k + 1) % 3])]));
     }
     std::ranges::sort(surface_edges);
     const double limit = std::sin(options_.peel_below_deg * std::numbers::pi / 180);
@@ -101,7 +109,9 @@ class Improver {
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       if (outer[t].size() < 2 || outer[t].size() > 3) continue;
       const Tet& tet = mesh_.tets[t];
-      if (shape_of(tet) > limit || std::ranges::any_of(tet, [&](NodeIndex node) { return busy[std::size_t(node)] != 0; })) continue;
+      if (shape_of(tet) > limit ||
+          std::ranges::any_of(tet, [&](NodeIndex node) { return busy[std::size_t(node)] != 0; }))
+        continue;
       // Two faces i and j: their common edge joins the other nodes, the new edge joins nodes i and j.
       const NodeIndex i = tet[std::size_t(outer[t][0])], j = tet[std::size_t(outer[t][1])];
       if (outer[t].size() == 2 && std::ranges::binary_search(surface_edges, edge_key(i, j))) continue;
@@ -119,7 +129,9 @@ class Improver {
     std::vector<Vec3> normals;
     for (const int side : on_surface) {
       const Vec3& a = at(tet[std::size_t(faces[side][0])]);
-      normals.push_back((at(tet[std::size_t(faces[side][1])]) - a).cross(at(tet[std::size_t(faces[side][2])]) - a).normalized());
+      normals.push_back((at(tet[std::size_t(faces[side][1])]) - a)
+                            .cross(at(tet[std::size_t(faces[side][2])]) - a)
+                            .normalized());
     }
     for (std::size_t k = 1; k < normals.size(); ++k)
       if (normals[0].dot(normals[k]) < 0.5) return false;
@@ -129,16 +141,18 @@ class Improver {
     const Vec3 a = at(tet[1]) - at(tet[0]), b = at(tet[2]) - at(tet[0]), c = at(tet[3]) - at(tet[0]);
     const double six_volume = a.cross(b).dot(c);
     double height = 0;
-    if (on_surface.size() == 2) {       // between the edge that goes and the one that comes
+    if (on_surface.size() == 2) {  // between the edge that goes and the one that comes
       const NodeIndex i = tet[std::size_t(on_surface[0])], j = tet[std::size_t(on_surface[1])];
       NodeIndex other[2]{}, n = 0;
       for (const NodeIndex node : tet)
         if (node != i && node != j) other[n++] = node;
       height = six_volume / (at(i) - at(j)).cross(at(other[0]) - at(other[1])).norm();
-    } else {                            // of the tip over the face inside
+    } else {  // of the tip over the face inside
       const int inside = 6 - on_surface[0] - on_surface[1] - on_surface[2];
       const Vec3& p = at(tet[std::size_t(faces[inside][0])]);
-      height = six_volume / (at(tet[std::size_t(faces[inside][1])]) - p).cross(at(tet[std::size_t(faces[inside][2])]) - p).norm();
+      height = six_volume / (at(tet[std::size_t(faces[inside][1])]) - p)
+                                .cross(at(tet[std::size_t(faces[inside][2])]) - p)
+                                .norm();
     }
     return height < 0.1 * shortest;
   }
@@ -173,10 +187,11 @@ class Improver {
       if (touched[s] || touched[t]) continue;
       const Tet one = mesh_.tets[s], two = mesh_.tets[t];
       const NodeIndex top = two[std::size_t(all[i + 1].side)], bottom = one[std::size_t(all[i].side)];
-      const int* f = faces[all[i].side];       // outward from `one`, so towards top
+      const int* f = faces[all[i].side];  // outward from `one`, so towards top
       const NodeIndex a = one[std::size_t(f[0])], b = one[std::size_t(f[1])], c = one[std::size_t(f[2])];
       const double before = std::min(shape_of(one), shape_of(two));
-      const std::array<Tet, 3> flipped{Tet{a, b, top, bottom}, Tet{b, c, top, bottom}, Tet{c, a, top, bottom}};
+      const std::array<Tet, 3> flipped{Tet{a, b, top, bottom}, Tet{b, c, top, bottom},
+                                       Tet{c, a, top, bottom}};
       const std::array<Tet, 3> turned{Tet{a, b, bottom, top}, Tet{b, c, bottom, top}, Tet{c, a, bottom, top}};
       const std::array<Tet, 3>& best = shape_of(flipped[0]) > 0 ? flipped : turned;
       if (worst(best) <= before * 1.001 + 1e-9) continue;
@@ -200,21 +215,25 @@ class Improver {
     std::unordered_map<Key, std::vector<int>> around;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
       for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = i + 1; j < 4; ++j) around[edge_key(mesh_.tets[t][i], mesh_.tets[t][j])].push_back(static_cast<int>(t));
+        for (std::size_t j = i + 1; j < 4; ++j)
+          around[edge_key(mesh_.tets[t][i], mesh_.tets[t][j])].push_back(static_cast<int>(t));
     std::vector<Key> order;
     order.reserve(around.size());
     for (const auto& [key, tets] : around)
       if (tets.size() >= 3 && tets.size() <= 7) order.push_back(key);
-    std::ranges::sort(order);        // the map's own order differs between libraries
+    std::ranges::sort(order);  // the map's own order differs between libraries
     std::vector<char> touched(mesh_.tets.size(), 0), gone(mesh_.tets.size(), 0);
     for (const Key key : order) {
       const std::vector<int>& tets = around[key];
       if (std::ranges::any_of(tets, [&](int t) { return touched[std::size_t(t)] != 0; })) continue;
-      if (std::optional<std::vector<Tet>> better = remove_edge(static_cast<NodeIndex>(key >> 32), static_cast<NodeIndex>(key & 0xffffffff), tets)) {
+      if (std::optional<std::vector<Tet>> better = remove_edge(
+              static_cast<NodeIndex>(key >> 32), static_cast<NodeIndex>(key & 0xffffffff), tets)) {
         for (const int t : tets) touched[std::size_t(t)] = 1, gone[std::size_t(t)] = 1;
         for (std::size_t k = 0; k < better->size(); ++k) {
-          if (k < tets.size()) mesh_.tets[std::size_t(tets[k])] = (*better)[k], gone[std::size_t(tets[k])] = 0;
-          else extra_.push_back((*better)[k]);
+          if (k < tets.size())
+            mesh_.tets[std::size_t(tets[k])] = (*better)[k], gone[std::size_t(tets[k])] = 0;
+          else
+            extra_.push_back((*better)[k]);
         }
       }
     }
@@ -255,11 +274,12 @@ class Improver {
     if (n < 3) return std::nullopt;
     double before = 1;
     for (const int t : tets) before = std::min(before, shape_of(mesh_.tets[std::size_t(t)]));
-    if (before > 0.5) return std::nullopt;      // 30 degrees: good enough
-    const bool upward = shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;   // ring turns about p -> q
+    if (before > 0.5) return std::nullopt;                                    // 30 degrees: good enough
+    const bool upward = shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;  // ring turns about p -> q
     const auto pair_of = [&](std::size_t i, std::size_t k, std::size_t j) {
       const NodeIndex a = nodes[i], b = nodes[k], c = nodes[j];
-      return upward ? std::array<Tet, 2>{Tet{a, b, c, q}, Tet{a, c, b, p}} : std::array<Tet, 2>{Tet{a, b, c, p}, Tet{a, c, b, q}};
+      return upward ? std::array<Tet, 2>{Tet{a, b, c, q}, Tet{a, c, b, p}}
+                    : std::array<Tet, 2>{Tet{a, b, c, p}, Tet{a, c, b, q}};
     };
     // Best triangulation of the ring by dynamic programming (Klincsek): best(i, j) of the polygon i..j.
     double best[8][8];
@@ -280,7 +300,8 @@ class Improver {
   }
 
   template <class Pair>
-  static void collect(std::size_t i, std::size_t j, const std::size_t (&split)[8][8], const Pair& pair_of, std::vector<Tet>& out) {
+  static void collect(std::size_t i, std::size_t j, const std::size_t (&split)[8][8], const Pair& pair_of,
+                      std::vector<Tet>& out) {
     if (j - i < 2) return;
     const std::size_t k = split[i][j];
     for (const Tet& tet : pair_of(i, k, j)) out.push_back(tet);
@@ -315,7 +336,7 @@ class Improver {
 
   void move(std::size_t i, const std::vector<int>& star, bool on_surface) {
     double value = worst_around(star);
-    if (value > (on_surface ? 0.17 : 0.5)) return;      // sines of 10 and 30 degrees
+    if (value > (on_surface ? 0.17 : 0.5)) return;  // sines of 10 and 30 degrees
     double longest = 0;
     Vec3 mean = Vec3::Zero();
     for (const int t : star)
@@ -339,6 +360,8 @@ class Improver {
 
 }  // namespace
 
-void improve(TetMesh& mesh, const ImproveOptions& options) { Improver(mesh, options).run(); }
+void improve(TetMesh& mesh, const ImproveOptions& options) {
+  Improver(mesh, options).run();
+}
 
 }  // namespace forefeel

@@ -11,9 +11,9 @@
 namespace forefeel {
 
 struct ImproveOptions {
-  std::size_t fixed_nodes = 0;      // the first nodes stay where they are: those of the surface
+  std::size_t fixed_nodes = 0;  // the first nodes stay where they are: those of the surface
   int rounds = 4;
-  double peel_below_deg = 6;        // dihedral angle under which a sliver on the surface goes
+  double peel_below_deg = 6;  // dihedral angle under which a sliver on the surface goes
 };
 
 void improve(TetMesh& mesh, const ImproveOptions& options);

@@ -11,12 +11,13 @@
 namespace forefeel {
 namespace {
 
-constexpr double share = 0.05;        // how far the count may be off
-constexpr double close_enough = 0.02; // where the search stops
+constexpr double share = 0.05;         // how far the count may be off
+constexpr double close_enough = 0.02;  // where the search stops
 
 void scale(Surface& surface, double length, const std::string& name) {
   const double side = bounding_box(surface).size().maxCoeff();
-  if (!(length > 0) || !std::isfinite(length)) throw InputError(name, fmt::format("length {} m, expected a positive number", length));
+  if (!(length > 0) || !std::isfinite(length))
+    throw InputError(name, fmt::format("length {} m, expected a positive number", length));
   if (!(side > 0)) throw InputError(name, "has no extent, expected a closed surface");
   for (Vec3& node : surface.nodes) node *= length / side;
 }
@@ -34,12 +35,14 @@ double edge_for(const Surface& surface, std::size_t elements) {
 }
 
 bool meets(const std::optional<TetMesh>& mesh, std::size_t elements) {
-  return mesh && std::abs(static_cast<double>(mesh->tets.size()) / static_cast<double>(elements) - 1) <= share;
+  return mesh &&
+         std::abs(static_cast<double>(mesh->tets.size()) / static_cast<double>(elements) - 1) <= share;
 }
 
 class Attempts {
  public:
-  Attempts(const Surface& input, Surface closed, const TetrahedraliseOptions& options, RepairReport& repair_report)
+  Attempts(const Surface& input, Surface closed, const TetrahedraliseOptions& options,
+           RepairReport& repair_report)
       : input_(input), closed_(std::move(closed)), options_(options), repair_(repair_report) {}
 
   TetMesh run() {
@@ -47,16 +50,20 @@ class Attempts {
     for (int k = 0; k < 14; ++k) {
       CountedFill fill = fill_to_count(skin(edge), options_.elements, close_enough);
       if (meets(fill.mesh, options_.elements)) return std::move(*fill.mesh);
-      if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_)) log_ratio_ = log_ratio(*fill.mesh);
+      if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_))
+        log_ratio_ = log_ratio(*fill.mesh);
       if (!fill.mesh && ++failures_ == 3) wrap();
       problem_ = fill.problem;
       edge *= fill.too_fine ? 1.1 : 0.94;
     }
-    throw InputError(options_.name, fmt::format("{} elements cannot be met within 5 %, {}", options_.elements, excuse()));
+    throw InputError(options_.name,
+                     fmt::format("{} elements cannot be met within 5 %, {}", options_.elements, excuse()));
   }
 
  private:
-  double log_ratio(const TetMesh& mesh) const { return std::log(static_cast<double>(mesh.tets.size()) / static_cast<double>(options_.elements)); }
+  double log_ratio(const TetMesh& mesh) const {
+    return std::log(static_cast<double>(mesh.tets.size()) / static_cast<double>(options_.elements));
+  }
 
   // The surface at the right density, free of intersections.
   Surface skin(double edge) {
@@ -72,7 +79,9 @@ class Attempts {
   }
 
   std::string excuse() const {
-    if (std::isfinite(log_ratio_)) return fmt::format("the nearest is {:.0f}", static_cast<double>(options_.elements) * std::exp(log_ratio_));
+    if (std::isfinite(log_ratio_))
+      return fmt::format("the nearest is {:.0f}",
+                         static_cast<double>(options_.elements) * std::exp(log_ratio_));
     return problem_.empty() ? "TetGen gives no mesh" : problem_;
   }
 
@@ -89,14 +98,17 @@ TetMesh fill_as_given(const Surface& closed, const std::string& name) {
   std::string problem;
   std::optional<TetMesh> mesh = fill_with_tets(closed, {}, problem);
   if (!mesh) mesh = fill_with_tets(closed, {.keep_surface = false}, problem);
-  if (!mesh || mesh->tets.empty()) throw InputError(name, fmt::format("cannot be filled with tetrahedra: {}", problem));
+  if (!mesh || mesh->tets.empty())
+    throw InputError(name, fmt::format("cannot be filled with tetrahedra: {}", problem));
   return std::move(*mesh);
 }
 
 }  // namespace
 
-TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options, TetrahedraliseReport* report) {
-  if (surface.triangles.empty()) throw InputError(options.name, "holds no triangles, expected a closed surface");
+TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
+                       TetrahedraliseReport* report) {
+  if (surface.triangles.empty())
+    throw InputError(options.name, "holds no triangles, expected a closed surface");
   Surface input = surface;
   if (options.length) scale(input, *options.length, options.name);
   TetrahedraliseReport local;
@@ -105,7 +117,8 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
   TetMesh mesh;
   try {
     const Surface closed = repair(input, out.repair);
-    mesh = options.elements == 0 ? fill_as_given(closed, options.name) : Attempts(input, closed, options, out.repair).run();
+    mesh = options.elements == 0 ? fill_as_given(closed, options.name)
+                                 : Attempts(input, closed, options, out.repair).run();
   } catch (const InputError& error) {
     if (error.where() != "surface" || options.name == "surface") throw;
     throw InputError(options.name, std::string(error.what()).substr(std::string("surface: ").size()));

@@ -4,12 +4,18 @@ namespace forefeel {
 
 std::string_view name(SolveStatus status) {
   switch (status) {
-    case SolveStatus::converged: return "converged";
-    case SolveStatus::diverged: return "diverged";
-    case SolveStatus::stalled: return "stalled";
-    case SolveStatus::inverted: return "inverted";
-    case SolveStatus::cancelled: return "cancelled";
-    case SolveStatus::measured: return "measured";
+    case SolveStatus::converged:
+      return "converged";
+    case SolveStatus::diverged:
+      return "diverged";
+    case SolveStatus::stalled:
+      return "stalled";
+    case SolveStatus::inverted:
+      return "inverted";
+    case SolveStatus::cancelled:
+      return "cancelled";
+    case SolveStatus::measured:
+      return "measured";
   }
   return "unknown";
 }

@@ -25,23 +25,23 @@ struct StateId {
 
 enum class SolveStatus : std::uint8_t { converged, diverged, stalled, inverted, cancelled, measured };
 std::string_view name(SolveStatus status);
-std::optional<SolveStatus> solve_status(std::string_view name);   // the inverse of name()
+std::optional<SolveStatus> solve_status(std::string_view name);  // the inverse of name()
 
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct State {
-  Vec3 at = Vec3::Zero();                        // [m]
-  Vec3 force = Vec3::Constant(unknown);          // [N]
-  Mat3 stiffness = Mat3::Constant(unknown);      // [N/m]
-  double energy = unknown;                       // [J]
-  double spacing = unknown;                      // target spacing of an adaptive lattice here [m]
+  Vec3 at = Vec3::Zero();                    // [m]
+  Vec3 force = Vec3::Constant(unknown);      // [N]
+  Mat3 stiffness = Mat3::Constant(unknown);  // [N/m]
+  double energy = unknown;                   // [J]
+  double spacing = unknown;                  // target spacing of an adaptive lattice here [m]
   SolveStatus status = SolveStatus::measured;
-  bool multivalued = false;                      // another path reaches another stable equilibrium
+  bool multivalued = false;  // another path reaches another stable equilibrium
   int iterations = 0;
-  double residual = unknown;                     // relative to the force
-  double seconds = unknown;                      // time of the solve [s]
-  double min_jacobian = unknown;                 // least det F over the elements
-  Vec3 parent = Vec3::Constant(unknown);         // position whose solution the solve started from [m]
+  double residual = unknown;              // relative to the force
+  double seconds = unknown;               // time of the solve [s]
+  double min_jacobian = unknown;          // least det F over the elements
+  Vec3 parent = Vec3::Constant(unknown);  // position whose solution the solve started from [m]
   std::shared_ptr<const std::vector<double>> displacements;  // #V x 3 row by row [m], only if the scene asks
 
   bool usable() const { return status == SolveStatus::converged || status == SolveStatus::measured; }

@@ -14,7 +14,8 @@
 namespace forefeel {
 namespace {
 
-constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22", "k23", "k31", "k32", "k33"};
+constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22",
+                                                       "k23", "k31", "k32", "k33"};
 
 // Rows of comma-separated cells under a header line; blank lines and comments are passed over.
 class CsvReader {
@@ -22,11 +23,14 @@ class CsvReader {
   // required: columns that must be there, in this order where the file has no header line (only if that is allowed).
   CsvReader(const std::filesystem::path& file, std::span<const char* const> required, bool header_optional)
       : in_(read_file(file), file.string()) {
-    if (in_.content().starts_with("\xef\xbb\xbf")) in_.seek(3);   // byte order mark
+    if (in_.content().starts_with("\xef\xbb\xbf")) in_.seek(3);  // byte order mark
     const std::size_t start = in_.position();
-    if (!split()) throw InputError(in_.name(), fmt::format("holds no header line, expected {}", fmt::join(required, ",")));
+    if (!split())
+      throw InputError(in_.name(),
+                       fmt::format("holds no header line, expected {}", fmt::join(required, ",")));
     double number = 0;
-    if (header_optional && std::ranges::all_of(cells_, [&](std::string_view cell) { return parse_real(cell, number); })) {
+    if (header_optional &&
+        std::ranges::all_of(cells_, [&](std::string_view cell) { return parse_real(cell, number); })) {
       for (std::size_t i = 0; i < required.size(); ++i) columns_[required[i]] = i;
       width_ = required.size();
       in_.seek(start);
@@ -46,8 +50,10 @@ class CsvReader {
 
   double finite(const std::string& column) {
     double value = 0;
-    if (!parse_real(text(column), value)) in_.fail(fmt::format("column {}: '{:.40}' is not a number", column, text(column)));
-    if (!std::isfinite(value)) in_.fail(fmt::format("column {}: '{:.40}' is not finite", column, text(column)));
+    if (!parse_real(text(column), value))
+      in_.fail(fmt::format("column {}: '{:.40}' is not a number", column, text(column)));
+    if (!std::isfinite(value))
+      in_.fail(fmt::format("column {}: '{:.40}' is not finite", column, text(column)));
     return value;
   }
   // Empty or nan: unknown.
@@ -72,7 +78,8 @@ class CsvReader {
     for (;;) {
       const std::size_t comma = line.find(',');
       std::string_view cell = trim(line.substr(0, comma));
-      if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+      if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+        cell = cell.substr(1, cell.size() - 2);
       cells_.push_back(cell);
       if (comma == std::string_view::npos) return true;
       line.remove_prefix(comma + 1);
@@ -88,7 +95,8 @@ class CsvReader {
         in_.fail(fmt::format("column {:.40} is there twice", cells_[i]));
     for (const char* column : required)
       if (!columns_.contains(column))
-        in_.fail(fmt::format("no column {}, expected a header line with {}", column, fmt::join(required, ",")));
+        in_.fail(
+            fmt::format("no column {}, expected a header line with {}", column, fmt::join(required, ",")));
   }
 
   Scanner in_;
@@ -106,14 +114,17 @@ Mat3 read_stiffness(CsvReader& in) {
     stiffness(i / 3, i % 3) = in.optional(stiffness_columns[static_cast<std::size_t>(i)]);
     known += std::isfinite(stiffness(i / 3, i % 3));
   }
-  if (known != 0 && known != 9) in.fail("the stiffness is only partly known, expected all of k11 to k33 or none");
+  if (known != 0 && known != 9)
+    in.fail("the stiffness is only partly known, expected all of k11 to k33 or none");
   return stiffness;
 }
 
 SolveStatus read_status(CsvReader& in) {
   if (in.has("status")) {
     const auto status = solve_status(in.text("status"));
-    if (!status) in.fail(fmt::format("status '{:.40}' is unknown, expected converged, measured, diverged, …", in.text("status")));
+    if (!status)
+      in.fail(fmt::format("status '{:.40}' is unknown, expected converged, measured, diverged, …",
+                          in.text("status")));
     return *status;
   }
   if (!in.has("converged")) return SolveStatus::measured;
@@ -146,30 +157,38 @@ class CsvWriter {
   fmt::memory_buffer text_;
 };
 
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
+std::string cell(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+}
 
 }  // namespace
 
 std::vector<State> read_states_csv(const std::filesystem::path& file) {
   constexpr std::array<const char*, 6> required{"x", "y", "z", "fx", "fy", "fz"};
   CsvReader in(file, required, false);
-  const auto given = std::ranges::count_if(stiffness_columns, [&](const char* column) { return in.has(column); });
-  if (given != 0 && given != 9) in.fail(fmt::format("{} of the nine columns k11 to k33, expected all or none", given));
+  const auto given =
+      std::ranges::count_if(stiffness_columns, [&](const char* column) { return in.has(column); });
+  if (given != 0 && given != 9)
+    in.fail(fmt::format("{} of the nine columns k11 to k33, expected all or none", given));
   std::vector<State> states;
   while (in.next()) {
     State state;
     state.at = in.vector("x", "y", "z");
     state.status = read_status(in);
-    if (state.usable()) state.force = in.vector("fx", "fy", "fz");
-    else state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
+    if (state.usable())
+      state.force = in.vector("fx", "fy", "fz");
+    else
+      state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
     if (given == 9) state.stiffness = read_stiffness(in);
     // Squares must not overflow.
     if (std::max(state.at.cwiseAbs().maxCoeff(), state.force.cwiseAbs().maxCoeff()) > largest_number ||
         (given == 9 && state.has_stiffness() && state.stiffness.cwiseAbs().maxCoeff() > largest_number))
-      in.fail(fmt::format("a position, force or stiffness is above {:g} in size, expected SI units", largest_number));
+      in.fail(fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
+                          largest_number));
     if (in.has("h")) {
       state.spacing = in.optional("h");
-      if (state.spacing <= 0) in.fail(fmt::format("column h: {} is not a spacing, expected a positive number", state.spacing));
+      if (state.spacing <= 0)
+        in.fail(fmt::format("column h: {} is not a spacing, expected a positive number", state.spacing));
     }
     if (in.has("energy")) state.energy = in.optional("energy");
     states.push_back(std::move(state));
@@ -188,7 +207,9 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
 }
 
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
-  const auto some = [&](auto&& has) { return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); }); };
+  const auto some = [&](auto&& has) {
+    return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
+  };
   const bool with_k = some([](const State& s) { return s.has_stiffness(); });
   const bool with_h = some([](const State& s) { return std::isfinite(s.spacing); });
   const bool with_energy = some([](const State& s) { return std::isfinite(s.energy); });
@@ -198,7 +219,8 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
   out.put("{}{}\n", with_h ? ",h" : "", with_energy ? ",energy" : "");
   for (const State& state : states) {
     if (!state.usable()) continue;
-    out.put("{},{},{},{},{},{}", state.at.x(), state.at.y(), state.at.z(), state.force.x(), state.force.y(), state.force.z());
+    out.put("{},{},{},{},{},{}", state.at.x(), state.at.y(), state.at.z(), state.force.x(), state.force.y(),
+            state.force.z());
     for (int i = 0; with_k && i < 9; ++i) out.put(",{}", cell(state.stiffness(i / 3, i % 3)));
     if (with_h) out.put(",{}", cell(state.spacing));
     if (with_energy) out.put(",{}", cell(state.energy));
@@ -212,19 +234,21 @@ LoadedStates load_states(const std::filesystem::path& file) {
   const std::string content_start = read_start(file, 16);
   if (content_start.starts_with("SQLite format 3")) {
     const StateFile states = StateFile::open_read_only(file);
-    states.check_pages();   // before anything is written on the strength of it
+    states.check_pages();  // before anything is written on the strength of it
     loaded.header = states.header();
     loaded.states = states.read_all();
     loaded.damaged = states.damaged();
     return loaded;
   }
-  if (content_start.find('\0') != std::string::npos) throw InputError(file.string(), "is neither a state file nor a CSV of states");
+  if (content_start.find('\0') != std::string::npos)
+    throw InputError(file.string(), "is neither a state file nor a CSV of states");
   loaded.states = read_states_csv(file);
   loaded.header.box = {loaded.states.front().at, loaded.states.front().at};
   for (const State& state : loaded.states) {
     loaded.header.box.low = loaded.header.box.low.cwiseMin(state.at);
     loaded.header.box.high = loaded.header.box.high.cwiseMax(state.at);
-    if (std::isfinite(state.spacing) && !(loaded.header.spacing >= state.spacing)) loaded.header.spacing = state.spacing;
+    if (std::isfinite(state.spacing) && !(loaded.header.spacing >= state.spacing))
+      loaded.header.spacing = state.spacing;
   }
   return loaded;
 }

@@ -26,10 +26,10 @@ namespace fs = std::filesystem;
   const int code = sqlite3_errcode(database) & 0xff;
   const char* meaning = code == SQLITE_CORRUPT || code == SQLITE_NOTADB ? "is damaged or no state file"
                         : code == SQLITE_BUSY || code == SQLITE_LOCKED  ? "is in use by another process"
-                        : code == SQLITE_FULL                           ? "cannot be written, the disk is full"
-                        : code == SQLITE_READONLY                       ? "cannot be written, it is read-only"
-                        : code == SQLITE_IOERR                          ? "cannot be read or written"
-                                                                        : "is not a usable state file";
+                        : code == SQLITE_FULL     ? "cannot be written, the disk is full"
+                        : code == SQLITE_READONLY ? "cannot be written, it is read-only"
+                        : code == SQLITE_IOERR    ? "cannot be read or written"
+                                                  : "is not a usable state file";
   throw InputError(where, fmt::format("{} ({})", meaning, sqlite3_errmsg(database)));
 }
 
@@ -49,7 +49,7 @@ void execute(sqlite3* database, const std::string& where, const char* sql) {
 
 namespace {
 
-constexpr int application_id = 0x46465331;   // "FFS1"
+constexpr int application_id = 0x46465331;  // "FFS1"
 constexpr int schema_version = 1;
 
 constexpr const char* schema = R"sql(
@@ -67,10 +67,12 @@ CREATE TABLE states (
 )sql";
 
 constexpr const char* columns =
-    "x, y, z, fx, fy, fz, k11, k12, k13, k21, k22, k23, k31, k32, k33, energy, h, status, multivalued, iterations, "
+    "x, y, z, fx, fy, fz, k11, k12, k13, k21, k22, k23, k31, k32, k33, energy, h, status, multivalued, "
+    "iterations, "
     "residual, seconds, min_jacobian, parent_x, parent_y, parent_z, displacements";
 constexpr const char* insert_values = "?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?";
-constexpr std::array<const char*, 6> box_keys{"box_low_x", "box_low_y", "box_low_z", "box_high_x", "box_high_y", "box_high_z"};
+constexpr std::array<const char*, 6> box_keys{"box_low_x",  "box_low_y",  "box_low_z",
+                                              "box_high_x", "box_high_y", "box_high_z"};
 
 // Held as long as the file is open for appending: one writer at a time. A file of its own beside the database, since
 // closing any descriptor of the database would drop SQLite's own locks. The lock dies with its process.
@@ -79,17 +81,24 @@ class WriterLock {
   explicit WriterLock(const fs::path& file) : path_(file.string() + "-lock") {
     for (;;) {
       descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (descriptor_ < 0) throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+      if (descriptor_ < 0)
+        throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
       if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         const int error = errno;
         const std::string owner = read_owner();
         ::close(descriptor_);
-        throw InputError(file.string(), error == EWOULDBLOCK ? fmt::format("is being written by another process{}, expected one writer", owner)
-                                                             : fmt::format("cannot be locked: {}", std::strerror(error)));
+        throw InputError(
+            file.string(),
+            error == EWOULDBLOCK
+                ? fmt::format("is being written by another process{}, expected one writer", owner)
+                : fmt::format("cannot be locked: {}", std::strerror(error)));
       }
       // The last owner may have removed the name between open and flock: then we hold a file nobody else will find.
-      struct stat ours {}, named {};
-      if (::fstat(descriptor_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 && ours.st_ino == named.st_ino && ours.st_dev == named.st_dev) break;
+      struct stat ours {
+      }, named{};
+      if (::fstat(descriptor_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+          ours.st_ino == named.st_ino && ours.st_dev == named.st_dev)
+        break;
       ::close(descriptor_);
     }
     const std::string owner = fmt::format("{}\n", ::getpid());
@@ -133,7 +142,8 @@ void check_schema(sqlite3* database, const std::string& where) {
     throw InputError(where, "is a database, but not a state file");
   Statement version(database, where, "PRAGMA user_version");
   if (!version.step() || version.integer(0) != schema_version)
-    throw InputError(where, fmt::format("has schema version {}, expected {}", version.integer(0), schema_version));
+    throw InputError(where,
+                     fmt::format("has schema version {}, expected {}", version.integer(0), schema_version));
   Statement probe(database, where, fmt::format("SELECT {} FROM states LIMIT 0", columns).c_str());
   probe.step();
 }
@@ -148,7 +158,8 @@ StateFileHeader read_header(sqlite3* database, const std::string& where) {
   while (numbers.step()) {
     if (numbers.text(0) == "spacing") header.spacing = numbers.real(1);
     for (Eigen::Index i = 0; i < 6; ++i)
-      if (numbers.text(0) == box_keys[static_cast<std::size_t>(i)]) (i < 3 ? header.box.low[i] : header.box.high[i - 3]) = numbers.real(1);
+      if (numbers.text(0) == box_keys[static_cast<std::size_t>(i)])
+        (i < 3 ? header.box.low[i] : header.box.high[i - 3]) = numbers.real(1);
   }
   return header;
 }
@@ -167,7 +178,8 @@ void write_header(sqlite3* database, const std::string& where, const StateFileHe
     insert.step(), insert.reset();
   };
   put("spacing", header.spacing);
-  for (Eigen::Index i = 0; i < 6; ++i) put(box_keys[static_cast<std::size_t>(i)], i < 3 ? header.box.low[i] : header.box.high[i - 3]);
+  for (Eigen::Index i = 0; i < 6; ++i)
+    put(box_keys[static_cast<std::size_t>(i)], i < 3 ? header.box.low[i] : header.box.high[i - 3]);
 }
 
 // What a process that is no more left of such a file: NAME.PID.part and its journal.
@@ -194,7 +206,10 @@ void create(const fs::path& file, const StateFileHeader& header) {
   fs::remove(temporary, ignored);
   try {
     const Database database = open_database(temporary, where, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
-    execute(database.get(), where, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; BEGIN", application_id, schema_version).c_str());
+    execute(database.get(), where,
+            fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; BEGIN", application_id,
+                        schema_version)
+                .c_str());
     execute(database.get(), where, schema);
     write_header(database.get(), where, header);
     execute(database.get(), where, "COMMIT");
@@ -212,7 +227,8 @@ void create(const fs::path& file, const StateFileHeader& header) {
 std::string shown(const BodyIdentity& identity, const std::string& key) {
   const auto found = identity.find(key);
   if (found == identity.end()) return "none";
-  const bool digest = found->second.find("sha256") != std::string::npos;   // a person compares its beginning at most
+  const bool digest =
+      found->second.find("sha256") != std::string::npos;  // a person compares its beginning at most
   return digest && found->second.size() > 24 ? found->second.substr(0, 24) + "…" : found->second;
 }
 
@@ -226,9 +242,11 @@ void check_same_body(const std::string& where, const BodyIdentity& in_file, cons
   for (const auto& [key, value] : keys) {
     const auto a = in_file.find(key), b = ours.find(key);
     if (a != in_file.end() && b != ours.end() && a->second == b->second) continue;
-    differs += fmt::format("{}{} (file {}, here {})", differs.empty() ? "" : ", ", key, shown(in_file, key), shown(ours, key));
+    differs += fmt::format("{}{} (file {}, here {})", differs.empty() ? "" : ", ", key, shown(in_file, key),
+                           shown(ours, key));
   }
-  if (!differs.empty()) throw InputError(where, fmt::format("belongs to another body, different: {}", differs));
+  if (!differs.empty())
+    throw InputError(where, fmt::format("belongs to another body, different: {}", differs));
 }
 
 namespace {
@@ -243,7 +261,8 @@ State read_row(Statement& row, const std::string& where) {
   state.energy = row.real(i++);
   state.spacing = row.real(i++);
   const std::optional<SolveStatus> status = solve_status(row.text(i++));
-  if (!status) throw InputError(where, fmt::format("a state has the unknown status '{:.20}'", row.text(i - 1)));
+  if (!status)
+    throw InputError(where, fmt::format("a state has the unknown status '{:.20}'", row.text(i - 1)));
   state.status = *status;
   state.multivalued = row.integer(i++) != 0;
   state.iterations = static_cast<int>(row.integer(i++));
@@ -252,17 +271,20 @@ State read_row(Statement& row, const std::string& where) {
   state.min_jacobian = row.real(i++);
   for (int k = 0; k < 3; ++k) state.parent[k] = row.real(i++);
   if (const std::string_view bytes = row.bytes(i); !bytes.empty()) {
-    if (bytes.size() % (3 * sizeof(double)) != 0) throw InputError(where, "a state's displacements are cut short");
+    if (bytes.size() % (3 * sizeof(double)) != 0)
+      throw InputError(where, "a state's displacements are cut short");
     std::vector<double> displacements(bytes.size() / sizeof(double));
     std::memcpy(displacements.data(), bytes.data(), bytes.size());
     state.displacements = std::make_shared<const std::vector<double>>(std::move(displacements));
   }
   if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
     throw InputError(where, "a state has a position or force that is not finite");
-  static constexpr double largest_number = 1e100;   // squares must not overflow
+  static constexpr double largest_number = 1e100;  // squares must not overflow
   const auto too_large = [](const auto& values) { return (values.array().abs() > largest_number).any(); };
   if (too_large(state.at) || too_large(state.force) || too_large(state.stiffness))
-    throw InputError(where, fmt::format("a position, force or stiffness is above {:g} in size, expected SI units", largest_number));
+    throw InputError(where,
+                     fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
+                                 largest_number));
   return state;
 }
 
@@ -281,7 +303,8 @@ std::int64_t checksum_of(const State& state) {
   for (int k = 0; k < 3; ++k) number(state.force[k]);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) number(state.stiffness(r, c));
-  for (const double value : {state.energy, state.spacing, state.residual, state.seconds, state.min_jacobian}) number(value);
+  for (const double value : {state.energy, state.spacing, state.residual, state.seconds, state.min_jacobian})
+    number(value);
   for (int k = 0; k < 3; ++k) number(state.parent[k]);
   for (const char letter : name(state.status)) take(static_cast<unsigned char>(letter));
   take(state.multivalued ? 2 : 1);
@@ -308,8 +331,10 @@ void bind_row(Statement& insert, const State& state) {
   insert.bind(i++, state.seconds);
   insert.bind(i++, state.min_jacobian);
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.parent[k]);
-  if (state.displacements) insert.bind_bytes(i, state.displacements->data(), state.displacements->size() * sizeof(double));
-  else insert.bind_null(i);
+  if (state.displacements)
+    insert.bind_bytes(i, state.displacements->data(), state.displacements->size() * sizeof(double));
+  else
+    insert.bind_null(i);
   insert.bind(++i, checksum_of(state));
 }
 
@@ -322,11 +347,11 @@ bool has_checksums(sqlite3* database, const std::string& where) {
 
 struct StateFile::Impl {
   std::string where;
-  std::unique_ptr<WriterLock> lock;   // released after the database is closed
+  std::unique_ptr<WriterLock> lock;  // released after the database is closed
   Database database;
   StateFileHeader header;
-  bool checksums = true;                // whether the table has the column
-  std::vector<std::int64_t> damaged;    // ids
+  bool checksums = true;              // whether the table has the column
+  std::vector<std::int64_t> damaged;  // ids
 };
 
 StateFile::StateFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -370,11 +395,13 @@ Database open_reader(const fs::path& file) {
     return database;
   };
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (::access(folder.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0) return attempt(where, SQLITE_OPEN_READWRITE);
+  if (::access(folder.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0)
+    return attempt(where, SQLITE_OPEN_READWRITE);
   if (fs::exists(where + "-wal")) return attempt(where, SQLITE_OPEN_READONLY);
   std::string uri = "file:";
   for (const char c : fs::absolute(file).string())
-    uri += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02x}", static_cast<unsigned>(c)) : std::string(1, c);
+    uri += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02x}", static_cast<unsigned>(c))
+                                            : std::string(1, c);
   return attempt(uri + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
 }
 
@@ -390,24 +417,28 @@ StateFile StateFile::open_read_only(const fs::path& file) {
   return StateFile(std::move(impl));
 }
 
-const StateFileHeader& StateFile::header() const { return impl_->header; }
+const StateFileHeader& StateFile::header() const {
+  return impl_->header;
+}
 
 std::vector<State> StateFile::read_all() const {
   std::vector<State> states;
   states.reserve(size());
   Statement rows(impl_->database.get(), impl_->where,
-                 fmt::format("SELECT {}, {}, id FROM states ORDER BY id", columns, impl_->checksums ? "checksum" : "NULL").c_str());
-  constexpr int checksum = 27, id = 28;   // columns
+                 fmt::format("SELECT {}, {}, id FROM states ORDER BY id", columns,
+                             impl_->checksums ? "checksum" : "NULL")
+                     .c_str());
+  constexpr int checksum = 27, id = 28;  // columns
   impl_->damaged.clear();
   while (rows.step()) {
-    if (rows.is_null(checksum)) {   // of a file of before
+    if (rows.is_null(checksum)) {  // of a file of before
       states.push_back(read_row(rows, impl_->where));
       continue;
     }
     std::optional<State> state;
     try {
       state = read_row(rows, impl_->where);
-    } catch (const InputError&) {   // not even a state any more
+    } catch (const InputError&) {  // not even a state any more
     }
     if (state && checksum_of(*state) == rows.integer(checksum))
       states.push_back(*std::move(state));
@@ -418,7 +449,8 @@ std::vector<State> StateFile::read_all() const {
 }
 
 std::string damage_in_words(const std::string& file, std::size_t damaged, bool solved_anew) {
-  return fmt::format("{}: {} a wrong checksum: left out{}", file, damaged == 1 ? "1 state has" : fmt::format("{} states have", damaged),
+  return fmt::format("{}: {} a wrong checksum: left out{}", file,
+                     damaged == 1 ? "1 state has" : fmt::format("{} states have", damaged),
                      solved_anew ? ", to be solved anew" : "");
 }
 
@@ -428,7 +460,9 @@ void StateFile::check_pages() const {
     throw InputError(impl_->where, fmt::format("is damaged or no state file ({:.80})", check.text(0)));
 }
 
-std::size_t StateFile::damaged() const { return impl_->damaged.size(); }
+std::size_t StateFile::damaged() const {
+  return impl_->damaged.size();
+}
 
 std::size_t StateFile::size() const {
   Statement count(impl_->database.get(), impl_->where, "SELECT count(*) FROM states");
@@ -452,7 +486,9 @@ void transact(sqlite3* database, const std::string& where, Work&& work) {
 }
 
 void insert_states(sqlite3* database, const std::string& where, std::span<const State> states) {
-  Statement insert(database, where, fmt::format("INSERT INTO states ({}, checksum) VALUES ({})", columns, insert_values).c_str());
+  Statement insert(
+      database, where,
+      fmt::format("INSERT INTO states ({}, checksum) VALUES ({})", columns, insert_values).c_str());
   for (const State& state : states) {
     bind_row(insert, state);
     insert.step(), insert.reset();
@@ -463,13 +499,16 @@ void insert_states(sqlite3* database, const std::string& where, std::span<const 
 
 void StateFile::append(std::span<const State> states) {
   if (states.empty()) return;
-  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
-  transact(impl_->database.get(), impl_->where, [&] { insert_states(impl_->database.get(), impl_->where, states); });
+  if (!impl_->lock)
+    throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+  transact(impl_->database.get(), impl_->where,
+           [&] { insert_states(impl_->database.get(), impl_->where, states); });
 }
 
 void StateFile::drop_damaged() {
   if (impl_->damaged.empty()) return;
-  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+  if (!impl_->lock)
+    throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
   sqlite3* database = impl_->database.get();
   transact(database, impl_->where, [&] {
     Statement remove(database, impl_->where, "DELETE FROM states WHERE id = ?");
@@ -479,10 +518,12 @@ void StateFile::drop_damaged() {
 }
 
 void StateFile::replace(const StateFileHeader& header, std::span<const State> states) {
-  if (!impl_->lock) throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+  if (!impl_->lock)
+    throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
   sqlite3* database = impl_->database.get();
   transact(database, impl_->where, [&] {
-    execute(database, impl_->where, "DELETE FROM states; DELETE FROM identity; DELETE FROM header; DELETE FROM notes");
+    execute(database, impl_->where,
+            "DELETE FROM states; DELETE FROM identity; DELETE FROM header; DELETE FROM notes");
     write_header(database, impl_->where, header);
     insert_states(database, impl_->where, states);
   });

@@ -33,13 +33,14 @@
 
 namespace forefeel {
 
-using BodyIdentity = std::map<std::string, std::string>;   // e.g. "mesh" -> "sha256 …", "material", "clamp", "contact"
+using BodyIdentity =
+    std::map<std::string, std::string>;  // e.g. "mesh" -> "sha256 …", "material", "clamp", "contact"
 
 struct StateFileHeader {
   BodyIdentity identity;
-  double spacing = unknown;         // [m]
+  double spacing = unknown;  // [m]
   Box box;
-  std::map<std::string, std::string> notes;   // provenance: scene text, versions; free
+  std::map<std::string, std::string> notes;  // provenance: scene text, versions; free
 };
 
 class StateFile {
@@ -55,13 +56,14 @@ class StateFile {
   const StateFileHeader& header() const;
   // In order of insertion; failed solves included, rows whose checksum is wrong (a damaged disk, another hand) left out.
   std::vector<State> read_all() const;
-  void check_pages() const;                            // InputError where the database is not well-formed
-  std::size_t damaged() const;                         // rows that the last read_all() left out
-  void drop_damaged();                                 // takes these out of the file
+  void check_pages() const;     // InputError where the database is not well-formed
+  std::size_t damaged() const;  // rows that the last read_all() left out
+  void drop_damaged();          // takes these out of the file
   std::size_t size() const;
-  void append(std::span<const State> states);          // one transaction, durable on return
-  void replace(const StateFileHeader& header, std::span<const State> states);   // all that it holds, in one transaction
-  
+  void append(std::span<const State> states);  // one transaction, durable on return
+  void replace(const StateFileHeader& header,
+               std::span<const State> states);  // all that it holds, in one transaction
+
  private:
   struct Impl;
   explicit StateFile(std::unique_ptr<Impl> impl);
@@ -78,7 +80,7 @@ class StateWriter {
   StateWriter(StateWriter&&) noexcept;
   StateWriter& operator=(StateWriter&&) noexcept;
   void push(State state);
-  void flush();                                        // returns when all pushed so far is durable
+  void flush();  // returns when all pushed so far is durable
 
  private:
   struct Impl;
@@ -99,7 +101,7 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
 struct LoadedStates {
   StateFileHeader header;
   std::vector<State> states;
-  std::size_t damaged = 0;   // rows of a .states file left out, see StateFile::read_all()
+  std::size_t damaged = 0;  // rows of a .states file left out, see StateFile::read_all()
 };
 LoadedStates load_states(const std::filesystem::path& file);
 

@@ -50,8 +50,11 @@ class VtuWriter {
 
   // value(state, k) is component k of what the array holds.
   template <class T, class Value>
-  void array(std::string_view type, std::string_view name, int width, std::span<const State> states, Value&& value) {
-    output_.write(fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n", type, name, width));
+  void array(std::string_view type, std::string_view name, int width, std::span<const State> states,
+             Value&& value) {
+    output_.write(
+        fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n", type,
+                    name, width));
     Base64 data(output_);
     const std::uint64_t size = sizeof(T) * states.size() * static_cast<std::size_t>(width);
     data.bytes(&size, sizeof size);
@@ -74,10 +77,15 @@ class VtuWriter {
 
 void write_states_vtu(const std::filesystem::path& file, std::span<const State> states) {
   VtuWriter out(file);
-  out.text("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
-  out.text(fmt::format("<Piece NumberOfPoints=\"{0}\" NumberOfCells=\"{0}\">\n<PointData Vectors=\"force\">\n", states.size()));
+  out.text(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+  out.text(
+      fmt::format("<Piece NumberOfPoints=\"{0}\" NumberOfCells=\"{0}\">\n<PointData Vectors=\"force\">\n",
+                  states.size()));
   out.array<double>("Float64", "force", 3, states, [](const State& s, int k) { return s.force[k]; });
-  out.array<double>("Float64", "stiffness", 9, states, [](const State& s, int k) { return s.stiffness(k / 3, k % 3); });
+  out.array<double>("Float64", "stiffness", 9, states,
+                    [](const State& s, int k) { return s.stiffness(k / 3, k % 3); });
   out.array<double>("Float64", "energy", 1, states, [](const State& s, int) { return s.energy; });
   out.array<double>("Float64", "spacing", 1, states, [](const State& s, int) { return s.spacing; });
   out.array<double>("Float64", "residual", 1, states, [](const State& s, int) { return s.residual; });
@@ -85,15 +93,17 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
   out.array<double>("Float64", "min_jacobian", 1, states, [](const State& s, int) { return s.min_jacobian; });
   out.array<double>("Float64", "parent", 3, states, [](const State& s, int k) { return s.parent[k]; });
   out.array<std::int32_t>("Int32", "iterations", 1, states, [](const State& s, int) { return s.iterations; });
-  out.array<std::uint8_t>("UInt8", "status", 1, states, [](const State& s, int) { return static_cast<int>(s.status); });
-  out.array<std::uint8_t>("UInt8", "multivalued", 1, states, [](const State& s, int) { return s.multivalued; });
+  out.array<std::uint8_t>("UInt8", "status", 1, states,
+                          [](const State& s, int) { return static_cast<int>(s.status); });
+  out.array<std::uint8_t>("UInt8", "multivalued", 1, states,
+                          [](const State& s, int) { return s.multivalued; });
   out.text("</PointData>\n<Points>\n");
   out.array<double>("Float64", "position", 3, states, [](const State& s, int k) { return s.at[k]; });
   out.text("</Points>\n<Cells>\n");
   std::int64_t next = 0, end = 0;
   out.array<std::int64_t>("Int64", "connectivity", 1, states, [&](const State&, int) { return next++; });
   out.array<std::int64_t>("Int64", "offsets", 1, states, [&](const State&, int) { return ++end; });
-  out.array<std::uint8_t>("UInt8", "types", 1, states, [](const State&, int) { return 1; });   // VTK_VERTEX
+  out.array<std::uint8_t>("UInt8", "types", 1, states, [](const State&, int) { return 1; });  // VTK_VERTEX
   out.text("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
   out.commit();
 }

@@ -9,8 +9,8 @@
 #include <map>
 #include <tuple>
 
-#include "geometry/common/error.hpp"
 #include "geometry/common/csv_table.hpp"
+#include "geometry/common/error.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/path_shapes.hpp"
 #include "scheduling/motion/random.hpp"
@@ -27,7 +27,8 @@ class Disturbance {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < waves; ++k) {
         const std::uint64_t key = mix(seed, 100 + static_cast<std::uint64_t>(i * waves + k));
-        wave_[i][k] = {tremor * std::sqrt(2.0 / waves), two_pi * (8 + 4 * uniform(key)), two_pi * uniform(mix(key, 1))};
+        wave_[i][k] = {tremor * std::sqrt(2.0 / waves), two_pi * (8 + 4 * uniform(key)),
+                       two_pi * uniform(mix(key, 1))};
       }
   }
 
@@ -44,7 +45,7 @@ class Disturbance {
  private:
   static constexpr int waves = 8;
   struct Wave {
-    double amplitude, frequency, phase;   // [m], [rad/s], [rad]
+    double amplitude, frequency, phase;  // [m], [rad/s], [rad]
   };
   Wave wave_[3][waves];
   double noise_;
@@ -68,7 +69,8 @@ class Curve {
     if (s <= 0) return points_.front();
     if (s > length_.back()) s = loop_start_ + std::fmod(s - loop_start_, loop_length());
     const auto upper = std::upper_bound(length_.begin(), length_.end(), s);
-    const auto i = std::min<std::size_t>(static_cast<std::size_t>(upper - length_.begin()), length_.size() - 1);
+    const auto i =
+        std::min<std::size_t>(static_cast<std::size_t>(upper - length_.begin()), length_.size() - 1);
     const double span = length_[i] - length_[i - 1];
     const double w = span > 0 ? (s - length_[i - 1]) / span : 0;
     return (1 - w) * points_[i - 1] + w * points_[i];
@@ -87,7 +89,7 @@ class Curve {
 // Means over a sliding window of given width, all at once.
 std::vector<Vec3> sliding_mean(const std::vector<Vec3>& in, std::size_t window) {
   std::vector<Vec3> out(in.size());
-  Vec3 sum = static_cast<double>(window) * in.front();   // before the start: at rest
+  Vec3 sum = static_cast<double>(window) * in.front();  // before the start: at rest
   for (std::size_t i = 0; i < in.size(); ++i) {
     sum += in[i] - (i >= window ? in[i - window] : in.front());
     out[i] = sum / static_cast<double>(window);
@@ -105,7 +107,8 @@ class PathDevice final : public Device {
     const double window = std::min(0.010, curve.loop_length() / 8);
     const std::size_t half = 16;
     // The step divides the loop, so that the table closes on itself.
-    const auto steps = std::max<std::size_t>(64, static_cast<std::size_t>(std::ceil(curve.loop_length() / (window / 32))));
+    const auto steps =
+        std::max<std::size_t>(64, static_cast<std::size_t>(std::ceil(curve.loop_length() / (window / 32))));
     step_ = curve.loop_length() / static_cast<double>(steps);
     const std::size_t before = static_cast<std::size_t>(std::ceil(curve.loop_start() / step_)) + 2 * half + 1;
     std::vector<Vec3> table(before + steps + 1);
@@ -142,7 +145,8 @@ class TraceDevice final : public Device {
   Vec3 position(double t, const Vec3&) noexcept override {
     if (t <= times_.front()) return positions_.front();
     if (t >= times_.back()) return positions_.back();
-    const auto i = static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), t) - times_.begin());
+    const auto i =
+        static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), t) - times_.begin());
     const double span = times_[i] - times_[i - 1], w = (t - times_[i - 1]) / span;
     const double w2 = w * w, w3 = w2 * w;
     return (2 * w3 - 3 * w2 + 1) * positions_[i - 1] + (3 * w2 - 2 * w3) * positions_[i] +
@@ -157,21 +161,24 @@ class TraceDevice final : public Device {
 
 using Settings = std::map<std::string, std::string>;
 
-double take_number(Settings& settings, const std::string& spec, const std::string& key, double fallback, double low) {
+double take_number(Settings& settings, const std::string& spec, const std::string& key, double fallback,
+                   double low) {
   const auto found = settings.find(key);
   if (found == settings.end()) return fallback;
   double value = 0;
   const std::string& text = found->second;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low)
-    throw InputError("device " + spec, fmt::format("{} is '{}', expected a number of at least {}", key, text, low));
+    throw InputError("device " + spec,
+                     fmt::format("{} is '{}', expected a number of at least {}", key, text, low));
   settings.erase(found);
   return value;
 }
 
 void reject_rest(const Settings& settings, const std::string& spec, const std::string& accepted) {
   if (!settings.empty())
-    throw InputError("device " + spec, fmt::format("unknown setting '{}', expected {}", settings.begin()->first, accepted));
+    throw InputError("device " + spec,
+                     fmt::format("unknown setting '{}', expected {}", settings.begin()->first, accepted));
 }
 
 // "NAME,key=value,…" into name and settings.
@@ -187,7 +194,8 @@ std::string take_name(std::string arguments, const std::string& spec, Settings& 
     else if (equals == std::string::npos)
       throw InputError("device " + spec, fmt::format("'{}' is not a setting, expected key=value", part));
     else if (!settings.emplace(part.substr(0, equals), part.substr(equals + 1)).second)
-      throw InputError("device " + spec, fmt::format("'{}' is given twice, expected it once", part.substr(0, equals)));
+      throw InputError("device " + spec,
+                       fmt::format("'{}' is given twice, expected it once", part.substr(0, equals)));
   }
   if (name.empty()) throw InputError("device " + spec, "expected a name after the colon");
   return name;
@@ -201,9 +209,13 @@ std::unique_ptr<Device> take_path(const std::string& spec, const std::string& na
   const double amplitude = take_number(settings, spec, "amplitude", 0, 1e-6);
   const double tremor = take_number(settings, spec, "tremor", 0, 0);
   const double noise = take_number(settings, spec, "noise", 0, 0);
-  for (const auto& [key, value, most] : {std::tuple{"speed", speed, 1000.0}, {"amplitude", amplitude, 10.0}, {"tremor", tremor, 1.0}, {"noise", noise, 1.0}})
+  for (const auto& [key, value, most] : {std::tuple{"speed", speed, 1000.0},
+                                         {"amplitude", amplitude, 10.0},
+                                         {"tremor", tremor, 1.0},
+                                         {"noise", noise, 1.0}})
     if (value > most)
-      throw InputError("device " + spec, fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most, key == std::string_view("speed") ? "m/s" : "m"));
+      throw InputError("device " + spec, fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most,
+                                                     key == std::string_view("speed") ? "m/s" : "m"));
   if (amplitude > 0) {
     double farthest = 0;
     for (const auto* part : {&shape.lead, &shape.loop})
@@ -231,7 +243,9 @@ double take_grip(Settings& settings, const std::string& spec) {
       return stiffness;
     }
   if (found->second.find_first_not_of("0123456789.e+-") != std::string::npos)
-    throw InputError("device " + spec, fmt::format("grip is '{}', expected light, medium, firm or a stiffness [N/m]", found->second));
+    throw InputError(
+        "device " + spec,
+        fmt::format("grip is '{}', expected light, medium, firm or a stiffness [N/m]", found->second));
   return take_number(settings, spec, "grip", 0, 1);
 }
 
@@ -289,9 +303,11 @@ std::unique_ptr<Device> make_device(const std::string& spec, const DeviceContext
   const std::size_t colon = spec.find(':');
   const std::string kind = spec.substr(0, colon);
   if (kind != "path" && kind != "trace" && kind != "hand")
-    throw InputError("device " + spec, fmt::format("unknown kind '{}', expected path:NAME, trace:FILE or hand:PROFILE", kind));
+    throw InputError("device " + spec,
+                     fmt::format("unknown kind '{}', expected path:NAME, trace:FILE or hand:PROFILE", kind));
   Settings settings;
-  const std::string name = take_name(colon == std::string::npos ? "" : spec.substr(colon + 1), spec, settings);
+  const std::string name =
+      take_name(colon == std::string::npos ? "" : spec.substr(colon + 1), spec, settings);
   if (kind == "hand") return make_hand(spec, name, std::move(settings), context);
   return kind == "path" ? make_path(spec, name, std::move(settings), context)
                         : make_trace(spec, name, std::move(settings), context);
@@ -310,8 +326,8 @@ Trace read_trace(const std::filesystem::path& file) {
     const Vec3 x(table.at(i, 1), table.at(i, 2), table.at(i, 3));
     if (!trace.times.empty() && t < trace.times.back())
       throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
-                       fmt::format("time goes back to {} s after {} s, expected growing times", table.at(i, 0),
-                                   trace.times.back() + table.at(0, 0)));
+                       fmt::format("time goes back to {} s after {} s, expected growing times",
+                                   table.at(i, 0), trace.times.back() + table.at(0, 0)));
     if (!trace.times.empty() && t == trace.times.back())
       throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
                        fmt::format("a second row at {} s, expected growing times", table.at(i, 0)));

@@ -23,8 +23,8 @@
 namespace forefeel {
 
 struct DeviceLimits {
-  double force = std::numeric_limits<double>::infinity();       // [N]
-  double stiffness = std::numeric_limits<double>::infinity();   // highest that it renders [N/m]
+  double force = std::numeric_limits<double>::infinity();      // [N]
+  double stiffness = std::numeric_limits<double>::infinity();  // highest that it renders [N/m]
 };
 
 class Device {
@@ -33,16 +33,16 @@ class Device {
   // HIP position at frame time t [s]; force is what was rendered in the last frame. A time before the last one starts
   // the motion anew. Real-time: no allocation, no lock.
   virtual Vec3 position(double t, const Vec3& force) noexcept = 0;
-  virtual double duration() const = 0;     // [s]; infinite for endless paths
-  virtual bool answers_force() const { return false; }   // whether the motion depends on the force
+  virtual double duration() const = 0;                  // [s]; infinite for endless paths
+  virtual bool answers_force() const { return false; }  // whether the motion depends on the force
   virtual DeviceLimits limits() const { return {}; }
 };
 
 struct DeviceContext {
-  Box box;                          // of the state space: paths are scaled to it
-  Vec3 inward = -Vec3::UnitZ();     // from the contact into the body
+  Box box;                       // of the state space: paths are scaled to it
+  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   std::uint64_t seed = 0;
-  std::filesystem::path folder;     // relative trace files are looked up here, then in the working directory
+  std::filesystem::path folder;  // relative trace files are looked up here, then in the working directory
 };
 
 // spec as on the command line ("path:press,speed=0.06"). InputError on anything unknown.
@@ -53,8 +53,8 @@ std::vector<std::string> path_names();
 std::unique_ptr<Device> make_trace_device(std::vector<double> times, std::vector<Vec3> positions);
 // t,x,y,z; the first time becomes 0. InputError(file:line) for short rows, what is not finite, time going back, no rows.
 struct Trace {
-  std::vector<double> times;        // [s]
-  std::vector<Vec3> positions;      // [m]
+  std::vector<double> times;    // [s]
+  std::vector<Vec3> positions;  // [m]
 };
 Trace read_trace(const std::filesystem::path& file);
 

@@ -15,7 +15,10 @@ constexpr HandProfile profiles[] = {
 class HandDevice final : public Device {
  public:
   HandDevice(const HandProfile& profile, std::unique_ptr<Device> target, const HandOptions& options)
-      : profile_(profile), target_(std::move(target)), grip_(options.grip), zeta_(options.damping_ratio),
+      : profile_(profile),
+        target_(std::move(target)),
+        grip_(options.grip),
+        zeta_(options.damping_ratio),
         omega_(std::sqrt(options.grip / options.mass)) {
     reset();
   }
@@ -27,7 +30,9 @@ class HandDevice final : public Device {
   }
   double duration() const override { return target_->duration(); }
   bool answers_force() const override { return true; }
-  DeviceLimits limits() const override { return {.force = profile_.force_limit, .stiffness = profile_.stiffness}; }
+  DeviceLimits limits() const override {
+    return {.force = profile_.force_limit, .stiffness = profile_.stiffness};
+  }
 
  private:
   void reset() noexcept {

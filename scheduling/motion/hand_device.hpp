@@ -17,9 +17,9 @@ namespace forefeel {
 
 struct HandProfile {
   const char* name;
-  double force_limit;     // [N]
-  double stiffness;       // highest that the device renders [N/m]
-  double resolution;      // of position [m]
+  double force_limit;  // [N]
+  double stiffness;    // highest that the device renders [N/m]
+  double resolution;   // of position [m]
 };
 // Makers' data: touch (3D Systems Touch, formerly Omni), premium (Premium 1.5), omega (Force Dimension omega.3), falcon
 // (Novint). Null for other names.
@@ -33,6 +33,7 @@ struct HandOptions {
 };
 
 // The target starts at rest, x_t(0) = 0.
-std::unique_ptr<Device> make_hand_device(const HandProfile& profile, std::unique_ptr<Device> target, const HandOptions& options);
+std::unique_ptr<Device> make_hand_device(const HandProfile& profile, std::unique_ptr<Device> target,
+                                         const HandOptions& options);
 
 }  // namespace forefeel

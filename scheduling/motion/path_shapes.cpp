@@ -32,7 +32,7 @@ struct Frame {
   Vec3 u, v, w;
   double u_low, u_high, v_low, v_high, depth;
 
-  Vec3 at(double a, double b, double c) const {   // shares of the room: a, b in [-1, 1], c in [0, 1]
+  Vec3 at(double a, double b, double c) const {  // shares of the room: a, b in [-1, 1], c in [0, 1]
     return (a < 0 ? -a * u_low : a * u_high) * (a < 0 ? Vec3(-u) : u) +
            (b < 0 ? -b * v_low : b * v_high) * (b < 0 ? Vec3(-v) : v) + c * depth * w;
   }
@@ -53,7 +53,9 @@ Frame frame_of(const DeviceContext& context) {
   return f;
 }
 
-PathShape press(const Frame& f) { return {{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.8)}}; }
+PathShape press(const Frame& f) {
+  return {{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.8)}};
+}
 
 PathShape line(const Frame& f) {
   return {{Vec3::Zero(), f.at(0, 0, 0.4)}, {f.at(0, 0, 0.4), f.at(0.8, 0, 0.4), f.at(-0.8, 0, 0.4)}};
@@ -127,7 +129,8 @@ PathShape raster(const Frame& f) {
   constexpr int lines = 12, layers = 5;
   for (int layer = 0; layer < layers; ++layer)
     for (int i = 0; i < lines; ++i) {
-      const double b = (layer % 2 == 0 ? 1 : -1) * (-0.92 + 1.84 * i / (lines - 1)), side = i % 2 == 0 ? -1.05 : 1.05;
+      const double b = (layer % 2 == 0 ? 1 : -1) * (-0.92 + 1.84 * i / (lines - 1)),
+                   side = i % 2 == 0 ? -1.05 : 1.05;
       shape.loop.push_back(f.at(side, b, 0.1 + 0.2 * layer));
       shape.loop.push_back(f.at(-side, b, 0.1 + 0.2 * layer));
     }
@@ -151,7 +154,8 @@ PathShape path_shape(const std::string& name, const DeviceContext& context) {
   if (name == "tour") return tour(f);
   if (name == "mower") return mower(f);
   if (name == "raster") return raster(f);
-  throw InputError("device", fmt::format("unknown path '{}', expected one of {}", name, fmt::join(path_names(), ", ")));
+  throw InputError("device",
+                   fmt::format("unknown path '{}', expected one of {}", name, fmt::join(path_names(), ", ")));
 }
 
 }  // namespace forefeel

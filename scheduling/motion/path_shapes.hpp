@@ -9,8 +9,8 @@
 namespace forefeel {
 
 struct PathShape {
-  std::vector<Vec3> lead;   // from rest to the first point of the loop; starts at 0
-  std::vector<Vec3> loop;   // repeated; closed from its last point to its first
+  std::vector<Vec3> lead;  // from rest to the first point of the loop; starts at 0
+  std::vector<Vec3> loop;  // repeated; closed from its last point to its first
 };
 
 // InputError lists the names.

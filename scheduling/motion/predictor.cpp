@@ -12,7 +12,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double memory = 0.03;   // [s] over which the velocity is smoothed
+constexpr double memory = 0.03;  // [s] over which the velocity is smoothed
 
 // Its deviation is measured: predictions over a probing horizon are kept until they can be compared, and their mean
 // square error gives the acceleration that a constant velocity misses.
@@ -41,12 +41,12 @@ class ConstantVelocity final : public Predictor {
   }
 
  private:
-  static constexpr double probe = 0.1;   // [s]
+  static constexpr double probe = 0.1;  // [s]
   bool seen_ = false;
   HipSample last_;
   Vec3 velocity_ = Vec3::Zero();
-  std::deque<HipSample> made_;           // predictions, by the time they are for
-  double error2_ = 1e-6;                 // mean square per axis over the probing horizon [m^2]
+  std::deque<HipSample> made_;  // predictions, by the time they are for
+  double error2_ = 1e-6;        // mean square per axis over the probing horizon [m^2]
 };
 
 // One filter for the three axes: they share covariance and gain, which do not depend on the data. How long a velocity
@@ -61,7 +61,7 @@ class Kalman final : public Predictor {
       covariance_ = Eigen::Vector3d(noise * noise, 0.01, 0.25).asDiagonal();
     } else if (sample.t > t_) {
       const double dt = sample.t - t_;
-      if (dt != step_) {   // frames come evenly: the matrices are made once
+      if (dt != step_) {  // frames come evenly: the matrices are made once
         step_ = dt;
         transition_ = transition(dt, forever);
         process_ = process(dt, forever);
@@ -89,11 +89,11 @@ class Kalman final : public Predictor {
   }
 
  private:
-  static constexpr double noise = 5e-4;    // of a position [m]: tremor, which is no white noise
-  static constexpr double tau = 0.1;       // of the acceleration [s]: voluntary motion is below 2 Hz
-  static constexpr double spread = 0.25;   // standard deviation of the acceleration [m/s^2]
-  static constexpr double probe = 0.1, long_probe = 0.4;   // [s]
-  static constexpr double forever = 1e6;   // [s]
+  static constexpr double noise = 5e-4;   // of a position [m]: tremor, which is no white noise
+  static constexpr double tau = 0.1;      // of the acceleration [s]: voluntary motion is below 2 Hz
+  static constexpr double spread = 0.25;  // standard deviation of the acceleration [m/s^2]
+  static constexpr double probe = 0.1, long_probe = 0.4;  // [s]
+  static constexpr double forever = 1e6;                  // [s]
   struct Made {
     double t;
     Vec3 at;
@@ -110,7 +110,7 @@ class Kalman final : public Predictor {
   }
   // beta = way gone along v T / |v T| over T = 0.4 s, a mean over the last seconds; tau_v (1 - exp(-T / tau_v)) = beta T.
   void persist(const HipSample& sample, double dt) {
-    constexpr double long_memory = 2;   // [s]
+    constexpr double long_memory = 2;  // [s]
     for (; !gone_.empty() && gone_.front().t <= sample.t; gone_.pop_front()) {
       const Vec3 foretold = long_probe * gone_.front().velocity;
       const double keep = std::exp(-dt / long_memory);
@@ -122,10 +122,10 @@ class Kalman final : public Predictor {
       tau_v_ = forever;
       return;
     }
-    double u = beta < 0.5 ? 1 / beta : 4 * (1 - beta);   // T / tau_v: Newton's method from above, monotone
+    double u = beta < 0.5 ? 1 / beta : 4 * (1 - beta);  // T / tau_v: Newton's method from above, monotone
     for (int i = 0; i < 8; ++i) {
       const double e = std::exp(-u), next = u - (1 - e - beta * u) / (e - beta);
-      if (next == u) break;   // for good
+      if (next == u) break;  // for good
       u = next;
     }
     tau_v_ = long_probe / u;
@@ -133,12 +133,15 @@ class Kalman final : public Predictor {
   Prediction unscaled(double horizon) const {
     const Mat3 f = transition(horizon, tau_v_);
     const Mat3 p = f * covariance_ * f.transpose() + process(horizon, tau_v_);
-    return {.horizon = horizon, .at = (f.row(0) * mean_).transpose(), .deviation = std::sqrt(std::max(p(0, 0), 0.0))};
+    return {.horizon = horizon,
+            .at = (f.row(0) * mean_).transpose(),
+            .deviation = std::sqrt(std::max(p(0, 0), 0.0))};
   }
 
   // Of dx = v, dv = a - v / tau_v, da = -a / tau.
   static Mat3 transition(double s, double tau_v) {
-    const double fast = std::exp(-s / tau), slow = std::exp(-s / tau_v), way = -tau_v * std::expm1(-s / tau_v);
+    const double fast = std::exp(-s / tau), slow = std::exp(-s / tau_v),
+                 way = -tau_v * std::expm1(-s / tau_v);
     const double both = 1 / (1 / tau_v - 1 / tau);
     Mat3 f;
     f << 1, way, both * (tau * (1 - fast) - way), 0, slow, both * (fast - slow), 0, 0, fast;
@@ -159,17 +162,19 @@ class Kalman final : public Predictor {
 
   bool seen_ = false;
   double t_ = 0, step_ = 0;
-  Mat3 mean_ = Mat3::Zero();   // rows x, v, a; a column per axis
+  Mat3 mean_ = Mat3::Zero();  // rows x, v, a; a column per axis
   Mat3 covariance_ = Mat3::Zero(), transition_ = Mat3::Identity(), process_ = Mat3::Zero();
-  std::deque<Made> made_;      // predictions, by the time they are for
-  std::deque<HipSample> gone_; // where it was and how fast, by the time at which to look how far it got
-  double ratio2_ = 1;          // mean square of measured over expected error
+  std::deque<Made> made_;       // predictions, by the time they are for
+  std::deque<HipSample> gone_;  // where it was and how fast, by the time at which to look how far it got
+  double ratio2_ = 1;           // mean square of measured over expected error
   double along_ = 0, length2_ = 0, tau_v_ = forever;
 };
 
 }  // namespace
 
-std::vector<std::string> predictor_names() { return {"constant-velocity", "kalman"}; }
+std::vector<std::string> predictor_names() {
+  return {"constant-velocity", "kalman"};
+}
 
 std::unique_ptr<Predictor> make_predictor(const std::string& name) {
   if (name == "constant-velocity") return std::make_unique<ConstantVelocity>();
@@ -181,7 +186,10 @@ std::unique_ptr<Predictor> make_predictor(const std::string& name) {
 PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<const double> horizons)
     : predictor_(predictor), step_(step) {
   for (const double horizon : horizons)
-    ahead_.push_back({.horizon = horizon, .steps = static_cast<std::size_t>(std::llround(horizon / step)), .made = {}, .errors = {}});
+    ahead_.push_back({.horizon = horizon,
+                      .steps = static_cast<std::size_t>(std::llround(horizon / step)),
+                      .made = {},
+                      .errors = {}});
 }
 
 void PredictionScore::add(const Vec3& at) {
@@ -213,8 +221,8 @@ std::vector<PredictionError> PredictionScore::report() const {
   return report;
 }
 
-std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion, double step,
-                                              std::span<const double> horizons) {
+std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
+                                              double step, std::span<const double> horizons) {
   PredictionScore score(predictor, step, horizons);
   for (const Vec3& at : motion) score.add(at);
   return score.report();

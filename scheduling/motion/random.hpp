@@ -16,10 +16,14 @@ inline std::uint64_t mix(std::uint64_t z) noexcept {
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return z ^ (z >> 31);
 }
-inline std::uint64_t mix(std::uint64_t a, std::uint64_t b) noexcept { return mix(mix(a) ^ b); }
+inline std::uint64_t mix(std::uint64_t a, std::uint64_t b) noexcept {
+  return mix(mix(a) ^ b);
+}
 
 // In (0, 1), never 0 or 1.
-inline double uniform(std::uint64_t key) noexcept { return (static_cast<double>(mix(key) >> 12) + 0.5) * 0x1p-52; }
+inline double uniform(std::uint64_t key) noexcept {
+  return (static_cast<double>(mix(key) >> 12) + 0.5) * 0x1p-52;
+}
 
 // Standard normal (Box and Muller 1958).
 inline double normal(std::uint64_t key) noexcept {

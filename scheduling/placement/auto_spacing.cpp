@@ -44,8 +44,14 @@ bool wanted_to_end(const AutoSpacingOptions& options) {
 // Tight solves at the positions, each at its first use.
 class References {
  public:
-  References(std::shared_ptr<const Body> body, std::vector<Vec3> at, double step, int threads, const AutoSpacingOptions& options)
-      : body_(std::move(body)), at_(std::move(at)), states_(at_.size()), step_(step), threads_(threads), options_(options) {}
+  References(std::shared_ptr<const Body> body, std::vector<Vec3> at, double step, int threads,
+             const AutoSpacingOptions& options)
+      : body_(std::move(body)),
+        at_(std::move(at)),
+        states_(at_.size()),
+        step_(step),
+        threads_(threads),
+        options_(options) {}
 
   const std::vector<Vec3>& at() const { return at_; }
   const State& operator[](std::size_t i) const { return *states_[i]; }
@@ -62,7 +68,8 @@ class References {
       Solver solver(body_);
 #pragma omp for schedule(dynamic)
       for (std::size_t k = 0; k < missing.size(); ++k)
-        states_[missing[k]] = wanted_to_end(options_) ? State{} : solver.reference(at_[missing[k]], step_).state;
+        states_[missing[k]] =
+            wanted_to_end(options_) ? State{} : solver.reference(at_[missing[k]], step_).state;
     }
   }
 
@@ -115,7 +122,8 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   ModelUpdater updater(space, model);
   std::vector<double> errors;
   while (trial.safe < safe.size() && static_cast<int>(trial.above) <= most) {
-    const std::span next = std::span(safe).subspan(trial.safe).first(std::min(at_a_time, safe.size() - trial.safe));
+    const std::span next =
+        std::span(safe).subspan(trial.safe).first(std::min(at_a_time, safe.size() - trial.safe));
     references.solve(next);
     if (wanted_to_end(options)) return {};
     trial.safe += next.size();
@@ -142,15 +150,16 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
 
 double share_bound(std::size_t k, std::size_t n, double confidence) {
   if (k >= n) return 1;
-  return boost::math::binomial_distribution<>::find_upper_bound_on_p(static_cast<double>(n), static_cast<double>(k),
-                                                                     1 - confidence);
+  return boost::math::binomial_distribution<>::find_upper_bound_on_p(static_cast<double>(n),
+                                                                     static_cast<double>(k), 1 - confidence);
 }
 
 AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpacingOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const double longest = options.box.size().maxCoeff();
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  References references(body, draws(options.box, most_draws * options.positions), longest / reference_steps, threads, options);
+  References references(body, draws(options.box, most_draws * options.positions), longest / reference_steps,
+                        threads, options);
   AutoSpacingReport report;
   for (const int division : divisions) {
     report.spacing = longest / division;

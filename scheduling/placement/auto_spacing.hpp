@@ -29,12 +29,13 @@ struct AutoSpacingOptions {
   double tolerance = 0.07;  // of the error [1]
   ModelOptions model;
   CoverageOptions coverage{};
-  double floor = 0.05;             // f0 [N]
-  std::size_t positions = 200;     // safe ones that a spacing is judged by
-  double allowed_share = 0.05;     // of safe positions above the tolerance [1]
-  double confidence = 0.95;        // with which they are no more [1]
-  int threads = 0;                 // 0: all
-  const std::atomic<bool>* interrupted = nullptr;   // once true, what is left is not solved, and the report is of no use
+  double floor = 0.05;          // f0 [N]
+  std::size_t positions = 200;  // safe ones that a spacing is judged by
+  double allowed_share = 0.05;  // of safe positions above the tolerance [1]
+  double confidence = 0.95;     // with which they are no more [1]
+  int threads = 0;              // 0: all
+  const std::atomic<bool>* interrupted =
+      nullptr;  // once true, what is left is not solved, and the report is of no use
 };
 
 struct AutoSpacingTrial {

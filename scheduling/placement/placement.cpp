@@ -238,7 +238,8 @@ class Placement {
       return Vec3(uniform(mix(key, 1)), uniform(mix(key, 2)), uniform(mix(key, 3)));
     };
     std::vector<Vec3> at;
-    for (std::size_t i = 0; i < options_.truth_samples; ++i) at.push_back(box.low + box.size().cwiseProduct(share(i)));
+    for (std::size_t i = 0; i < options_.truth_samples; ++i)
+      at.push_back(box.low + box.size().cwiseProduct(share(i)));
     // 27 parts of the surface and the inside: -1, 0 or 1 on each axis, 0 for in between.
     std::uint64_t key = std::uint64_t{1} << 32;
     for (int part = 0; part < 27; ++part) {
@@ -271,8 +272,8 @@ class Placement {
                    .truth_done = done,
                    .truth_total = at.size()});
       });
-      report_.truth_solved +=
-          static_cast<std::size_t>(std::ranges::count_if(truth, [](const State& s) { return s.status != SolveStatus::cancelled; }));
+      report_.truth_solved += static_cast<std::size_t>(
+          std::ranges::count_if(truth, [](const State& s) { return s.status != SolveStatus::cancelled; }));
     }
     const auto usable = [](const State& state) { return state.usable(); };
     const auto within = truth.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
@@ -289,7 +290,8 @@ class Placement {
   }
 
   bool truth_decided() const {
-    return std::ranges::any_of(rounds_[round_], [&](const State& state) { return space_.find(state.at).valid(); });
+    return std::ranges::any_of(rounds_[round_],
+                               [&](const State& state) { return space_.find(state.at).valid(); });
   }
 
   // The sampled position with the largest error that is no state yet.

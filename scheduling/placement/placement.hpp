@@ -60,7 +60,7 @@ struct PlacementOptions {
 };
 
 struct PlacementReport {
-  std::size_t states = 0;  // usable ones, those known before included
+  std::size_t states = 0;       // usable ones, those known before included
   std::size_t most_states = 0;  // that there may be: PlacementOptions::max_states, or what the lattice has
   std::size_t solved = 0, failed = 0, resumed = 0;
   std::size_t truth_solved = 0, truth_failed = 0;
@@ -71,7 +71,7 @@ struct PlacementReport {
   ErrorQuantiles estimate, truth;
   std::size_t truth_samples = 0;     // that truth is from
   std::size_t truth_on_surface = 0;  // and its largest besides: of the box
-  bool truth_is_fresh = true;     // none of these positions decided where a state went
+  bool truth_is_fresh = true;        // none of these positions decided where a state went
   double seconds = 0;
   int threads = 1;
 };

@@ -16,13 +16,19 @@ std::vector<State> failed_of(const std::vector<State>& states) {
   return failed;
 }
 
-double finite(double priority) { return std::isfinite(priority) ? priority : std::numeric_limits<double>::lowest(); }
+double finite(double priority) {
+  return std::isfinite(priority) ? priority : std::numeric_limits<double>::lowest();
+}
 
 }  // namespace
 
-Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
-                 Hooks hooks)
-    : options_(options), generator_(generator), link_(link), hooks_(std::move(hooks)), space_(input.space),
+Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator,
+                 LoopLink& link, Hooks hooks)
+    : options_(options),
+      generator_(generator),
+      link_(link),
+      hooks_(std::move(hooks)),
+      space_(input.space),
       solve_seconds_(std::max(hooks_.expected_solve, 1e-6)) {
   for (const State& state : input.known) {
     if (!state.usable() || !space_.insert(state).is_new) continue;
@@ -36,13 +42,15 @@ Planner::Planner(const SessionInput& input, const SessionOptions& options, Gener
   }
   start_ = space_.size();
   link_.known.store(static_cast<std::uint32_t>(start_), std::memory_order_release);
-  candidates_ = std::make_unique<Candidates>(space_, failed_of(input.known), check_placement(options.placement));
+  candidates_ =
+      std::make_unique<Candidates>(space_, failed_of(input.known), check_placement(options.placement));
   policy_ = make_policy(options.policy, {.seed = options.seed});
   predictor_ = make_predictor(options.predictor);
   models_ = std::make_unique<ModelKeeper>(space_, options, link);
   if (policy_->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, options);
   // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
-  start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
+  start_limit_ =
+      std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
 }
 
 // All of the first states, later one in eight: what they teach changes little then.
@@ -54,7 +62,8 @@ void Planner::note_surprise(const State& state) {
   const Vec3 error = judge_->model_at(state.at).force(state.at) - state.force;
   const SwitchOptions& jnd = options_.switching;
   surprises_.resize(space_.size(), std::numeric_limits<float>::quiet_NaN());
-  surprises_.push_back(static_cast<float>(error.norm() / std::max(jnd.jnd_share * state.force.norm(), jnd.jnd_floor)));
+  surprises_.push_back(
+      static_cast<float>(error.norm() / std::max(jnd.jnd_share * state.force.norm(), jnd.jnd_floor)));
 }
 
 bool Planner::insert(const State& state, std::int64_t dispatch) {
@@ -85,7 +94,7 @@ void Planner::receive(JobResult result, double now) {
     return;
   }
   record.known = now;
-  if (slot.busy()) {   // a job's states are solved in their order
+  if (slot.busy()) {  // a job's states are solved in their order
     DispatchRecord& next = dispatches_[slot.members.front().dispatch];
     if (std::isnan(next.started)) next.started = result.finished;
   }
@@ -98,8 +107,8 @@ void Planner::receive(JobResult result, double now) {
     record.status = "failed";
     ++failed_;
     candidates_->fail(candidate.at);
-    notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(), result.state.at.y(),
-                                 result.state.at.z(), name(result.state.status)));
+    notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(),
+                                 result.state.at.y(), result.state.at.z(), name(result.state.status)));
     return;
   }
   record.status = "solved";
@@ -109,7 +118,8 @@ void Planner::receive(JobResult result, double now) {
 }
 
 void Planner::arrive(State state, double now) {
-  DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = space_.label(state.at)};
+  DispatchRecord record{
+      .id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = space_.label(state.at)};
   record.requested = record.finished = record.known = now;
   record.status = state.usable() ? "arrived" : "failed";
   const std::int64_t row = record.id;
@@ -133,12 +143,14 @@ void Planner::note_cost(double seconds, bool at_rest) {
   if (recent_costs_.size() == 31) recent_costs_.erase(recent_costs_.begin());
   recent_costs_.push_back(seconds);
   std::vector<double> sorted = recent_costs_;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
   solve_seconds_ = std::max(sorted[sorted.size() / 2], 1e-6);
 }
 
-void Planner::remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium) {
-  if (starts_.size() >= start_limit_) {   // forget the one farthest from the HIP
+void Planner::remember_start(const Vec3& at, std::int64_t dispatch,
+                             std::shared_ptr<const Equilibrium> equilibrium) {
+  if (starts_.size() >= start_limit_) {  // forget the one farthest from the HIP
     const auto far = std::max_element(starts_.begin(), starts_.end(), [&](const Start& a, const Start& b) {
       return (a.at - hip_.at).squaredNorm() < (b.at - hip_.at).squaredNorm();
     });
@@ -150,7 +162,7 @@ void Planner::remember_start(const Vec3& at, std::int64_t dispatch, std::shared_
 
 const Planner::Start* Planner::nearest_start(const Vec3& x) const {
   const Start* best = nullptr;
-  double distance = x.squaredNorm();   // rest is always known
+  double distance = x.squaredNorm();  // rest is always known
   for (const Start& start : starts_) {
     const double d = (start.at - x).squaredNorm();
     if (d < distance) {
@@ -163,7 +175,8 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
 
 void Planner::predict(double now) {
   const bool truth = hooks_.future && knows_the_future(options_.policy);
-  const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0) : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
+  const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0)
+                               : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
   const int steps = truth ? 24 : 8;
   predicted_.clear();
   for (int i = 0; i <= steps; ++i) {
@@ -217,7 +230,8 @@ std::size_t Planner::best() const {
   const auto open = candidates_->open();
   std::size_t best = 0;
   for (std::size_t i = 1; i < open.size(); ++i)
-    if (priorities_[i] != priorities_[best] ? priorities_[i] > priorities_[best] : open[i].order < open[best].order)
+    if (priorities_[i] != priorities_[best] ? priorities_[i] > priorities_[best]
+                                            : open[i].order < open[best].order)
       best = i;
   return best;
 }
@@ -252,7 +266,7 @@ std::size_t Planner::best_of_many(double now, double& priority) {
         priority = top.priority;
         return *place;
       } else {
-        break;   // others may be worth more by now
+        break;  // others may be worth more by now
       }
     }
     if (again.empty()) {
@@ -280,7 +294,8 @@ void Planner::plan(double now) {
   look(now);
   const bool many = idle_workers > 1 && options_.batch == 1 && std::isfinite(policy_->at_most(1));
   if (many) rank_for_many(now);
-  for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty(); ++worker) {
+  for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty();
+       ++worker) {
     if (slots_[worker].busy()) continue;
     if (!many) rank(now);
     double priority = 0;
@@ -316,7 +331,8 @@ std::vector<std::pair<double, Candidate>> Planner::neighbours_of(std::size_t cho
   if (options_.batch < 2) return near;
   const auto open = candidates_->open();
   for (std::size_t i = 0; i < open.size(); ++i)
-    if (i != chosen && !open[i].passing && (open[i].at - open[chosen].at).norm() <= 1.1 * space_.options().spacing)
+    if (i != chosen && !open[i].passing &&
+        (open[i].at - open[chosen].at).norm() <= 1.1 * space_.options().spacing)
       near.emplace_back(priorities_[i], open[i]);
   return near;
 }
@@ -329,18 +345,20 @@ std::vector<Candidate> Planner::take_neighbours(std::vector<std::pair<double, Ca
   });
   for (const auto& [priority, candidate] : near) {
     if (static_cast<int>(taken.size()) + 1 >= options_.batch) break;
-    if (const auto place = candidates_->index_of(candidate)) taken.push_back(candidates_->refreshed(candidates_->take(*place)));
+    if (const auto place = candidates_->index_of(candidate))
+      taken.push_back(candidates_->refreshed(candidates_->take(*place)));
   }
   return taken;
 }
 
-std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now) {
+std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, double priority,
+                                       std::int64_t parent, double now) {
   DispatchRecord record{.id = static_cast<std::uint32_t>(dispatches_.size()),
                         .at = candidate.at,
                         .label = candidate.region,
                         .priority = priority};
   record.requested = std::isfinite(candidate.requested) ? candidate.requested : now;
-  record.started = now + options_.latency;   // until the worker tells
+  record.started = now + options_.latency;  // until the worker tells
   record.status = "running";
   record.worker = worker;
   record.parent = parent;
@@ -348,7 +366,8 @@ std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, d
   return record.id;
 }
 
-void Planner::dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now) {
+void Planner::dispatch(int worker, const Candidate& candidate, double priority,
+                       const std::vector<Candidate>& beside, double now) {
   const Start* start = nearest_start(candidate.at);
   Slot& slot = slots_[static_cast<std::size_t>(worker)];
   slot = {.cancelling = false, .counted = false, .members = {}, .since = now, .rest = false};
@@ -363,7 +382,7 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
   slot.members.push_back({job.dispatch, candidate});
   for (const Candidate& c : beside) {
     job.beside.push_back({.dispatch = record_dispatch(worker, c, priority, job.dispatch, now), .at = c.at});
-    dispatches_[job.beside.back().dispatch].started = unknown;   // not before the one before it is done
+    dispatches_[job.beside.back().dispatch].started = unknown;  // not before the one before it is done
     slot.members.push_back({job.beside.back().dispatch, c});
   }
   generator_.dispatch(worker, std::move(job));
@@ -374,7 +393,9 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority, 
 // The two are compared as if neither were being solved. No candidate is cancelled more than twice, so that every one
 // is solved in the end.
 void Planner::consider_preemption(double now) {
-  if (!options_.preempt || candidates_->empty() || now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_)) return;
+  if (!options_.preempt || candidates_->empty() ||
+      now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_))
+    return;
   preemption_checked_ = now;
   look(now);
   if (candidates_->empty()) return;
@@ -406,17 +427,22 @@ void Planner::consider_preemption(double now) {
   generator_.cancel(static_cast<int>(weakest - slots_.data()));
 }
 
-void Planner::update(double now, bool time_it) { models_->update(now, hip_.at, time_it); }
+void Planner::update(double now, bool time_it) {
+  models_->update(now, hip_.at, time_it);
+}
 
 bool Planner::idle() const {
   return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy(); });
 }
 
-void Planner::finish(SessionResult& result) { finish(result, *models_); }
+void Planner::finish(SessionResult& result) {
+  finish(result, *models_);
+}
 
 void Planner::finish(SessionResult& result, ModelKeeper& models) {
   for (std::size_t id = 0; id < models.first_used().size(); ++id)
-    if (dispatch_of_[id] >= 0) dispatches_[static_cast<std::size_t>(dispatch_of_[id])].first_used = models.first_used()[id];
+    if (dispatch_of_[id] >= 0)
+      dispatches_[static_cast<std::size_t>(dispatch_of_[id])].first_used = models.first_used()[id];
   for (std::size_t i = 0; i < space_.size(); ++i)
     result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
   for (DispatchRecord& record : dispatches_)

@@ -12,62 +12,63 @@
 #include <utility>
 #include <vector>
 
-#include "scheduling/policy/candidates.hpp"
-#include "scheduling/workers/generator.hpp"
-#include "scheduling/render/model_keeper.hpp"
 #include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/candidates.hpp"
+#include "scheduling/render/model_keeper.hpp"
 #include "scheduling/render/render_loop.hpp"
-#include "scheduling/session/session.hpp"
 #include "scheduling/render/session_model.hpp"
+#include "scheduling/session/session.hpp"
+#include "scheduling/workers/generator.hpp"
 
 namespace forefeel {
 
 class Planner {
  public:
   struct Hooks {
-    std::function<void(const State&)> on_state;      // each new one, failed solves included; may be empty
-    std::function<Vec3(double)> future = {};         // the motion itself, for a policy that knows it
-    double expected_solve = 0.01;                    // time of a solve, until some were seen [s]
+    std::function<void(const State&)> on_state;  // each new one, failed solves included; may be empty
+    std::function<Vec3(double)> future = {};     // the motion itself, for a policy that knows it
+    double expected_solve = 0.01;                // time of a solve, until some were seen [s]
   };
-  Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link, Hooks hooks);
+  Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
+          Hooks hooks);
 
-  void receive(JobResult result, double now);        // from the generator
-  void arrive(State state, double now);              // a state that becomes known without a solve
+  void receive(JobResult result, double now);  // from the generator
+  void arrive(State state, double now);        // a state that becomes known without a solve
   void observe(const HipSample& sample);
-  void plan(double now);                             // dispatches, preempts
-  void update(double now, bool time_it = false);     // publishes a model if states or travel call for one
+  void plan(double now);                          // dispatches, preempts
+  void update(double now, bool time_it = false);  // publishes a model if states or travel call for one
 
   const StateSpace& space() const { return space_; }
   std::size_t solved() const { return solved_; }
   std::size_t failed() const { return failed_; }
   std::size_t preempted() const { return preempted_; }
-  bool idle() const;                                 // nothing runs
-  Label label() const { return models_->label(); }   // of the region that chose the newest model
+  bool idle() const;                                // nothing runs
+  Label label() const { return models_->label(); }  // of the region that chose the newest model
   // Ends the records: what still runs is "running". The planner must not be used after.
   void finish(SessionResult& result);
-  void finish(SessionResult& result, ModelKeeper& models);   // where others than update() made the models
+  void finish(SessionResult& result, ModelKeeper& models);  // where others than update() made the models
 
  private:
   struct Member {
     std::uint32_t dispatch = 0;
     Candidate candidate;
   };
-  struct Slot {                                      // one per worker
+  struct Slot {  // one per worker
     bool cancelling = false, counted = false;
-    std::vector<Member> members;                     // of its job that are not back yet, in the order they are solved
+    std::vector<Member> members;  // of its job that are not back yet, in the order they are solved
     double since = 0;
-    bool rest = false;                               // its job is the state at rest
+    bool rest = false;  // its job is the state at rest
     bool busy() const { return !members.empty(); }
   };
-  struct Ranked {                                    // a heap of them has the best on top
+  struct Ranked {  // a heap of them has the best on top
     double priority = 0;
     Candidate candidate;
-    std::size_t pending = 0;                         // so many were when it was ranked
+    std::size_t pending = 0;  // so many were when it was ranked
     friend bool operator<(const Ranked& a, const Ranked& b) {
       return a.priority != b.priority ? a.priority < b.priority : a.candidate.order > b.candidate.order;
     }
   };
-  struct Start {                                     // a solution to start from
+  struct Start {  // a solution to start from
     Vec3 at;
     std::int64_t dispatch;
     std::shared_ptr<const Equilibrium> equilibrium;
@@ -75,35 +76,37 @@ class Planner {
   bool insert(const State& state, std::int64_t dispatch);
   void predict(double now);
   PlannerView view(double now) const;
-  void rank(double now);                             // priorities of the open candidates
-  void look(double now);                             // before anything is ranked at this time
-  std::size_t best() const;                          // index of the open candidate to solve next
-  void rank_for_many(double now);                    // into the heap
+  void rank(double now);           // priorities of the open candidates
+  void look(double now);           // before anything is ranked at this time
+  std::size_t best() const;        // index of the open candidate to solve next
+  void rank_for_many(double now);  // into the heap
   std::size_t best_of_many(double now, double& priority);
   std::vector<std::pair<double, Candidate>> neighbours_of(std::size_t chosen) const;
   std::vector<Candidate> take_neighbours(std::vector<std::pair<double, Candidate>> near);
   void gather_pending(const Slot* but);
-  std::uint32_t record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent, double now);
-  void dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside, double now);
-  bool rest_comes_first(double now);                 // whether nothing else is dispatched yet
+  std::uint32_t record_dispatch(int worker, const Candidate& candidate, double priority, std::int64_t parent,
+                                double now);
+  void dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside,
+                double now);
+  bool rest_comes_first(double now);  // whether nothing else is dispatched yet
   void consider_preemption(double now);
   const Start* nearest_start(const Vec3& x) const;
   void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
   void note_cost(double seconds, bool at_rest);
-  void note_surprise(const State& state);            // before it is inserted
+  void note_surprise(const State& state);  // before it is inserted
 
   const SessionOptions options_;
   Generator& generator_;
   LoopLink& link_;
   Hooks hooks_;
   StateSpace space_;
-  std::vector<std::int64_t> dispatch_of_;            // by state id: row of dispatch, -1 from the start
+  std::vector<std::int64_t> dispatch_of_;  // by state id: row of dispatch, -1 from the start
   std::unique_ptr<Candidates> candidates_;
   std::unique_ptr<Policy> policy_;
   std::unique_ptr<Predictor> predictor_;
   std::unique_ptr<ModelKeeper> models_;
-  std::unique_ptr<SessionModel> judge_;              // models at states that come; null unless the policy asks
-  std::vector<float> surprises_;                     // by state id
+  std::unique_ptr<SessionModel> judge_;  // models at states that come; null unless the policy asks
+  std::vector<float> surprises_;         // by state id
 
   HipSample hip_;
   Vec3 began_at_ = Vec3::Zero();
@@ -111,15 +114,16 @@ class Planner {
   std::vector<Slot> slots_;
   std::vector<Start> starts_;
   std::size_t start_limit_ = 4096;
-  std::unordered_map<std::uint32_t, int> preemptions_;   // by candidate order
-  std::unordered_map<std::uint32_t, std::shared_ptr<const Equilibrium>> partial_;   // the same: where a solve was broken off
+  std::unordered_map<std::uint32_t, int> preemptions_;  // by candidate order
+  std::unordered_map<std::uint32_t, std::shared_ptr<const Equilibrium>>
+      partial_;  // the same: where a solve was broken off
   double preemption_checked_ = 0, solve_seconds_;
   std::vector<double> recent_costs_, costs_;
 
   std::vector<Prediction> predicted_;
   std::vector<double> priorities_;
   std::vector<Ranked> ranked_;
-  std::vector<Vec3> pending_;                        // where states are being solved
+  std::vector<Vec3> pending_;  // where states are being solved
   std::vector<DispatchRecord> dispatches_;
   std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0, jobs_ = 0;
   std::vector<std::string> notes_;

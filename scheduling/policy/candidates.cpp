@@ -13,15 +13,16 @@
 namespace forefeel {
 
 namespace {
-constexpr double coarsest = 4;   // width of the adaptive lattice's first leaves, in spacings
-constexpr int deepest = 2;       // how often they may be split: down to the spacing
+constexpr double coarsest = 4;  // width of the adaptive lattice's first leaves, in spacings
+constexpr int deepest = 2;      // how often they may be split: down to the spacing
 }  // namespace
 
 Placement check_placement(const std::string& name) {
   if (name == "lattice") return Placement::lattice;
   if (name == "adaptive") return Placement::adaptive;
   if (name == "path") return Placement::path;
-  throw InputError("session.placement", fmt::format("unknown placement '{}', expected lattice, adaptive, path", name));
+  throw InputError("session.placement",
+                   fmt::format("unknown placement '{}', expected lattice, adaptive, path", name));
 }
 
 Candidates::Candidates(const StateSpace& space, std::span<const State> failed, Placement placement)
@@ -98,7 +99,7 @@ Candidate Candidates::remove(std::size_t i) {
 }
 
 std::optional<Candidate> Candidates::take_rest() {
-  add(Vec3::Zero(), false);   // where the placement has none; else nothing changes
+  add(Vec3::Zero(), false);  // where the placement has none; else nothing changes
   const auto found = place_.find(key(Vec3::Zero()));
   if (found == place_.end()) return {};
   return take(found->second);
@@ -143,7 +144,7 @@ void Candidates::put_back(Candidate candidate) {
   gone_.erase(key(candidate.at));
   std::erase(under_way_, candidate.at);
   release();
-  if (candidate.passing || place_.contains(key(candidate.at))) return;   // the next step places anew
+  if (candidate.passing || place_.contains(key(candidate.at))) return;  // the next step places anew
   open_one(refreshed(candidate));
 }
 
@@ -184,7 +185,8 @@ bool Candidates::corners_are_taken(const LatticeLeaf& leaf) const {
 
 void Candidates::split_leaves(std::span<const Prediction> path) {
   const auto wanted = [&](const LatticeLeaf& leaf) {
-    const bool crossed = std::ranges::any_of(path, [&](const Prediction& p) { return leaf.box.contains(p.at); });
+    const bool crossed =
+        std::ranges::any_of(path, [&](const Prediction& p) { return leaf.box.contains(p.at); });
     return crossed && corners_are_taken(leaf) ? 0.5 * leaf.spacing : leaf.spacing;
   };
   if (leaves_->refine(wanted, deepest) == 0) return;

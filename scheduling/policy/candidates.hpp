@@ -20,37 +20,38 @@
 namespace forefeel {
 
 enum class Placement { lattice, adaptive, path };
-Placement check_placement(const std::string& name);   // InputError lists the names
+Placement check_placement(const std::string& name);  // InputError lists the names
 
 class Candidates {
  public:
   // Without those known in the space and those in `failed`. The space must outlive this.
-  Candidates(const StateSpace& space, std::span<const State> failed, Placement placement = Placement::lattice);
+  Candidates(const StateSpace& space, std::span<const State> failed,
+             Placement placement = Placement::lattice);
 
   std::span<const Candidate> open() const { return open_; }
   bool empty() const { return open_.empty(); }
-  bool may_grow() const { return placement_ != Placement::lattice; }   // by follow()
+  bool may_grow() const { return placement_ != Placement::lattice; }  // by follow()
   // The i-th open one, taken out to be solved. The others change places, and under `path` those within h / 2 of it wait
   // until put_back() or fail() says that it will not be known.
   Candidate take(std::size_t i);
   // The one at rest, whatever the placement; nothing where that state was taken or is known.
   std::optional<Candidate> take_rest();
-  std::optional<std::size_t> index_of(const Candidate& candidate) const;   // among the open ones
-  void put_back(Candidate candidate);            // a cancelled one
-  void fail(const Vec3& at);                     // its solve failed: no candidate any more
-  void learn(const Vec3& known);                 // a state became known: it is no candidate, and distances shrink
+  std::optional<std::size_t> index_of(const Candidate& candidate) const;  // among the open ones
+  void put_back(Candidate candidate);                                     // a cancelled one
+  void fail(const Vec3& at);      // its solve failed: no candidate any more
+  void learn(const Vec3& known);  // a state became known: it is no candidate, and distances shrink
   void request_near(const Vec3& hip, double now);
   // The motion ahead, from which `adaptive` and `path` place.
   void follow(std::span<const Prediction> path, double now);
   // Labels of the regions as of the space now. Labels never get worse, so safe ones are not asked again.
   void refresh_regions();
-  Candidate refreshed(Candidate candidate) const;   // label and distance as of now
+  Candidate refreshed(Candidate candidate) const;  // label and distance as of now
 
  private:
   std::uint64_t key(const Vec3& x) const;
   void add(const Vec3& x, bool passing);
   void open_one(const Candidate& candidate);
-  Candidate remove(std::size_t i);               // the last one takes its place
+  Candidate remove(std::size_t i);  // the last one takes its place
   bool too_near(const Vec3& x, std::span<const Vec3> places) const;
   void hold_back(const Vec3& at);
   void release();
@@ -60,10 +61,10 @@ class Candidates {
   const StateSpace& space_;
   Placement placement_;
   std::vector<Candidate> open_;
-  std::unordered_map<std::uint64_t, std::uint32_t> place_;   // position -> index in open_
-  std::unordered_map<std::uint64_t, bool> gone_;             // known at the start, failed, or seen before
-  std::vector<Vec3> under_way_, failed_;                     // `path`: being solved; failed solves
-  std::vector<Candidate> held_;                              // `path`: too near to one that is being solved
+  std::unordered_map<std::uint64_t, std::uint32_t> place_;  // position -> index in open_
+  std::unordered_map<std::uint64_t, bool> gone_;            // known at the start, failed, or seen before
+  std::vector<Vec3> under_way_, failed_;                    // `path`: being solved; failed solves
+  std::vector<Candidate> held_;                             // `path`: too near to one that is being solved
   std::unique_ptr<AdaptiveLattice> leaves_;
   std::uint32_t order_ = 0;
   bool changed_ = true;

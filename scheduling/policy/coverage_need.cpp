@@ -7,25 +7,29 @@
 #include <tuple>
 #include <utility>
 
-#include "geometry/coverage/coverage_query.hpp"
 #include "geometry/common/simd.hpp"
+#include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr double reach = 2;                                // of a state, in spacings H
-constexpr double surely = 2;                               // spacings: the path is as good as its deviation is below
-constexpr double least_need = 1e-15;                       // less is none
-constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};   // H / h
+constexpr double reach = 2;           // of a state, in spacings H
+constexpr double surely = 2;          // spacings: the path is as good as its deviation is below
+constexpr double least_need = 1e-15;  // less is none
+constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};  // H / h
 constexpr std::uint32_t nobody = 0xffffffffu;
 
 double lack(Label label, int scale) {
   switch (label) {
-    case Label::blank: return 1;
-    case Label::gap: return 0.25;
-    case Label::sparse: return scale == 0 ? 0.0 : 0.1;     // at 4 h the spacings below say it better
-    case Label::safe: return 0;
+    case Label::blank:
+      return 1;
+    case Label::gap:
+      return 0.25;
+    case Label::sparse:
+      return scale == 0 ? 0.0 : 0.1;  // at 4 h the spacings below say it better
+    case Label::safe:
+      return 0;
   }
   return 0;
 }
@@ -45,8 +49,8 @@ Vec3 folded(const Vec3& x, const Box& box) {
 
 // out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a coordinate a row.
 FOREFEEL_CLONES
-void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz, const double* q,
-               const double* need, const double* inverse, double* __restrict out) {
+void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz,
+               const double* q, const double* need, const double* inverse, double* __restrict out) {
   const double* __restrict x = xyz;
   const double* __restrict y = xyz + count;
   const double* __restrict z = xyz + 2 * count;
@@ -63,13 +67,15 @@ void add_worth(std::size_t first, std::size_t last, std::size_t count, const dou
 // Candidates in the order of the cubes they lie in, so that those within reach of a place are a few runs of them.
 class CandidateRows {
  public:
-  CandidateRows(std::span<const Candidate> candidates, double side) : per_side_(1 / side), count_(candidates.size()) {
+  CandidateRows(std::span<const Candidate> candidates, double side)
+      : per_side_(1 / side), count_(candidates.size()) {
     const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = -far;
     low_ = far;
     for (const Candidate& c : candidates) low_ = low_.cwiseMin(c.at), high = high.cwiseMax(c.at);
     for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
-    while (cubes_[0] * cubes_[1] * cubes_[2] > std::max<std::int64_t>(1, static_cast<std::int64_t>(count_ / 4))) {
+    while (cubes_[0] * cubes_[1] * cubes_[2] >
+           std::max<std::int64_t>(1, static_cast<std::int64_t>(count_ / 4))) {
       per_side_ /= 2;
       for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
     }
@@ -83,7 +89,8 @@ class CandidateRows {
     for (std::size_t i = 0; i < count_; ++i) {
       const std::size_t place = next[of[i]]++;
       order_[place] = static_cast<std::uint32_t>(i);
-      for (std::size_t k = 0; k < 3; ++k) xyz_[k * count_ + place] = candidates[i].at[static_cast<Eigen::Index>(k)];
+      for (std::size_t k = 0; k < 3; ++k)
+        xyz_[k * count_ + place] = candidates[i].at[static_cast<Eigen::Index>(k)];
     }
   }
   const double* xyz() const { return xyz_.data(); }
@@ -101,8 +108,9 @@ class CandidateRows {
     for (std::size_t k = 0; k < 3; ++k)
       if (from[k] > until[k]) return;
     const auto run = [&](std::int64_t i, std::int64_t j, std::int64_t i_last, std::int64_t j_last) {
-      const std::size_t first = begin_[static_cast<std::size_t>((i * cubes_[1] + j) * cubes_[2] + from[2])],
-                        last = begin_[static_cast<std::size_t>((i_last * cubes_[1] + j_last) * cubes_[2] + until[2]) + 1];
+      const std::size_t
+          first = begin_[static_cast<std::size_t>((i * cubes_[1] + j) * cubes_[2] + from[2])],
+          last = begin_[static_cast<std::size_t>((i_last * cubes_[1] + j_last) * cubes_[2] + until[2]) + 1];
       if (first < last) visit(first, last);
     };
     const auto whole = [&](std::size_t k) { return from[k] == 0 && until[k] == cubes_[k] - 1; };
@@ -118,7 +126,8 @@ class CandidateRows {
 
  private:
   std::int64_t cube(double x, int axis, std::int64_t most) const {
-    return static_cast<std::int64_t>(std::clamp((x - low_[axis]) * per_side_, 0.0, static_cast<double>(most)));
+    return static_cast<std::int64_t>(
+        std::clamp((x - low_[axis]) * per_side_, 0.0, static_cast<double>(most)));
   }
   std::uint32_t row_of(const Vec3& x) const {
     std::int64_t row = 0;
@@ -126,12 +135,12 @@ class CandidateRows {
     return static_cast<std::uint32_t>(row);
   }
 
-  double per_side_;   // cubes a metre
+  double per_side_;  // cubes a metre
   std::size_t count_;
   Vec3 low_;
   std::int64_t cubes_[3]{};
-  std::vector<std::uint32_t> begin_, order_;   // first of each cube, and whose they are
-  std::vector<double> xyz_;                    // 3 x #candidates, in that order
+  std::vector<std::uint32_t> begin_, order_;  // first of each cube, and whose they are
+  std::vector<double> xyz_;                   // 3 x #candidates, in that order
 };
 
 }  // namespace
@@ -139,11 +148,12 @@ class CandidateRows {
 struct CoverageNeed::Index {
   PointOctree points;
   DelaunayIndex delaunay;
-  std::vector<Thresholds> limits;   // by scale
+  std::vector<Thresholds> limits;  // by scale
 
   explicit Index(const StateSpaceOptions& options) {
     const double h = options.spacing;
-    for (const int multiple : multiples) limits.emplace_back(options.coverage, multiple * h, options.merge_distance * h);
+    for (const int multiple : multiples)
+      limits.emplace_back(options.coverage, multiple * h, options.merge_distance * h);
   }
   void insert(std::size_t k, const Vec3& at) {
     const StateId id{static_cast<std::uint32_t>(k)};
@@ -158,20 +168,23 @@ struct CoverageNeed::Index {
     const CoverageQuery query(points, delaunay);
     const Thresholds& limit = limits[scale];
     if (nearest.id != nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
-      return query.label(q, {nearest.id}, limit);   // safe lies within the distance, too
+      return query.label(q, {nearest.id}, limit);  // safe lies within the distance, too
     if (points.size() == 0) return Label::blank;
     Vec3 witness = Vec3::Zero();
-    const bool gap = query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, axis ? &witness : nullptr);
+    const bool gap =
+        query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, axis ? &witness : nullptr);
     if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
     return gap ? Label::gap : Label::blank;
   }
   // Whether a state at p may change the label of a place: of a sparse one or a gap those within 2 H may, of a blank one
   // those near enough to make it sparse, and those within 8 H that fall into its empty cone.
-  bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale, double h) const {
+  bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale,
+                  double h) const {
     const Vec3 to = p - q;
     const double distance = to.norm(), H = multiples[scale] * h;
     if (distance > (now == Label::blank ? 8 : 2) * H) return false;
-    if (now != Label::blank || axis.isZero(0) || distance <= 1.001 * limits[scale].sparse_distance) return true;
+    if (now != Label::blank || axis.isZero(0) || distance <= 1.001 * limits[scale].sparse_distance)
+      return true;
     return axis.dot(to) > (limits[scale].gap_cos - 1e-6) * distance;
   }
 };
@@ -235,8 +248,9 @@ void CoverageNeed::teach(const Vec3& at, double surprise) {
 
 // Shares of misses by Laplace's rule with a prior; what a fine spacing misses a coarser one misses too.
 void CoverageNeed::weigh_scales(bool with_stiffness) {
-  constexpr double strength = 4;   // states that the prior counts as
-  const std::array<double, scales> prior = with_stiffness ? std::array{0.9, 0.5, 0.15} : std::array{0.9, 0.7, 0.4};
+  constexpr double strength = 4;  // states that the prior counts as
+  const std::array<double, scales> prior =
+      with_stiffness ? std::array{0.9, 0.5, 0.15} : std::array{0.9, 0.7, 0.4};
   for (std::size_t s = scales; s-- > 0;) {
     importance_[s] = (missed_[s] + strength * prior[s]) / (seen_[s] + strength);
     if (s + 1 < scales) importance_[s] = std::max(importance_[s], importance_[s + 1]);
@@ -271,18 +285,20 @@ void CoverageNeed::weigh(const PlannerView& view) {
     const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
     const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2)), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
-    const auto nearest = index_->points.nearest(place.at, index_->limits[0].sparse_distance);   // the largest
-    for (std::size_t s = 0; s < scales; ++s) place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
+    const auto nearest = index_->points.nearest(place.at, index_->limits[0].sparse_distance);  // the largest
+    for (std::size_t s = 0; s < scales; ++s)
+      place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
     places_.push_back(place);
     if (!(weight > 0) || sure > 0.99) continue;
-    constexpr double nothing = -40;   // e^-40, 4e-18
+    constexpr double nothing = -40;  // e^-40, 4e-18
     const double exponent = -0.5 / (width * width);
     double sum = 0;
     for (std::size_t i = 0; i < box_.size(); ++i) {
       const double e = exponent * (box_[i].at - place.at).squaredNorm();
       sum += near[i] = e > nothing ? std::exp(e) : 0;
     }
-    for (std::size_t i = 0; sum > 0 && i < box_.size(); ++i) box_[i].weight += weight * (1 - sure) * near[i] / sum;
+    for (std::size_t i = 0; sum > 0 && i < box_.size(); ++i)
+      box_[i].weight += weight * (1 - sure) * near[i] / sum;
   }
   places_.insert(places_.end(), box_.begin(), box_.end());
 }
@@ -308,12 +324,14 @@ void CoverageNeed::look(const PlannerView& view) {
 
 void CoverageNeed::gather_needs() {
   NeedLeft::Needs inverses;
-  for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
+  for (std::size_t s = 0; s < scales; ++s)
+    inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
   std::vector<Vec3> at;
   std::vector<NeedLeft::Needs> all;
   for (const Place& place : places_) {
     NeedLeft::Needs needs;
-    for (std::size_t s = 0; s < scales; ++s) needs[s] = place.weight * importance_[s] * lack(place.label[s], static_cast<int>(s));
+    for (std::size_t s = 0; s < scales; ++s)
+      needs[s] = place.weight * importance_[s] * lack(place.label[s], static_cast<int>(s));
     if (!(*std::ranges::max_element(needs) > least_need)) continue;
     at.push_back(place.at);
     all.push_back(needs);
@@ -329,7 +347,7 @@ void CoverageNeed::gather_corners(const PlannerView& view) {
   const Box& box = view.space.options().box;
   double sum = 0;
   for (const Prediction& p : view.predicted) sum += urgency(p.horizon, solve);
-  std::map<std::tuple<long, long, long>, double> cells;   // the most urgent moment in each
+  std::map<std::tuple<long, long, long>, double> cells;  // the most urgent moment in each
   Vec3 last = folded(view.predicted[0].at, box);
   for (const Prediction& p : view.predicted) {
     const Vec3 next = folded(p.at, box);
@@ -346,15 +364,18 @@ void CoverageNeed::gather_corners(const PlannerView& view) {
     std::vector<Vec3> lacking;
     for (int corner = 0; corner < 8; ++corner) {
       const auto [i, j, k] = cell;
-      const Vec3 at = h * Vec3(static_cast<double>(i + (corner & 1)), static_cast<double>(j + (corner >> 1 & 1)),
-                               static_cast<double>(k + (corner >> 2)));
+      const Vec3 at =
+          h * Vec3(static_cast<double>(i + (corner & 1)), static_cast<double>(j + (corner >> 1 & 1)),
+                   static_cast<double>(k + (corner >> 2)));
       if (!space_->find(at).valid()) lacking.push_back(at);
     }
     for (const Vec3& at : lacking) corners_.emplace_back(at, weight / static_cast<double>(lacking.size()));
   }
 }
 
-void CoverageNeed::pend(std::span<const Vec3> pending) { left_.set(pending); }
+void CoverageNeed::pend(std::span<const Vec3> pending) {
+  left_.set(pending);
+}
 
 void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double> out) const {
   std::ranges::fill(out, 0.0);
@@ -368,7 +389,7 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double
   for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * h, 2);
   for (std::size_t i = 0; i < left_.places(); ++i) {
     NeedLeft::Needs needs = left_.left(i);
-    double farthest = 0;   // that a state mends the place from
+    double farthest = 0;  // that a state mends the place from
     for (std::size_t s = 0; s < scales; ++s) {
       if (!(needs[s] > least_need)) needs[s] = 0;
       if (needs[s] > 0) farthest = std::max(farthest, reach * multiples[s] * h);

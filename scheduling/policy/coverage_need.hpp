@@ -28,9 +28,9 @@
 namespace forefeel {
 
 struct NeedOptions {
-  double path_share = 0.75;          // of the weight: on the path ahead; the rest on the box
-  bool shuffle = false;              // labels permuted among all places: the placebo
-  std::uint64_t seed = 0;            // of the permutation
+  double path_share = 0.75;  // of the weight: on the path ahead; the rest on the box
+  bool shuffle = false;      // labels permuted among all places: the placebo
+  std::uint64_t seed = 0;    // of the permutation
 };
 
 class CoverageNeed {
@@ -41,7 +41,7 @@ class CoverageNeed {
 
   // Once a planning step: labels of all places now, and w, and the states that are being solved.
   void look(const PlannerView& view);
-  void pend(std::span<const Vec3> pending);   // others are being solved than when it looked
+  void pend(std::span<const Vec3> pending);  // others are being solved than when it looked
   // V of each candidate given the states that are being solved; never negative.
   void worth(std::span<const Candidate> candidates, std::span<double> out) const;
 
@@ -50,8 +50,9 @@ class CoverageNeed {
     Vec3 at;
     double weight = 0;
     std::array<Label, scales> label{Label::blank, Label::blank, Label::blank};
-    std::array<Vec3, scales> axis{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};   // of an empty cone where it is blank
-    std::array<bool, scales> due{};   // to be labelled anew
+    std::array<Vec3, scales> axis{Vec3::Zero(), Vec3::Zero(),
+                                  Vec3::Zero()};  // of an empty cone where it is blank
+    std::array<bool, scales> due{};               // to be labelled anew
   };
   void begin(const StateSpace& space);
   void learn(const StateSpace& space, std::span<const float> surprises);
@@ -67,14 +68,14 @@ class CoverageNeed {
   NeedOptions options_;
   const StateSpace* space_ = nullptr;
   struct Index;
-  std::unique_ptr<Index> index_;     // one triangulation of the states for the three spacings
-  std::array<double, scales> importance_{};                  // N_H
-  std::array<double, scales> missed_{}, seen_{};             // states that came into a lack at H, and the model's misses
+  std::unique_ptr<Index> index_;                  // one triangulation of the states for the three spacings
+  std::array<double, scales> importance_{};       // N_H
+  std::array<double, scales> missed_{}, seen_{};  // states that came into a lack at H, and the model's misses
   std::size_t known_ = 0;
-  std::vector<Place> box_;           // fixed; labels kept up to date
-  std::vector<Place> places_;        // of this step: the path ahead, then the box
-  std::vector<std::pair<Vec3, double>> corners_;   // unknown ones of the cells ahead, and what each adds
-  NeedLeft left_;                    // of those that need anything
+  std::vector<Place> box_;                        // fixed; labels kept up to date
+  std::vector<Place> places_;                     // of this step: the path ahead, then the box
+  std::vector<std::pair<Vec3, double>> corners_;  // unknown ones of the cells ahead, and what each adds
+  NeedLeft left_;                                 // of those that need anything
 };
 
 }  // namespace forefeel

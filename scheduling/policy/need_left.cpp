@@ -8,7 +8,8 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t few = 32;   // under way: so many are multiplied anew rather than divided by what is left out
+constexpr std::size_t few =
+    32;  // under way: so many are multiplied anew rather than divided by what is left out
 
 // What is left below this is nothing, many orders before a processor slows down at the smallest numbers: leaving out what
 // mends all but a millionth of it does not make it count again.
@@ -16,7 +17,8 @@ constexpr double nothing = 1e-200;
 
 // left_i *= 1 - m(q_i, p), one scale
 FOREFEEL_CLONES
-void mend(std::size_t count, const double* __restrict xyz, const double* p, double inverse, double* __restrict left) {
+void mend(std::size_t count, const double* __restrict xyz, const double* p, double inverse,
+          double* __restrict left) {
   const double* __restrict x = xyz;
   const double* __restrict y = xyz + count;
   const double* __restrict z = xyz + 2 * count;
@@ -68,7 +70,8 @@ void NeedLeft::anew(std::span<const Vec3> under_way) {
 
 // Divides by what the states left out mend; where that is nearly everything, anew for the place.
 bool NeedLeft::leave_out(std::span<const Vec3> under_way) {
-  if (all_.size() < few || under_way.size() > all_.size() || all_.size() - under_way.size() > few / 4) return false;
+  if (all_.size() < few || under_way.size() > all_.size() || all_.size() - under_way.size() > few / 4)
+    return false;
   std::vector<Vec3> out;
   std::size_t kept = 0;
   for (const Vec3& p : all_) {
@@ -82,7 +85,9 @@ bool NeedLeft::leave_out(std::span<const Vec3> under_way) {
   for (std::size_t s = 0; s < scales; ++s) {
     Row& row = rows_[s];
     row.left = all_left_[s];
-    const auto share = [&](const Vec3& p, const Vec3& q) { return 1 - std::max(0.0, 1 - (q - p).squaredNorm() * row.inverse); };
+    const auto share = [&](const Vec3& p, const Vec3& q) {
+      return 1 - std::max(0.0, 1 - (q - p).squaredNorm() * row.inverse);
+    };
     for (std::size_t j = 0; j < row.place.size(); ++j) {
       const Vec3& q = at_[row.place[j]];
       double gone = 1;

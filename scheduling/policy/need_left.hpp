@@ -39,15 +39,16 @@ class NeedLeft {
   bool leave_out(std::span<const Vec3> under_way);
 
   static constexpr std::uint32_t none = 0xffffffffu;
-  struct Row {                               // a scale: the places that need anything at it
+  struct Row {  // a scale: the places that need anything at it
     double inverse = 0;
-    std::vector<std::uint32_t> place, of;    // #row -> place, #places -> row or none
-    std::vector<double> xyz, need, left;     // a coordinate a row; #row
+    std::vector<std::uint32_t> place, of;  // #row -> place, #places -> row or none
+    std::vector<double> xyz, need, left;   // a coordinate a row; #row
   };
   std::vector<Vec3> at_;
   std::array<Row, scales> rows_;
-  std::vector<Vec3> counted_;                // what is accounted for
-  std::array<std::vector<double>, scales> all_left_;   // of the longest list lately, from which some may be left out
+  std::vector<Vec3> counted_;  // what is accounted for
+  std::array<std::vector<double>, scales>
+      all_left_;  // of the longest list lately, from which some may be left out
   std::vector<Vec3> all_;
 };
 

@@ -13,12 +13,16 @@ namespace forefeel {
 namespace {
 
 std::map<std::string, PolicyFactory>& registry() {
-  static std::map<std::string, PolicyFactory> policies{
-      {"fifo", make_fifo},         {"nearest", make_nearest},
-      {"direction", make_direction}, {"coverage", make_coverage},
-      {"coarse-to-fine", make_coarse_to_fine}, {"error", make_error},
-      {"clairvoyant", make_clairvoyant},  {"clairvoyant-greedy", make_clairvoyant},
-      {"shuffled", make_shuffled}, {"clairvoyant-shuffled", make_clairvoyant_shuffled}};
+  static std::map<std::string, PolicyFactory> policies{{"fifo", make_fifo},
+                                                       {"nearest", make_nearest},
+                                                       {"direction", make_direction},
+                                                       {"coverage", make_coverage},
+                                                       {"coarse-to-fine", make_coarse_to_fine},
+                                                       {"error", make_error},
+                                                       {"clairvoyant", make_clairvoyant},
+                                                       {"clairvoyant-greedy", make_clairvoyant},
+                                                       {"shuffled", make_shuffled},
+                                                       {"clairvoyant-shuffled", make_clairvoyant_shuffled}};
   return policies;
 }
 
@@ -31,13 +35,18 @@ double share_along(const Vec3& a, const Vec3& b, const Vec3& q) {
 
 }  // namespace
 
-double Policy::at_most(double) const { return std::numeric_limits<double>::infinity(); }
+double Policy::at_most(double) const {
+  return std::numeric_limits<double>::infinity();
+}
 
-void Policy::prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const {
+void Policy::prioritise(std::span<const Candidate> candidates, const PlannerView& view,
+                        std::span<double> out) const {
   for (std::size_t i = 0; i < candidates.size(); ++i) out[i] = priority(candidates[i], view);
 }
 
-void register_policy(std::string name, PolicyFactory factory) { registry()[std::move(name)] = std::move(factory); }
+void register_policy(std::string name, PolicyFactory factory) {
+  registry()[std::move(name)] = std::move(factory);
+}
 
 std::vector<std::string> policy_names() {
   std::vector<std::string> names;
@@ -48,20 +57,24 @@ std::vector<std::string> policy_names() {
 std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions& options) {
   const auto found = registry().find(name);
   if (found == registry().end())
-    throw InputError("policy", fmt::format("unknown policy '{}', expected one of {}", name, fmt::join(policy_names(), ", ")));
+    throw InputError("policy", fmt::format("unknown policy '{}', expected one of {}", name,
+                                           fmt::join(policy_names(), ", ")));
   return found->second(options);
 }
 
-bool knows_the_future(const std::string& name) { return name.starts_with("clairvoyant"); }
+bool knows_the_future(const std::string& name) {
+  return name.starts_with("clairvoyant");
+}
 
 double time_to_reach(const Vec3& at, const PlannerView& view) {
-  constexpr double slowest = 0.01;   // [m/s]: a hand that holds still may move on
+  constexpr double slowest = 0.01;  // [m/s]: a hand that holds still may move on
   // Off the path the hand has to turn first: half its speed.
-  const double speed = 0.5 * std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
+  const double speed =
+      0.5 * std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
   const auto path = view.predicted;
   if (path.empty()) return (at - view.hip.at).norm() / speed;
   double best = path[0].horizon + (at - path[0].at).norm() / speed;
-  for (std::size_t i = 1; i < path.size() && path[i - 1].horizon < best; ++i) {   // horizons grow
+  for (std::size_t i = 1; i < path.size() && path[i - 1].horizon < best; ++i) {  // horizons grow
     const double w = share_along(path[i - 1].at, path[i].at, at);
     const double along = (1 - w) * path[i - 1].horizon + w * path[i].horizon, left = (best - along) * speed;
     const double distance2 = (at - (1 - w) * path[i - 1].at - w * path[i].at).squaredNorm();

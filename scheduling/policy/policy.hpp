@@ -15,41 +15,41 @@
 namespace forefeel {
 
 struct HipSample {
-  double t = 0;                      // [s]
-  Vec3 at = Vec3::Zero();            // [m]
-  Vec3 velocity = Vec3::Zero();      // [m/s]
+  double t = 0;                  // [s]
+  Vec3 at = Vec3::Zero();        // [m]
+  Vec3 velocity = Vec3::Zero();  // [m/s]
 };
 
 // Where the HIP will be `horizon` seconds from now, with its standard deviation per axis.
 struct Prediction {
-  double horizon = 0;                // [s]
-  Vec3 at = Vec3::Zero();            // [m]
-  double deviation = 0;              // [m]
+  double horizon = 0;      // [s]
+  Vec3 at = Vec3::Zero();  // [m]
+  double deviation = 0;    // [m]
 };
 
 // What a policy may look at; immutable while it is asked.
 struct PlannerView {
   const StateSpace& space;
-  double now = 0;                                // [s]
+  double now = 0;  // [s]
   HipSample hip;
-  std::span<const Prediction> predicted;         // by growing horizon, first is now
-  double solve_seconds = 0.01;                   // running median of a solve [s]
+  std::span<const Prediction> predicted;  // by growing horizon, first is now
+  double solve_seconds = 0.01;            // running median of a solve [s]
   int workers = 1;
-  std::span<const Vec3> pending;                 // where states are being solved [m]
-  bool with_stiffness = true;                    // the model uses the stiffness of states: each reaches farther
-  bool in_cells = false;                         // it interpolates in lattice cells, and needs all corners of the HIP's
+  std::span<const Vec3> pending;  // where states are being solved [m]
+  bool with_stiffness = true;     // the model uses the stiffness of states: each reaches farther
+  bool in_cells = false;          // it interpolates in lattice cells, and needs all corners of the HIP's
   // By state id, for policies that ask: how far the model of the states before it was from the state when it came,
   // over the JND of its force; NaN where nobody looked. May be shorter than the space.
   std::span<const float> surprises = {};
 };
 
 struct Candidate {
-  Vec3 at = Vec3::Zero();            // where a state would be solved [m]
-  Label region = Label::blank;       // label of the region it lies in
-  double requested = 0;              // when the HIP first came within 2.5 spacings; infinite until then [s]
-  double delta = 0;                  // distance to the nearest known state; infinite while none is known [m]
-  std::uint32_t order = 0;           // outward from rest
-  bool passing = false;              // placed for this planning step alone
+  Vec3 at = Vec3::Zero();       // where a state would be solved [m]
+  Label region = Label::blank;  // label of the region it lies in
+  double requested = 0;         // when the HIP first came within 2.5 spacings; infinite until then [s]
+  double delta = 0;             // distance to the nearest known state; infinite while none is known [m]
+  std::uint32_t order = 0;      // outward from rest
+  bool passing = false;         // placed for this planning step alone
 };
 
 class Policy {
@@ -70,7 +70,8 @@ class Policy {
   // priority grows. Where it is the priority itself only the best are ranked again. Infinite: nothing is known, all are.
   virtual double at_most(double priority) const;
   // All candidates of a planning step at once; override where they share work. Writes #candidates values.
-  virtual void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const;
+  virtual void prioritise(std::span<const Candidate> candidates, const PlannerView& view,
+                          std::span<double> out) const;
 };
 
 struct PolicyOptions {
@@ -79,7 +80,8 @@ struct PolicyOptions {
 using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyOptions&)>;
 void register_policy(std::string name, PolicyFactory factory);
 std::vector<std::string> policy_names();
-std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions& options);  // InputError lists names
+std::unique_ptr<Policy> make_policy(const std::string& name,
+                                    const PolicyOptions& options);  // InputError lists names
 // True for the policy whose predictions are the motion itself, as far as the session knows it.
 bool knows_the_future(const std::string& name);
 

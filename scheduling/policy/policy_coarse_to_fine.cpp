@@ -29,6 +29,8 @@ class CoarseToFine final : public Policy {
 
 }  // namespace
 
-std::unique_ptr<Policy> make_coarse_to_fine(const PolicyOptions&) { return std::make_unique<CoarseToFine>(); }
+std::unique_ptr<Policy> make_coarse_to_fine(const PolicyOptions&) {
+  return std::make_unique<CoarseToFine>();
+}
 
 }  // namespace forefeel

@@ -22,13 +22,16 @@ class CoveragePolicy final : public Policy {
   bool reads_surprises() const override { return true; }
   void look(const PlannerView& view) override { need_.look(view); }
   void pend(const PlannerView& view) override { need_.pend(view.pending); }
-  double at_most(double priority) const override { return priority < nothing ? priority : std::max(priority, 2 * nothing); }
+  double at_most(double priority) const override {
+    return priority < nothing ? priority : std::max(priority, 2 * nothing);
+  }
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     double worth = 0;
     prioritise({&candidate, 1}, view, {&worth, 1});
     return worth;
   }
-  void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const override {
+  void prioritise(std::span<const Candidate> candidates, const PlannerView& view,
+                  std::span<double> out) const override {
     need_.worth(candidates, out);
     const double h = view.space.options().spacing;
     for (std::size_t i = 0; i < candidates.size(); ++i)
@@ -36,7 +39,7 @@ class CoveragePolicy final : public Policy {
   }
 
  private:
-  static constexpr double nothing = 1e-9;   // worth below which the distance decides
+  static constexpr double nothing = 1e-9;  // worth below which the distance decides
   std::string_view name_;
   CoverageNeed need_;
 };
@@ -56,7 +59,8 @@ std::unique_ptr<Policy> make_shuffled(const PolicyOptions& options) {
 }
 
 std::unique_ptr<Policy> make_clairvoyant_shuffled(const PolicyOptions& options) {
-  return std::make_unique<CoveragePolicy>("clairvoyant-shuffled", NeedOptions{.path_share = 0.95, .shuffle = true, .seed = options.seed});
+  return std::make_unique<CoveragePolicy>(
+      "clairvoyant-shuffled", NeedOptions{.path_share = 0.95, .shuffle = true, .seed = options.seed});
 }
 
 }  // namespace forefeel

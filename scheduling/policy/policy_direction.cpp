@@ -26,13 +26,14 @@ class Direction final : public Policy {
 
  private:
   struct Pass {
-    double wait;    // t [s]
-    bool in_time;   // the path is nearest after T, and comes within a cell
+    double wait;   // t [s]
+    bool in_time;  // the path is nearest after T, and comes within a cell
   };
   static Pass passing(const Vec3& at, const PlannerView& view, double solve) {
-    constexpr double slowest = 0.01;   // [m/s]: a hand that holds still may move on
-    const double speed = 0.5 * std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
-    const double cell = 1.74 * view.space.options().spacing;   // its diagonal
+    constexpr double slowest = 0.01;  // [m/s]: a hand that holds still may move on
+    const double speed =
+        0.5 * std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
+    const double cell = 1.74 * view.space.options().spacing;  // its diagonal
     const auto path = view.predicted;
     double wait = std::numeric_limits<double>::infinity(), nearest = wait, when = 0;
     const auto see = [&](double horizon, const Vec3& place) {
@@ -43,7 +44,7 @@ class Direction final : public Policy {
       }
       if (horizon >= solve) wait = std::min(wait, horizon - solve + distance / speed);
     };
-    constexpr int parts = 4;   // of each stretch between two predictions
+    constexpr int parts = 4;  // of each stretch between two predictions
     for (std::size_t i = 0; i < path.size(); ++i) {
       see(path[i].horizon, path[i].at);
       for (int k = 1; i + 1 < path.size() && k < parts; ++k) {
@@ -51,13 +52,16 @@ class Direction final : public Policy {
         see((1 - w) * path[i].horizon + w * path[i + 1].horizon, (1 - w) * path[i].at + w * path[i + 1].at);
       }
     }
-    if (!(wait < std::numeric_limits<double>::infinity())) wait = (at - view.hip.at).norm() / speed;   // no path so long
+    if (!(wait < std::numeric_limits<double>::infinity()))
+      wait = (at - view.hip.at).norm() / speed;  // no path so long
     return {wait, when >= solve && nearest <= cell};
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> make_direction(const PolicyOptions&) { return std::make_unique<Direction>(); }
+std::unique_ptr<Policy> make_direction(const PolicyOptions&) {
+  return std::make_unique<Direction>();
+}
 
 }  // namespace forefeel

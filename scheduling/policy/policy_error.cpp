@@ -24,16 +24,19 @@ class ErrorPolicy final : public Policy {
       const double near = std::exp(-(candidate.at - p.at).squaredNorm() / (2 * variance));
       chance = std::max(chance, near * solve / (solve + p.horizon));
     }
-    double delta = candidate.delta;   // states under way count as known
+    double delta = candidate.delta;  // states under way count as known
     for (const Vec3& p : view.pending) delta = std::min(delta, (candidate.at - p).norm());
     const double reach = std::min(delta / h, 4.0);
-    const double far = 1e-6 * h / (h + (candidate.at - view.hip.at).norm());   // orders what no prediction reaches
+    const double far =
+        1e-6 * h / (h + (candidate.at - view.hip.at).norm());  // orders what no prediction reaches
     return reach * reach * reach * chance + far;
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> make_error(const PolicyOptions&) { return std::make_unique<ErrorPolicy>(); }
+std::unique_ptr<Policy> make_error(const PolicyOptions&) {
+  return std::make_unique<ErrorPolicy>();
+}
 
 }  // namespace forefeel

@@ -20,6 +20,8 @@ class Fifo final : public Policy {
 
 }  // namespace
 
-std::unique_ptr<Policy> make_fifo(const PolicyOptions&) { return std::make_unique<Fifo>(); }
+std::unique_ptr<Policy> make_fifo(const PolicyOptions&) {
+  return std::make_unique<Fifo>();
+}
 
 }  // namespace forefeel

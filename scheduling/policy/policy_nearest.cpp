@@ -14,12 +14,14 @@ class Nearest final : public Policy {
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing;
     const double near = h / (h + (candidate.at - view.hip.at).norm());
-    return near * near;   // the square tells preemption what is far
+    return near * near;  // the square tells preemption what is far
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> make_nearest(const PolicyOptions&) { return std::make_unique<Nearest>(); }
+std::unique_ptr<Policy> make_nearest(const PolicyOptions&) {
+  return std::make_unique<Nearest>();
+}
 
 }  // namespace forefeel

@@ -7,8 +7,8 @@
 
 namespace forefeel {
 
-ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::size_t> first_visits, double t0,
-                            const SwitchOptions& switching, double tolerance,
+ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::size_t> first_visits,
+                            double t0, const SwitchOptions& switching, double tolerance,
                             const std::function<Vec3(const Vec3&)>& exact,
                             const std::function<Vec3(const Vec3&)>& guess) {
   constexpr double never = std::numeric_limits<double>::infinity();
@@ -35,12 +35,14 @@ ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::s
     }
     if (!visited) continue;
     ++result.visits;
-    result.within += (rendered - force).norm() <= std::max(tolerance * force.norm(), switching.jnd_floor) ? 1 : 0;
+    result.within +=
+        (rendered - force).norm() <= std::max(tolerance * force.norm(), switching.jnd_floor) ? 1 : 0;
   }
   return result;
 }
 
-double first_possible(const CostModel& cost, const StateSpaceOptions& space, double latency, bool rest_first) {
+double first_possible(const CostModel& cost, const StateSpaceOptions& space, double latency,
+                      bool rest_first) {
   double least = rest_first ? cost.rest_seconds() : std::numeric_limits<double>::infinity();
   for (const Vec3& x : lattice(space.box, space.spacing)) least = std::min(least, cost.seconds(x));
   return least + 2 * latency;

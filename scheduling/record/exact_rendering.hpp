@@ -16,16 +16,17 @@
 namespace forefeel {
 
 struct ExactRendering {
-  double known = 0;                    // the frame's time in which f is known [s]
-  double settled = 0;                  // from when on F = f [s]; infinite: not in this motion
-  std::size_t visits = 0, within = 0;  // first visits with a reference; of them |F - f| <= max(tolerance |f|, F_abs)
+  double known = 0;    // the frame's time in which f is known [s]
+  double settled = 0;  // from when on F = f [s]; infinite: not in this motion
+  std::size_t visits = 0,
+              within = 0;  // first visits with a reference; of them |F - f| <= max(tolerance |f|, F_abs)
   double share() const { return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : 0; }
 };
 
 // motion: by frame; first_visits: indices into it, growing. exact(x) is asked for first visits, and for all frames from
 // t0 until e is gone; where it is not finite e stays as it is. guess: g; empty: zero.
-ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::size_t> first_visits, double t0,
-                            const SwitchOptions& switching, double tolerance,
+ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::size_t> first_visits,
+                            double t0, const SwitchOptions& switching, double tolerance,
                             const std::function<Vec3(const Vec3&)>& exact,
                             const std::function<Vec3(const Vec3&)>& guess = {});
 

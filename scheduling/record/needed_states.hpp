@@ -12,10 +12,10 @@ namespace forefeel {
 
 class NeededStates {
  public:
-  NeededStates(const Box& box, double spacing)   // [m]; a face of the box counts: 6 x 0.006 > 0.036 in doubles
+  NeededStates(const Box& box, double spacing)  // [m]; a face of the box counts: 6 x 0.006 > 0.036 in doubles
       : box_{box.low.array() - 1e-9 * spacing, box.high.array() + 1e-9 * spacing}, spacing_(spacing) {}
 
-  void know(const Vec3& at) {   // from the start; off the lattice it is no corner
+  void know(const Vec3& at) {  // from the start; off the lattice it is no corner
     const Vec3 step = (at / spacing_).array().round();
     if ((at - spacing_ * step).norm() < 1e-6 * spacing_) known_.insert(place(step));
   }
@@ -32,7 +32,9 @@ class NeededStates {
 
  private:
   using Place = std::tuple<long, long, long>;
-  static Place place(const Vec3& step) { return {std::lround(step[0]), std::lround(step[1]), std::lround(step[2])}; }
+  static Place place(const Vec3& step) {
+    return {std::lround(step[0]), std::lround(step[1]), std::lround(step[2])};
+  }
 
   Box box_;
   double spacing_;

@@ -58,15 +58,18 @@ Text frames_text(std::span<const FrameRecord> frames, bool real) {
 
 void write_frames(const std::filesystem::path& file, const SessionResult& result, bool real) {
   const std::string header = fmt::format(
-                 "t,x,y,z,fx,fy,fz,label,model,known,ux,uy,uz,rendered_x,rendered_y,rendered_z,switch_change,switch_bound,"
-                 "motion_change,took_model,undamped_jump,sampled,first_visit,rx,ry,rz,error,approximation,switch,staleness{}\n",
-                 real ? ",cost_us,lateness_us" : "");
+      "t,x,y,z,fx,fy,fz,label,model,known,ux,uy,uz,rendered_x,rendered_y,rendered_z,switch_change,switch_"
+      "bound,"
+      "motion_change,took_model,undamped_jump,sampled,first_visit,rx,ry,rz,error,approximation,switch,"
+      "staleness{}\n",
+      real ? ",cost_us,lateness_us" : "");
   const std::size_t parts = 4, n = result.frames.size();
-  std::vector<std::future<Text>> texts;   // of a share of the frames each, side by side
+  std::vector<std::future<Text>> texts;  // of a share of the frames each, side by side
   for (std::size_t part = 0; part < parts; ++part)
-    texts.push_back(std::async(std::launch::async, [&result, real, first = part * n / parts, last = (part + 1) * n / parts] {
-      return frames_text({result.frames.data() + first, last - first}, real);
-    }));
+    texts.push_back(std::async(std::launch::async,
+                               [&result, real, first = part * n / parts, last = (part + 1) * n / parts] {
+                                 return frames_text({result.frames.data() + first, last - first}, real);
+                               }));
   OutputFile out(file);
   out.write(header);
   for (std::future<Text>& text : texts) {
@@ -79,7 +82,8 @@ void write_frames(const std::filesystem::path& file, const SessionResult& result
 void write_dispatch(const std::filesystem::path& file, const SessionResult& result) {
   Text out;
   auto to = std::back_inserter(out);
-  fmt::format_to(to, "id,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent,known\n");
+  fmt::format_to(
+      to, "id,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent,known\n");
   for (const DispatchRecord& d : result.dispatch) {
     fmt::format_to(to, "{}", d.id);
     put(out, d.at);
@@ -116,7 +120,8 @@ void prepare_run_folder(const std::filesystem::path& folder) {
   check_writable(folder / "frames.csv");
 }
 
-void write_run_files(const std::filesystem::path& folder, const SessionResult& result, const SessionOptions& options) {
+void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
+                     const SessionOptions& options) {
   const bool real = options.clock == Clock::real;
   std::future<void> others = std::async(std::launch::async, [&] {
     write_dispatch(folder / "dispatch.csv", result);

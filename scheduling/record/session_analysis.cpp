@@ -20,13 +20,12 @@
 #include <thread>
 #include <utility>
 
+#include "scheduling/record/visited_cells.hpp"
 #include "scheduling/render/session_model.hpp"
 #include "scheduling/session/session_parts.hpp"
-#include "scheduling/record/visited_cells.hpp"
 
 namespace forefeel {
 namespace {
-
 
 void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
   const double scale = std::max(reference.norm(), floor);
@@ -43,7 +42,8 @@ class Samples {
  public:
   Samples(const SessionInput& input, const SessionOptions& options)
       : visited_(input.space.box, options.visit_cell > 0 ? options.visit_cell : input.space.spacing),
-        step_(options.reference_step), stride_(static_cast<std::size_t>(options.visit_stride)) {}
+        step_(options.reference_step),
+        stride_(static_cast<std::size_t>(options.visit_stride)) {}
 
   struct Choice {
     bool sampled = false, first_visit = false;
@@ -84,14 +84,22 @@ struct RunAnalysis::Impl {
   struct Found {
     Label label;
     Samples::Choice choice;
-    Vec3 fresh;                      // where chosen: force of a model made anew from all states known then
+    Vec3 fresh;  // where chosen: force of a model made anew from all states known then
   };
   static constexpr std::size_t lot_size = 100;
 
-  Impl(const SessionInput& input, const SessionOptions& options, ReferenceService& given, const std::function<void(const Vec3&)>& each)
-      : references(given), each_position(each), interrupted(options.interrupted), hurried(options.hurried),
-        patience(std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(options.patience))), samples(input, options), space(input.space),
-        fresh(space, options), floor(options.error_floor) {}
+  Impl(const SessionInput& input, const SessionOptions& options, ReferenceService& given,
+       const std::function<void(const Vec3&)>& each)
+      : references(given),
+        each_position(each),
+        interrupted(options.interrupted),
+        hurried(options.hurried),
+        patience(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+            std::chrono::duration<double>(options.patience))),
+        samples(input, options),
+        space(input.space),
+        fresh(space, options),
+        floor(options.error_floor) {}
 
   // ---- of the thread that runs
   void add(const Vec3& at, std::uint32_t known, const StateSpace& all) {
@@ -100,7 +108,8 @@ struct RunAnalysis::Impl {
     if (lot.frames.size() == lot_size) hand_over(all);
   }
   void hand_over(const StateSpace& all) {
-    for (; states < all.size(); ++states) lot.states.push_back(all[StateId{static_cast<std::uint32_t>(states)}]);
+    for (; states < all.size(); ++states)
+      lot.states.push_back(all[StateId{static_cast<std::uint32_t>(states)}]);
     hand_over();
   }
   void hand_over() {
@@ -117,7 +126,11 @@ struct RunAnalysis::Impl {
     std::unique_lock lock(mutex);
     const auto done = [&] { return failure || worked == handed; };
     while (!changed.wait_for(lock, std::chrono::milliseconds(show ? 50 : 10'000), done))
-      if (show) show({.t = static_cast<double>(worked), .seconds = static_cast<double>(handed), .known = states, .phase = "labels"});
+      if (show)
+        show({.t = static_cast<double>(worked),
+              .seconds = static_cast<double>(handed),
+              .known = states,
+              .phase = "labels"});
     if (failure) std::rethrow_exception(failure);
   }
 
@@ -152,12 +165,14 @@ struct RunAnalysis::Impl {
       grown = true;
     }
     if (each_frame) each_frame(found.size(), frame.at, frame.known);
-    const bool as_before = !found.empty() && !grown && frame.at == last;   // a hand at rest
+    const bool as_before = !found.empty() && !grown && frame.at == last;  // a hand at rest
     last = frame.at;
-    Found result{.label = as_before ? found.back().label : space.label(frame.at, walk), .choice = samples.next(frame.at), .fresh = Vec3::Zero()};
+    Found result{.label = as_before ? found.back().label : space.label(frame.at, walk),
+                 .choice = samples.next(frame.at),
+                 .fresh = Vec3::Zero()};
     if (result.choice.sampled || result.choice.first_visit) {
       references.request(frame.at);
-      fresh.forget();   // no set of an earlier moment has a say
+      fresh.forget();  // no set of an earlier moment has a say
       result.fresh = fresh.model_at(frame.at).force(frame.at);
     }
     found.push_back(result);
@@ -173,33 +188,39 @@ struct RunAnalysis::Impl {
   std::size_t handed = 0, states = 0;
   // of the other
   Samples samples;
-  StateSpace space;                  // what was known in the frame it is at
+  StateSpace space;  // what was known in the frame it is at
   SessionModel fresh;
   RunAnalysis::EachFrame each_frame;
   PathWalk walk;
-  std::vector<State> arrived;        // all so far, of which `inserted` are in the space
+  std::vector<State> arrived;  // all so far, of which `inserted` are in the space
   std::size_t inserted = 0;
   Vec3 last = Vec3::Zero();
-  std::vector<Found> found;          // by frame; of the first again once `worked` says so
+  std::vector<Found> found;  // by frame; of the first again once `worked` says so
   // of both, under the mutex
   std::mutex mutex;
   std::condition_variable_any changed;
   std::deque<Lot> lots;
   std::size_t worked = 0;
   std::exception_ptr failure;
-  double floor;                      // f0 [N]
-  std::jthread thread;               // ends first
+  double floor;         // f0 [N]
+  std::jthread thread;  // ends first
 };
 
-RunAnalysis::RunAnalysis(const SessionInput& input, const SessionOptions& options, ReferenceService& references,
-                         const std::function<void(const Vec3&)>& each_position)
+RunAnalysis::RunAnalysis(const SessionInput& input, const SessionOptions& options,
+                         ReferenceService& references, const std::function<void(const Vec3&)>& each_position)
     : impl_(std::make_unique<Impl>(input, options, references, each_position)) {}
 RunAnalysis::~RunAnalysis() = default;
 
-void RunAnalysis::frame(const Vec3& at, std::uint32_t known, const StateSpace& space) { impl_->add(at, known, space); }
+void RunAnalysis::frame(const Vec3& at, std::uint32_t known, const StateSpace& space) {
+  impl_->add(at, known, space);
+}
 
-void RunAnalysis::begin(EachFrame each) { impl_->each_frame = std::move(each); }
-const StateSpace& RunAnalysis::space() const { return impl_->space; }
+void RunAnalysis::begin(EachFrame each) {
+  impl_->each_frame = std::move(each);
+}
+const StateSpace& RunAnalysis::space() const {
+  return impl_->space;
+}
 void RunAnalysis::catch_up(const StateSpace& space) {
   impl_->hand_over(space);
   impl_->wait({});
@@ -227,7 +248,9 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
   const auto wait_for = [&](const Vec3& at) {
     for (;;) {
       const auto now = std::chrono::steady_clock::now();
-      if (end == never && (result.interrupted || (my.interrupted && my.interrupted->load(std::memory_order_relaxed)))) end = now + my.patience;
+      if (end == never &&
+          (result.interrupted || (my.interrupted && my.interrupted->load(std::memory_order_relaxed))))
+        end = now + my.patience;
       if (end != never && my.hurried && my.hurried->load(std::memory_order_relaxed)) end = std::min(end, now);
       const auto turn = std::min(end, now + std::chrono::milliseconds(100));
       std::optional<State> reference = my.references.get_until(at, turn);
@@ -244,15 +267,19 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
     else
       ++failed;
     if (show)
-      show({.t = static_cast<double>(i + 1), .seconds = static_cast<double>(samples.size()), .known = result.states.size(),
+      show({.t = static_cast<double>(i + 1),
+            .seconds = static_cast<double>(samples.size()),
+            .known = result.states.size(),
             .phase = "references"});
   }
   if (late > 0) {
     result.interrupted = true;
-    result.notes.push_back(fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
-                                       samples.size()));
+    result.notes.push_back(
+        fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
+                    samples.size()));
   }
-  if (failed > 0) result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
+  if (failed > 0)
+    result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
 
   // Published models become switches when the loop takes them.
   std::vector<SwitchRecord> taken;

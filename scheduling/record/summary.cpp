@@ -3,15 +3,17 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "scheduling/record/run_files.hpp"
 #include "scheduling/record/needed_states.hpp"
+#include "scheduling/record/run_files.hpp"
 
 namespace forefeel {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 // Nearest-rank quantile of sorted values; unknown when there are none.
 double quantile(const std::vector<double>& sorted, double q) {
@@ -23,7 +25,9 @@ double quantile(const std::vector<double>& sorted, double q) {
 Json timing(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   std::sort(values.begin(), values.end());
-  return {{"p50", number(quantile(values, 0.5))}, {"p99", number(quantile(values, 0.99))}, {"max", number(quantile(values, 1))}};
+  return {{"p50", number(quantile(values, 0.5))},
+          {"p99", number(quantile(values, 0.99))},
+          {"max", number(quantile(values, 1))}};
 }
 
 double jnd(const Vec3& force, const SwitchOptions& options) {
@@ -40,9 +44,12 @@ Json errors(const SessionResult& result, const SwitchOptions& options, bool with
     within += (f.force - f.reference).norm() <= jnd(f.reference, options);
   }
   std::sort(sorted.begin(), sorted.end());
-  Json json{{"samples", sorted.size()}, {"p50", number(quantile(sorted, 0.5))}, {"p95", number(quantile(sorted, 0.95))}};
+  Json json{{"samples", sorted.size()},
+            {"p50", number(quantile(sorted, 0.5))},
+            {"p95", number(quantile(sorted, 0.95))}};
   if (with_max) json["max"] = number(quantile(sorted, 1));
-  json["within_jnd"] = number(sorted.empty() ? unknown : static_cast<double>(within) / static_cast<double>(sorted.size()));
+  json["within_jnd"] =
+      number(sorted.empty() ? unknown : static_cast<double>(within) / static_cast<double>(sorted.size()));
   return json;
 }
 
@@ -52,7 +59,9 @@ Json error_json(const SessionResult& result, const SwitchOptions& options) {
   json.update(errors(result, options, true, sampled));
   Json parts, medians;
   const std::pair<const char*, double FrameRecord::*> columns[] = {
-      {"approximation", &FrameRecord::approximation}, {"switch", &FrameRecord::switching}, {"staleness", &FrameRecord::staleness}};
+      {"approximation", &FrameRecord::approximation},
+      {"switch", &FrameRecord::switching},
+      {"staleness", &FrameRecord::staleness}};
   for (const auto& [key, member] : columns) {
     std::vector<double> sorted;
     for (const FrameRecord& f : result.frames)
@@ -65,8 +74,8 @@ Json error_json(const SessionResult& result, const SwitchOptions& options) {
   json["parts_p50"] = medians;
   Json by_label;
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    by_label[std::string(name(label))] =
-        errors(result, options, true, [label](const FrameRecord& f) { return f.sampled && f.label == label; });
+    by_label[std::string(name(label))] = errors(
+        result, options, true, [label](const FrameRecord& f) { return f.sampled && f.label == label; });
   json["by_label"] = by_label;
   json["first_visit"] = errors(result, options, false, [](const FrameRecord& f) { return f.first_visit; });
   return json;
@@ -80,7 +89,8 @@ Json deadline_json(const SessionResult& result, const SessionOptions& options) {
     lateness.push_back(f.lateness_us);
     missed += f.cost_us + f.lateness_us > options.frame * 1e6;
   }
-  return {{"missed", missed}, {"cost_us", timing(std::move(cost))}, {"lateness_us", timing(std::move(lateness))}};
+  return {
+      {"missed", missed}, {"cost_us", timing(std::move(cost))}, {"lateness_us", timing(std::move(lateness))}};
 }
 
 Json states_json(const SessionResult& result) {
@@ -108,9 +118,11 @@ double drift(const SessionResult& result, double window) {
   for (std::size_t k = 0; k < result.frames.size(); ++k) sum[k + 1] = sum[k] + result.frames[k].switch_delta;
   if (result.frames.size() < 2) return 0;
   const double frame = result.frames[1].t - result.frames[0].t;
-  const auto width = std::min(result.frames.size(), static_cast<std::size_t>(std::max(1LL, std::llround(window / frame))));
+  const auto width =
+      std::min(result.frames.size(), static_cast<std::size_t>(std::max(1LL, std::llround(window / frame))));
   double most = 0;
-  for (std::size_t k = 0; k + width < sum.size(); ++k) most = std::max(most, (sum[k + width] - sum[k]).norm());
+  for (std::size_t k = 0; k + width < sum.size(); ++k)
+    most = std::max(most, (sum[k + width] - sum[k]).norm());
   return most;
 }
 
@@ -127,7 +139,8 @@ Json switch_json(const SessionResult& result, const SessionOptions& options) {
           {"max_jump", jump},
           {"max_jump_undamped", undamped},
           {"frames_over_jnd", over},
-          {"drift", {{"ms50", drift(result, 0.05)}, {"ms100", drift(result, 0.1)}, {"ms300", drift(result, 0.3)}}}};
+          {"drift",
+           {{"ms50", drift(result, 0.05)}, {"ms100", drift(result, 0.1)}, {"ms300", drift(result, 0.3)}}}};
 }
 
 // States needed per second of motion, those known at the start left out, over states solved per second by the workers
@@ -139,7 +152,8 @@ double load(const SessionResult& result, const SessionInput& input, const Sessio
   for (const FrameRecord& f : result.frames) needed.visit(f.at);
   if (result.frames.empty() || result.solve_seconds.empty() || result.workers == 0) return unknown;
   const double seconds = result.frames.back().t + (result.frames.size() > 1 ? result.frames[1].t : 0);
-  const double messages = options.clock == Clock::virtual_time ? 2 * options.latency * static_cast<double>(result.jobs) : 0;
+  const double messages =
+      options.clock == Clock::virtual_time ? 2 * options.latency * static_cast<double>(result.jobs) : 0;
   const double total = std::accumulate(result.solve_seconds.begin(), result.solve_seconds.end(), messages);
   const double rate = result.workers * static_cast<double>(result.solve_seconds.size()) / total;
   return static_cast<double>(needed.count()) / seconds / rate;
@@ -152,8 +166,8 @@ Json summary_json(const SessionResult& result, const SessionInput& input, const 
   for (const FrameRecord& f : result.frames) ++in[static_cast<std::size_t>(f.label)];
   Json time_in;
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    time_in[std::string(name(label))] =
-        static_cast<double>(in[static_cast<std::size_t>(label)]) / static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
+    time_in[std::string(name(label))] = static_cast<double>(in[static_cast<std::size_t>(label)]) /
+                                        static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
   Json json;
   json["clock"] = options.clock == Clock::real ? "real" : "virtual";
   const bool whole = static_cast<double>(result.frames.size()) > options.seconds / options.frame - 0.75;
@@ -166,7 +180,10 @@ Json summary_json(const SessionResult& result, const SessionInput& input, const 
   json["error"] = error_json(result, options.switching);
   json["load"] = number(load(result, input, options));
   json["energy"] = {{"generated_J", number(result.generated_energy)}, {"work_J", number(result.work)}};
-  json["safety"] = {{"clamped", result.clamped}, {"slewed", result.slewed}, {"stale", result.stale}, {"non_finite", result.non_finite}};
+  json["safety"] = {{"clamped", result.clamped},
+                    {"slewed", result.slewed},
+                    {"stale", result.stale},
+                    {"non_finite", result.non_finite}};
   json["workers"] = options.workers;
   json["policy"] = options.policy;
   json["select"] = name(options.model.select);

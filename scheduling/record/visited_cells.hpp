@@ -11,7 +11,7 @@ namespace forefeel {
 
 class VisitedCells {
  public:
-  VisitedCells(const Box& box, double side)   // [m]; a face of the box counts: 6 x 0.006 > 0.036 in doubles
+  VisitedCells(const Box& box, double side)  // [m]; a face of the box counts: 6 x 0.006 > 0.036 in doubles
       : box_{box.low.array() - 1e-9 * side, box.high.array() + 1e-9 * side}, side_(side) {}
 
   // Whether `at` is the first position in its cell.

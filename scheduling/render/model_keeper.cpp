@@ -6,11 +6,15 @@
 namespace forefeel {
 
 ModelKeeper::ModelKeeper(const StateSpace& space, const SessionOptions& options, LoopLink& link)
-    : space_(space), link_(link), travel_(options.update_travel * space.options().spacing), updater_(space, options) {}
+    : space_(space),
+      link_(link),
+      travel_(options.update_travel * space.options().spacing),
+      updater_(space, options) {}
 
 Model* ModelKeeper::free_model() {
   while (const auto returned = link_.returned.pop()) free_.push_back(const_cast<Model*>(*returned));
-  if (free_.empty() && models_.size() < 6) {   // two in the loop, one published, one filled, two on their way back
+  if (free_.empty() &&
+      models_.size() < 6) {  // two in the loop, one published, one filled, two on their way back
     models_.push_back(std::make_unique<Model>());
     free_.push_back(models_.back().get());
   }
@@ -24,14 +28,15 @@ void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   const bool grown = space_.size() > updated_states_, travelled = (hip - updated_at_).norm() >= travel_;
   if (!(grown || (travelled && !space_.empty()) || !published_)) return;
   Model* model = free_model();
-  if (!model) return;   // the loop has not given one back yet: try again at the next call
+  if (!model) return;  // the loop has not given one back yet: try again at the next call
   const auto before = std::chrono::steady_clock::now();
   UpdateReport report;
   const bool known = updater_.update(hip, *model, &report);
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
   const char* cause = space_.empty() ? "guess" : updated_states_ == 0 ? "first" : grown ? "states" : "travel";
   // The same set gives the same model, unless it was stepped down to the state nearest to the HIP.
-  const bool changed = report.refit || report.replaced > 0 || report.n != updated_n_ || !published_ || model->is_tangent();
+  const bool changed =
+      report.refit || report.replaced > 0 || report.n != updated_n_ || !published_ || model->is_tangent();
   updated_states_ = space_.size();
   updated_at_ = hip;
   label_ = report.label;
@@ -51,7 +56,7 @@ void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   for (const StateId id : model->states())
     if (std::isnan(first_used_[id.value])) first_used_[id.value] = now;
   if (const auto missed = link_.models.publish(model)) {
-    if (*missed) free_.push_back(const_cast<Model*>(*missed));   // never taken
+    if (*missed) free_.push_back(const_cast<Model*>(*missed));  // never taken
   }
 }
 

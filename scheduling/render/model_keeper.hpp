@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "scheduling/render/render_loop.hpp"
-#include "scheduling/session/session.hpp"
 #include "scheduling/render/session_model.hpp"
+#include "scheduling/session/session.hpp"
 
 namespace forefeel {
 
@@ -18,23 +18,23 @@ class ModelKeeper {
   ModelKeeper(const StateSpace& space, const SessionOptions& options, LoopLink& link);
 
   void update(double now, const Vec3& hip, bool time_it = false);
-  Label label() const { return label_; }             // of the region that chose the newest model
+  Label label() const { return label_; }  // of the region that chose the newest model
   // When the state first was in a model [s], by id; NaN or not there: never.
   const std::vector<double>& first_used() const { return first_used_; }
-  std::vector<SwitchRecord> take_switches() { return std::move(updates_); }   // one per published model
+  std::vector<SwitchRecord> take_switches() { return std::move(updates_); }  // one per published model
 
  private:
   Model* free_model();
 
   const StateSpace& space_;
   LoopLink& link_;
-  double travel_;                                    // that triggers an update [m]
+  double travel_;  // that triggers an update [m]
   SessionModel updater_;
   std::vector<std::unique_ptr<Model>> models_;
   std::vector<Model*> free_;
-  bool published_ = false;                           // a model
+  bool published_ = false;  // a model
   Vec3 updated_at_ = Vec3::Zero();
-  std::size_t updated_states_ = 0;                   // in the space then
+  std::size_t updated_states_ = 0;  // in the space then
   std::uint32_t updated_n_ = 0;
   Label label_ = Label::blank;
   std::vector<double> first_used_;

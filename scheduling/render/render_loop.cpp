@@ -24,7 +24,7 @@ void RenderLoop::frame(std::size_t k) noexcept {
   const Model* newest = link_.models.take().value_or(nullptr);
   const ForceSwitch::Frame f = switch_.step(newest, x);
   if (newest) newest_ = static_cast<std::uint32_t>(newest->serial());
-  if (f.took_model) model_ = newest_;   // the switch may let it wait, and takes the latest
+  if (f.took_model) model_ = newest_;  // the switch may let it wait, and takes the latest
   give_back(f.released);
   give_back(f.released_too);
   sent_ = safety_.apply(f.force, x, t, t - link_.planner_beat.load(std::memory_order_relaxed));

@@ -12,9 +12,9 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/render/safety.hpp"
-#include "scheduling/session/session.hpp"
 #include "scheduling/render/spsc_queue.hpp"
 #include "scheduling/render/triple_buffer.hpp"
+#include "scheduling/session/session.hpp"
 
 namespace forefeel {
 
@@ -24,7 +24,8 @@ inline double frame_time(std::size_t k, double frame) {
 }
 
 // Where the HIP is in frame k, after the frame before it. A device that fails holds its last place.
-inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, double frame, const Vec3& sent) noexcept {
+inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, double frame,
+                          const Vec3& sent) noexcept {
   const double t = frame_time(k, frame);
   Vec3 x = device.position(t, sent);
   if (!x.allFinite()) x = last.at;
@@ -33,11 +34,11 @@ inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, 
 
 // All that planner and loop share. Each member has one writer and one reader.
 struct LoopLink {
-  TripleBuffer<const Model*> models;             // planner -> loop
-  SpscQueue<const Model*, 32> returned;          // loop -> planner, which alone frees or refills them
-  TripleBuffer<HipSample> hip;                   // loop -> planner
-  std::atomic<std::uint32_t> known{0};           // planner -> loop: states known
-  std::atomic<double> planner_beat{0};           // planner -> loop: session time of its last step [s]
+  TripleBuffer<const Model*> models;     // planner -> loop
+  SpscQueue<const Model*, 32> returned;  // loop -> planner, which alone frees or refills them
+  TripleBuffer<HipSample> hip;           // loop -> planner
+  std::atomic<std::uint32_t> known{0};   // planner -> loop: states known
+  std::atomic<double> planner_beat{0};   // planner -> loop: session time of its last step [s]
 };
 
 class RenderLoop {
@@ -51,9 +52,9 @@ class RenderLoop {
 
   const HipSample& hip() const { return hip_; }
   const std::vector<FrameRecord>& log() const { return log_; }
-  std::vector<FrameRecord> take_log();           // the frames done so far
+  std::vector<FrameRecord> take_log();  // the frames done so far
   const Safety& safety() const { return safety_; }
-  std::size_t lost_models() const { return lost_models_; }   // the return queue was full: never, by its size
+  std::size_t lost_models() const { return lost_models_; }  // the return queue was full: never, by its size
 
  private:
   void give_back(const Model* model) noexcept;
@@ -67,7 +68,7 @@ class RenderLoop {
   std::size_t done_ = 0, lost_models_ = 0;
   HipSample hip_;
   Vec3 rendered_ = Vec3::Zero(), sent_ = Vec3::Zero();
-  std::uint32_t model_ = 0, newest_ = 0;         // serials: taken, and last handed over
+  std::uint32_t model_ = 0, newest_ = 0;  // serials: taken, and last handed over
 };
 
 }  // namespace forefeel

@@ -15,15 +15,15 @@
 namespace forefeel {
 
 struct SafetyOptions {
-  double force_limit = 12;       // [N]
-  double slew_limit = 1000;      // [N/s]
-  double ramp_seconds = 0.1;     // [s]
-  double stale_seconds = 0.5;    // [s]
-  double frame = 1e-3;           // [s]
+  double force_limit = 12;     // [N]
+  double slew_limit = 1000;    // [N/s]
+  double ramp_seconds = 0.1;   // [s]
+  double stale_seconds = 0.5;  // [s]
+  double frame = 1e-3;         // [s]
 };
 
 struct SafetyCounts {
-  std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;   // frames
+  std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;  // frames
 };
 
 class Safety {
@@ -33,8 +33,8 @@ class Safety {
   Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept;
 
   const SafetyCounts& counts() const { return counts_; }
-  double work() const { return work_; }              // sum of |F . dx| [J]
-  double generated() const { return generated_; }    // most that was given back beyond what was put in [J]
+  double work() const { return work_; }            // sum of |F . dx| [J]
+  double generated() const { return generated_; }  // most that was given back beyond what was put in [J]
 
  private:
   void observe_energy(const Vec3& force, const Vec3& x) noexcept;

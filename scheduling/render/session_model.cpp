@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "approx/predecessors/methods.hpp"
 #include "approx/model/model_data.hpp"
+#include "approx/predecessors/methods.hpp"
 #include "approx/select/neighbours.hpp"
 #include "geometry/common/error.hpp"
 
@@ -15,29 +15,33 @@ namespace {
 // While so few states are known the set does not tell how far apart states are. The first ones are asked for 2 to 4 h
 // apart, and a tangent that is held beyond 4 h, as for states h apart, renders half the force at the far end of a box.
 constexpr std::size_t few = 3;
-constexpr double apart_at_first = 2;   // spacings
-constexpr double around = 4;   // spacings around the HIP whose states a lattice model holds: it is replaced before
-}
+constexpr double apart_at_first = 2;  // spacings
+constexpr double around =
+    4;  // spacings around the HIP whose states a lattice model holds: it is replaced before
+}  // namespace
 
 void check_method(const std::string& method) {
   if (method != "rbf" && method != "trilinear" && method != "tricubic")
-    throw InputError("session.method", fmt::format("unknown method '{}', expected rbf, trilinear, tricubic", method));
+    throw InputError("session.method",
+                     fmt::format("unknown method '{}', expected rbf, trilinear, tricubic", method));
 }
 
 namespace {
 
-constexpr std::size_t always = 32;   // neighbours that are never capped: sets of fewer are made in ways of their own
+constexpr std::size_t always =
+    32;  // neighbours that are never capped: sets of fewer are made in ways of their own
 constexpr double most_bytes = 1e9;
 
 double matrix_bytes(ModelOptions options, std::size_t neighbours) {
   options.neighbours = neighbours;
   const double rows_each = options.data == Data::force ? 1 : 4, spare = 1.125;
-  const double rows = rows_each * spare * static_cast<double>(most_neighbours(options) + affine_places(options));
+  const double rows =
+      rows_each * spare * static_cast<double>(most_neighbours(options) + affine_places(options));
   return rows * rows * sizeof(double);
 }
 
 ModelOptions at_first(ModelOptions options, const StateSpace& space) {
-  options.neighbours = std::min(options.neighbours, always);   // of at most `few` states
+  options.neighbours = std::min(options.neighbours, always);  // of at most `few` states
   options.length = apart_at_first * space.options().spacing;
   return options;
 }
@@ -48,11 +52,13 @@ ModelOptions for_states(ModelOptions options, std::size_t states) {
   const std::size_t asked = options.neighbours;
   options.neighbours = std::min(asked, std::max(states, always));
   if (matrix_bytes(options, options.neighbours) <= most_bytes) return options;
-  std::size_t low = always, high = options.neighbours;   // the one fits, the other does not
-  while (high - low > 1) (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
+  std::size_t low = always, high = options.neighbours;  // the one fits, the other does not
+  while (high - low > 1)
+    (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
   throw InputError("model.neighbours",
-                   fmt::format("is {}, and there may be {} states: a model of so many takes {:.2g} GB, expected at most {} neighbours", asked,
-                               states, 1e-9 * matrix_bytes(options, options.neighbours), low));
+                   fmt::format("is {}, and there may be {} states: a model of so many takes {:.2g} GB, "
+                               "expected at most {} neighbours",
+                               asked, states, 1e-9 * matrix_bytes(options, options.neighbours), low));
 }
 
 SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
@@ -105,7 +111,7 @@ bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
   if (space_.empty()) return update_guess(hip, out, report);
   if (lattice_) return update_lattice(hip, out, report);
   const bool known = (with_stiffness_ && space_.size() <= few ? first_ : rbf_).update(hip, out, report);
-  if (known) out.impl().serial = ++serial_;   // one count for both
+  if (known) out.impl().serial = ++serial_;  // one count for both
   return known;
 }
 

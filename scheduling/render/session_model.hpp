@@ -15,7 +15,7 @@
 
 namespace forefeel {
 
-void check_method(const std::string& method);   // InputError lists the names
+void check_method(const std::string& method);  // InputError lists the names
 
 // What models of at most so many states need: no more neighbours than there can be. The models are the same.
 // InputError for model.neighbours where the matrix of one model would take more than a gigabyte.
@@ -37,7 +37,7 @@ class SessionModel {
 
   const StateSpace& space_;
   ModelUpdater rbf_, first_;
-  std::unique_ptr<StateSpace> guessed_;      // rest with the first guess; null: none
+  std::unique_ptr<StateSpace> guessed_;  // rest with the first guess; null: none
   std::optional<ModelUpdater> guess_;
   bool with_stiffness_, lattice_, cubic_;
   std::vector<StateId> near_;

@@ -16,7 +16,8 @@ class TripleBuffer {
   // Writer. Returns the value published before if the reader never took it (it is the writer's again).
   std::optional<T> publish(const T& value) noexcept {
     slots_[back_].value = value;
-    const std::uint8_t old = middle_.exchange(static_cast<std::uint8_t>(back_ | fresh), std::memory_order_acq_rel);
+    const std::uint8_t old =
+        middle_.exchange(static_cast<std::uint8_t>(back_ | fresh), std::memory_order_acq_rel);
     back_ = old & index;
     if (old & fresh) return slots_[back_].value;
     return std::nullopt;
@@ -37,8 +38,8 @@ class TripleBuffer {
   };
   std::array<Slot, 3> slots_;
   alignas(64) std::atomic<std::uint8_t> middle_{1};
-  alignas(64) std::uint8_t back_ = 0;    // the writer's own
-  alignas(64) std::uint8_t front_ = 2;   // the reader's own
+  alignas(64) std::uint8_t back_ = 0;   // the writer's own
+  alignas(64) std::uint8_t front_ = 2;  // the reader's own
 };
 
 }  // namespace forefeel

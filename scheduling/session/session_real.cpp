@@ -14,8 +14,8 @@
 #include <cstring>
 #include <thread>
 
-#include "scheduling/workers/mpi_workers.hpp"
 #include "scheduling/session/session_parts.hpp"
+#include "scheduling/workers/mpi_workers.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 
 namespace forefeel {
@@ -41,7 +41,8 @@ class LockedMemory {
   explicit LockedMemory(SessionResult& result) {
     // Under a limit, later allocations would fail once it is reached: lock only what is there.
     rlimit limit{};
-    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+    const bool unlimited =
+        geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
     locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
     if (!locked_) result.notes.push_back(fmt::format("memory is not locked: {}", std::strerror(errno)));
     result.memory_locked = locked_;
@@ -63,12 +64,14 @@ struct LoopEnd {
   std::string note;
 };
 
-void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& options, Nanoseconds start, LoopEnd& end) {
+void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& options, Nanoseconds start,
+              LoopEnd& end) {
   const sched_param priority{.sched_priority = 80};
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
   end.realtime = refused == 0;
   if (refused) end.note = fmt::format("the loop runs without real-time priority: {}", std::strerror(refused));
-  for (std::size_t k = 0; k < frames && !(options.interrupted && options.interrupted->load(std::memory_order_relaxed)); ++k) {
+  for (std::size_t k = 0;
+       k < frames && !(options.interrupted && options.interrupted->load(std::memory_order_relaxed)); ++k) {
     const Nanoseconds due = start + std::llround(static_cast<double>(k) * options.frame * 1e9);
     sleep_until(due);
     const Nanoseconds woke = monotonic();
@@ -79,14 +82,17 @@ void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& option
 }
 
 // Solves what --arrivals and --replay will deliver, before the first frame.
-std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& references, const ShowProgress& show) {
+std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& references,
+                                  const ShowProgress& show) {
   for (const Arrival& arrival : plan.arrivals) references.request(arrival.at);
   std::vector<State> states;
   for (const Arrival& arrival : plan.arrivals) {
     states.push_back(references.get(arrival.at));
     if (show)
-      show({.t = static_cast<double>(states.size()), .seconds = static_cast<double>(plan.arrivals.size()),
-            .known = states.size(), .phase = "arrivals"});
+      show({.t = static_cast<double>(states.size()),
+            .seconds = static_cast<double>(plan.arrivals.size()),
+            .known = states.size(),
+            .phase = "arrivals"});
   }
   return states;
 }
@@ -105,7 +111,8 @@ struct PlannerRun {
   void step(std::vector<JobResult>& results, std::size_t& arrived) {
     workers.collect(results, 0.0005);
     for (JobResult& result : results) planner.receive(std::move(result), now());
-    while (arrived < arriving.size() && plan.arrivals[arrived].t <= now()) planner.arrive(arriving[arrived++], now());
+    while (arrived < arriving.size() && plan.arrivals[arrived].t <= now())
+      planner.arrive(arriving[arrived++], now());
     if (const auto hip = link.hip.take()) planner.observe(*hip);
     planner.update(now(), true);
     if (!plan.given_arrivals) planner.plan(now());
@@ -120,8 +127,12 @@ struct PlannerRun {
       step(results, arrived);
       if (show && now() - shown > 0.1) {
         shown = now();
-        show({.t = shown, .seconds = plan.options.seconds, .known = planner.space().size(), .solved = planner.solved(),
-              .label = planner.label(), .phase = "session"});
+        show({.t = shown,
+              .seconds = plan.options.seconds,
+              .known = planner.space().size(),
+              .solved = planner.solved(),
+              .label = planner.label(),
+              .phase = "session"});
       }
     }
   }
@@ -137,23 +148,27 @@ struct PlannerRun {
 
 }  // namespace
 
-void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& result, const ShowProgress& show) {
+void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& result,
+              const ShowProgress& show) {
   const SessionOptions& options = plan.options;
   std::vector<State> arriving = solve_arrivals(plan, references, show);
   std::unique_ptr<StateWriter> writer;
   if (plan.input.state_file)
-    writer = std::make_unique<StateWriter>(StateFile::open_or_create(
-        *plan.input.state_file,
-        {.identity = plan.input.identity, .spacing = plan.input.space.spacing, .box = plan.input.space.box, .notes = {}}));
+    writer = std::make_unique<StateWriter>(
+        StateFile::open_or_create(*plan.input.state_file, {.identity = plan.input.identity,
+                                                           .spacing = plan.input.space.spacing,
+                                                           .box = plan.input.space.box,
+                                                           .notes = {}}));
 
   LoopLink link;
   RenderLoop loop(*plan.device, link, options, plan.frames);
   const LockedMemory locked(result);
-  const Nanoseconds start = monotonic() + 20000000;   // threads are up by then
+  const Nanoseconds start = monotonic() + 20000000;  // threads are up by then
   const auto session_time = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
-  WorkerThreads threads(plan.input.body,
-                        {.spacing = plan.input.space.spacing, .tolerance = 1e-6, .displacements = plan.input.displacements},
-                        session_time);
+  WorkerThreads threads(
+      plan.input.body,
+      {.spacing = plan.input.space.spacing, .tolerance = 1e-6, .displacements = plan.input.displacements},
+      session_time);
   const std::unique_ptr<RealWorkers> ranks = options.mpi ? options.mpi->workers(session_time) : nullptr;
   RealWorkers& workers = ranks ? *ranks : threads;
   Planner planner(plan.input, options, workers, link, hooks_of(plan, writer.get()));
@@ -189,8 +204,8 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
   result.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
   if (!plan.given_arrivals && result.frames.size() == plan.frames && workers.workers() < options.workers)
-    result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads", workers.workers(),
-                                       options.workers));
+    result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
+                                       workers.workers(), options.workers));
 }
 
 }  // namespace forefeel

@@ -19,9 +19,14 @@ namespace forefeel {
 namespace {
 
 using Nanoseconds = std::int64_t;
-constexpr double for_ever = 1e8;   // [s], three years: no run is longer, and sums of a few such times still fit
-Nanoseconds ns(double seconds) { return std::llround(std::min(seconds, for_ever) * 1e9); }
-double seconds(Nanoseconds t) { return static_cast<double>(t) / 1e9; }
+constexpr double for_ever =
+    1e8;  // [s], three years: no run is longer, and sums of a few such times still fit
+Nanoseconds ns(double seconds) {
+  return std::llround(std::min(seconds, for_ever) * 1e9);
+}
+double seconds(Nanoseconds t) {
+  return static_cast<double>(t) / 1e9;
+}
 
 enum class Kind { result, arrival, plan, frame };
 
@@ -29,7 +34,7 @@ struct Event {
   Nanoseconds t = 0;
   Kind kind = Kind::frame;
   std::uint64_t sequence = 0;
-  std::uint64_t payload = 0;   // worker, arrival or frame
+  std::uint64_t payload = 0;  // worker, arrival or frame
 
   friend bool operator>(const Event& a, const Event& b) {
     return std::tie(a.t, a.kind, a.sequence) > std::tie(b.t, b.kind, b.sequence);
@@ -56,8 +61,14 @@ class EventQueue {
 // worker back two messages after it was sent; the work done on a state until then is not done again.
 class SimulatedWorkers final : public Generator {
  public:
-  SimulatedWorkers(int workers, const SessionOptions& options, const CostModel& cost, ReferenceService& references, EventQueue& events)
-      : cost_(cost), rest_first_(options.rest_first), share_(options.batch_share), latency_(ns(options.latency)), references_(references), events_(events),
+  SimulatedWorkers(int workers, const SessionOptions& options, const CostModel& cost,
+                   ReferenceService& references, EventQueue& events)
+      : cost_(cost),
+        rest_first_(options.rest_first),
+        share_(options.batch_share),
+        latency_(ns(options.latency)),
+        references_(references),
+        events_(events),
         running_(static_cast<std::size_t>(workers)) {}
 
   void set_now(Nanoseconds now) { now_ = now; }
@@ -75,7 +86,7 @@ class SimulatedWorkers final : public Generator {
     const Nanoseconds arrives = now_ + latency_;
     bool any = false;
     for (Solve& solve : running_[static_cast<std::size_t>(worker)]) {
-      if (solve.returned || arrives >= solve.finished) continue;   // solved before the message arrives
+      if (solve.returned || arrives >= solve.finished) continue;  // solved before the message arrives
       if (arrives > solve.started) done_[solve.at] += arrives - solve.started;
       solve.cancelled = any = true;
       solve.started = std::min(solve.started, arrives);
@@ -111,14 +122,18 @@ class SimulatedWorkers final : public Generator {
     bool cancelled = false, returned = false;
   };
   struct ByPlace {
-    bool operator()(const Vec3& a, const Vec3& b) const { return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]); }
+    bool operator()(const Vec3& a, const Vec3& b) const {
+      return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+    }
   };
 
-  Nanoseconds add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share, Nanoseconds begin) {
+  Nanoseconds add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at,
+                  double share, Nanoseconds begin) {
     Nanoseconds cost = ns(share * (rest_first_ && at.isZero(0) ? cost_.rest_seconds() : cost_.seconds(at)));
     if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
     const Nanoseconds end = begin + std::max<Nanoseconds>(1, cost);
-    solves.push_back({.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
+    solves.push_back(
+        {.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
     references_.request(at);
     events_.push(end + latency_, Kind::result, static_cast<std::uint64_t>(worker));
     return end;
@@ -131,7 +146,7 @@ class SimulatedWorkers final : public Generator {
   ReferenceService& references_;
   EventQueue& events_;
   std::vector<std::vector<Solve>> running_;
-  std::map<Vec3, Nanoseconds, ByPlace> done_;   // on states whose solve was broken off
+  std::map<Vec3, Nanoseconds, ByPlace> done_;  // on states whose solve was broken off
 };
 
 // Models and rendering beside the planner, which does not depend on them where the motion does not depend on the force: they
@@ -143,7 +158,7 @@ class RenderAside {
 
   void frame(std::size_t k, const Vec3& at, std::uint32_t known) {
     const double now = seconds(ns(static_cast<double>(k) * frame_));
-    models_.update(now, motion_.at);   // for where the HIP was seen last
+    models_.update(now, motion_.at);  // for where the HIP was seen last
     motion_.at = at;
     link_.known.store(known, std::memory_order_relaxed);
     link_.planner_beat.store(now, std::memory_order_relaxed);
@@ -153,7 +168,9 @@ class RenderAside {
   }
   ModelKeeper& models() { return models_; }
   RenderLoop& loop() { return loop_; }
-  double force() const { return force_.load(std::memory_order_relaxed); }   // of a frame done lately, on any thread
+  double force() const {
+    return force_.load(std::memory_order_relaxed);
+  }  // of a frame done lately, on any thread
   Label label() const { return label_.load(std::memory_order_relaxed); }
 
  private:
@@ -173,17 +190,21 @@ class RenderAside {
 
 }  // namespace
 
-void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& analysis, SessionResult& result, const ShowProgress& show) {
+void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& analysis,
+                 SessionResult& result, const ShowProgress& show) {
   const SessionOptions& options = plan.options;
   EventQueue events;
   std::vector<JobResult> results;
   LoopLink link;
-  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers, options, *plan.cost, references, events);
+  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers, options, *plan.cost, references,
+                           events);
   std::unique_ptr<StateWriter> writer;
   if (plan.input.state_file)
-    writer = std::make_unique<StateWriter>(StateFile::open_or_create(
-        *plan.input.state_file,
-        {.identity = plan.input.identity, .spacing = plan.input.space.spacing, .box = plan.input.space.box, .notes = {}}));
+    writer = std::make_unique<StateWriter>(
+        StateFile::open_or_create(*plan.input.state_file, {.identity = plan.input.identity,
+                                                           .spacing = plan.input.space.spacing,
+                                                           .box = plan.input.space.box,
+                                                           .notes = {}}));
   Planner planner(plan.input, options, workers, link, hooks_of(plan, writer.get()));
   // Either the one or the other renders.
   std::shared_ptr<RenderAside> aside;
@@ -192,7 +213,8 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& a
     loop.emplace(*plan.device, link, options, plan.frames);
   } else {
     aside = std::make_shared<RenderAside>(analysis.space(), options, plan.frames);
-    analysis.begin([aside](std::size_t k, const Vec3& at, std::uint32_t known) { aside->frame(k, at, known); });
+    analysis.begin(
+        [aside](std::size_t k, const Vec3& at, std::uint32_t known) { aside->frame(k, at, known); });
   }
   HipSample hip;
 
@@ -228,12 +250,18 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& a
       planner.observe(hip);
       planner.plan(now);
       const std::size_t next = event.payload + 1;
-      if (next == plan.frames || (options.interrupted && options.interrupted->load(std::memory_order_relaxed))) break;
+      if (next == plan.frames ||
+          (options.interrupted && options.interrupted->load(std::memory_order_relaxed)))
+        break;
       events.push(ns(static_cast<double>(next) * options.frame), Kind::frame, next);
       if (show && next % 250 == 0)
-        show({.t = now, .seconds = options.seconds, .known = planner.space().size(), .solved = planner.solved(),
+        show({.t = now,
+              .seconds = options.seconds,
+              .known = planner.space().size(),
+              .solved = planner.solved(),
               .label = aside ? aside->label() : planner.label(),
-              .force = aside ? aside->force() : loop->log()[event.payload].force.norm(), .phase = "session"});
+              .force = aside ? aside->force() : loop->log()[event.payload].force.norm(),
+              .phase = "session"});
     }
   }
   if (writer) writer->flush();

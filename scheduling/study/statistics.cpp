@@ -119,7 +119,9 @@ ConfidenceInterval share_interval(const GroupedValues& values, double confidence
   const ConfidenceInterval plain = student_interval(values, confidence);
   const double m = plain.mean, spread = m * (1 - m), half = plain.high - m;
   if (!std::isfinite(half) || !(spread > 0)) return plain;
-  const auto share = [&](double shift) { return 1 / (1 + (1 - m) / m * std::exp(-shift)); };   // logit^-1(logit m + shift)
+  const auto share = [&](double shift) {
+    return 1 / (1 + (1 - m) / m * std::exp(-shift));
+  };  // logit^-1(logit m + shift)
   return {m, share(-half / spread), share(half / spread)};
 }
 
@@ -144,7 +146,8 @@ int Comparison::verdict() const {
 
 Comparison compare(const GroupedValues& differences, const BootstrapOptions& options) {
   const GroupedValues groups = finite_groups(differences);
-  Comparison result{options.shares ? share_interval(groups, options.confidence) : student_interval(groups, options.confidence),
+  Comparison result{options.shares ? share_interval(groups, options.confidence)
+                                   : student_interval(groups, options.confidence),
                     bootstrap_interval(groups, options), count(groups), groups.size()};
   for (const auto& group : groups)
     for (const double difference : group) {

@@ -12,10 +12,12 @@
 namespace forefeel {
 
 namespace {
-constexpr double iterations = 4;   // of a state (cost.hpp)
+constexpr double iterations = 4;  // of a state (cost.hpp)
 }  // namespace
 
-double CostModel::rest_seconds() const { return seconds(Vec3::Zero()) / iterations; }
+double CostModel::rest_seconds() const {
+  return seconds(Vec3::Zero()) / iterations;
+}
 
 namespace {
 
@@ -66,8 +68,8 @@ class RecordedCost final : public CostModel {
 double number(const std::string& spec, std::string_view text, double low, bool open) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low || value > 1e6 ||
-      (open && value == low))
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low ||
+      value > 1e6 || (open && value == low))
     throw InputError("cost " + spec, fmt::format("'{}' is not a number {} {} and at most 1e6", text,
                                                  open ? "above" : "of at least", low));
   return value;
@@ -75,7 +77,8 @@ double number(const std::string& spec, std::string_view text, double low, bool o
 
 std::unique_ptr<CostModel> parse(const std::string& spec, std::uint64_t seed) {
   const std::size_t colon = spec.find(':');
-  const std::string kind = spec.substr(0, colon), arguments = colon == std::string::npos ? "" : spec.substr(colon + 1);
+  const std::string kind = spec.substr(0, colon),
+                    arguments = colon == std::string::npos ? "" : spec.substr(colon + 1);
   if (kind == "constant") return std::make_unique<ConstantCost>(number(spec, arguments, 0, true));
   if (kind == "lognormal") {
     const std::size_t comma = arguments.find(',');
@@ -89,7 +92,8 @@ std::unique_ptr<CostModel> parse(const std::string& spec, std::uint64_t seed) {
     return std::make_unique<LogNormalCost>(std::sqrt(0.1), sigma, 0.1, 1.0, seed);
   }
   if (spec == "recorded") return nullptr;
-  throw InputError("cost " + spec, "unknown model, expected constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded or paper");
+  throw InputError("cost " + spec,
+                   "unknown model, expected constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded or paper");
 }
 
 }  // namespace
@@ -102,6 +106,8 @@ std::unique_ptr<CostModel> make_cost(const std::string& spec, std::uint64_t seed
   return std::make_unique<RecordedCost>(std::move(measured), seed);
 }
 
-void check_cost(const std::string& spec) { parse(spec, 0); }
+void check_cost(const std::string& spec) {
+  parse(spec, 0);
+}
 
 }  // namespace forefeel

@@ -27,12 +27,12 @@ class CostModel {
  public:
   virtual ~CostModel() = default;
   virtual double seconds(const Vec3& at) const = 0;
-  virtual double rest_seconds() const;   // of the state at rest, asked for as such
+  virtual double rest_seconds() const;  // of the state at rest, asked for as such
 };
 
 struct RecordedCosts {
-  std::vector<double> solves;   // from a neighbour [s]
-  double rest = 0;              // of the state at rest [s]
+  std::vector<double> solves;  // from a neighbour [s]
+  double rest = 0;             // of the state at rest [s]
 };
 
 // recorded: the measured times, asked for only by that model. InputError on anything unknown.

@@ -5,15 +5,27 @@
 namespace forefeel {
 
 struct MpiGroup::Impl {};
-bool MpiGroup::built() { return false; }
+bool MpiGroup::built() {
+  return false;
+}
 MpiGroup::MpiGroup() = default;
 MpiGroup::~MpiGroup() = default;
-int MpiGroup::rank() const { return 0; }
-int MpiGroup::ranks() const { return 1; }
+int MpiGroup::rank() const {
+  return 0;
+}
+int MpiGroup::ranks() const {
+  return 1;
+}
 void MpiGroup::serve(const std::shared_ptr<const Body>&, const StateSolverOptions&) {}
-bool MpiGroup::told_to_stop(double) { return true; }
-void MpiGroup::abort(int exit_code) { std::exit(exit_code); }
-std::unique_ptr<RealWorkers> MpiGroup::workers(std::function<double()>) { return nullptr; }
+bool MpiGroup::told_to_stop(double) {
+  return true;
+}
+void MpiGroup::abort(int exit_code) {
+  std::exit(exit_code);
+}
+std::unique_ptr<RealWorkers> MpiGroup::workers(std::function<double()>) {
+  return nullptr;
+}
 
 }  // namespace forefeel
 
@@ -64,7 +76,9 @@ class Unpacker {
   explicit Unpacker(std::vector<double> numbers) : numbers_(std::move(numbers)) {}
   double number() { return numbers_.at(next_++); }
   template <class T>
-  T integer() { return static_cast<T>(number()); }
+  T integer() {
+    return static_cast<T>(number());
+  }
   Vec3 vector() {
     Vec3 x;
     for (int i = 0; i < 3; ++i) x[i] = number();
@@ -194,7 +208,8 @@ namespace {
 // Rank 0's view of the others: worker w is rank w + 1.
 class MpiWorkers final : public RealWorkers {
  public:
-  MpiWorkers(mpi::communicator& world, std::function<void(std::vector<JobResult>*, double)> stop_all, std::function<double()> now)
+  MpiWorkers(mpi::communicator& world, std::function<void(std::vector<JobResult>*, double)> stop_all,
+             std::function<double()> now)
       : world_(world), stop_all_(std::move(stop_all)), now_(std::move(now)) {}
 
   int workers() const override { return world_.size() - 1; }
@@ -253,24 +268,33 @@ void send_failure(mpi::communicator& world, const std::exception_ptr& failure) {
 
 }  // namespace
 
-bool MpiGroup::built() { return true; }
+bool MpiGroup::built() {
+  return true;
+}
 
 MpiGroup::MpiGroup() : impl_(std::make_unique<Impl>()) {
   if (mpi::environment::thread_level() < mpi::threading::serialized)
-    throw InputError("--mpi", "this MPI cannot be called from several threads, expected one built with thread support");
+    throw InputError(
+        "--mpi", "this MPI cannot be called from several threads, expected one built with thread support");
 }
 
 MpiGroup::~MpiGroup() {
   if (rank() == 0) impl_->stop(nullptr, 0);
 }
 
-int MpiGroup::rank() const { return impl_->world.rank(); }
-int MpiGroup::ranks() const { return impl_->world.size(); }
+int MpiGroup::rank() const {
+  return impl_->world.rank();
+}
+int MpiGroup::ranks() const {
+  return impl_->world.size();
+}
 
 void MpiGroup::serve(const std::shared_ptr<const Body>& body, const StateSolverOptions& options) {
   mpi::communicator& world = impl_->world;
   const auto start = std::chrono::steady_clock::now();
-  WorkerThreads worker(body, options, [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); });
+  WorkerThreads worker(body, options, [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  });
   std::thread solver([&] { worker.serve(); });
   while (worker.workers() == 0 && !worker.failure()) std::this_thread::sleep_for(pause);
   std::vector<JobResult> results;
@@ -317,7 +341,8 @@ void MpiGroup::abort(int exit_code) {
 
 std::unique_ptr<RealWorkers> MpiGroup::workers(std::function<double()> now) {
   return std::make_unique<MpiWorkers>(
-      impl_->world, [this](std::vector<JobResult>* results, double at) { impl_->stop(results, at); }, std::move(now));
+      impl_->world, [this](std::vector<JobResult>* results, double at) { impl_->stop(results, at); },
+      std::move(now));
 }
 
 }  // namespace forefeel

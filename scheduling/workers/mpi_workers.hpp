@@ -17,7 +17,7 @@ namespace forefeel {
 class MpiGroup {
  public:
   static bool built();
-  MpiGroup();                      // InputError where MPI cannot be used from a thread other than the first
+  MpiGroup();  // InputError where MPI cannot be used from a thread other than the first
   ~MpiGroup();
   MpiGroup(const MpiGroup&) = delete;
   MpiGroup& operator=(const MpiGroup&) = delete;

@@ -7,9 +7,9 @@
 #include <chrono>
 #include <fstream>
 
+#include "geometry/common/csv_table.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/common/csv_table.hpp"
 #include "scheduling/motion/random.hpp"
 #include "solver/kernels/revision.hpp"
 
@@ -36,32 +36,37 @@ std::size_t ReferenceService::Hash::operator()(const Key& key) const {
 
 ReferenceService::Key ReferenceService::key(const Vec3& x) {
   Key key;
-  for (int i = 0; i < 3; ++i) key.bits[i] = std::bit_cast<std::uint64_t>(x[i] + 0.0);   // -0 and 0 are one place
+  for (int i = 0; i < 3; ++i)
+    key.bits[i] = std::bit_cast<std::uint64_t>(x[i] + 0.0);  // -0 and 0 are one place
   return key;
 }
 
 ReferenceService::ReferenceService(const SessionInput& input, int threads)
     : body_(input.body),
       linear_(linear_basis(input.body, input.space.spacing)),
-      solver_options_{.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements},
+      solver_options_{
+          .spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements},
       box_(input.space.box),
-      thread_count_(threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency())) {
+      thread_count_(threads > 0 ? static_cast<std::size_t>(threads)
+                                : std::max(1u, std::thread::hardware_concurrency())) {
   if (input.cache_folder.empty() || input.identity.empty()) return;
   const std::string name = cache_name(input.identity, input.space.spacing, input.displacements);
   costs_file_ = input.cache_folder / (name + ".costs.csv");
   rest_cost_file_ = input.cache_folder / (name + ".rest-cost.csv");
-  if (linear_) return;   // three solves are cheaper than a file
+  if (linear_) return;  // three solves are cheaper than a file
   const auto take = [&](const StateFile& file) {
     for (State& state : file.read_all()) {
       const Key place = key(state.at);
       entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
     }
-    if (file.damaged() > 0) damage_ = damage_in_words((input.cache_folder / (name + ".states")).string(), file.damaged(), true);
+    if (file.damaged() > 0)
+      damage_ = damage_in_words((input.cache_folder / (name + ".states")).string(), file.damaged(), true);
   };
   const std::filesystem::path file = input.cache_folder / (name + ".states");
   try {
     std::filesystem::create_directories(input.cache_folder);
-    StateFileHeader header{.identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
+    StateFileHeader header{
+        .identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
     header.notes["content"] = "tight solves on the reference branch";
     StateFile cache = StateFile::open_or_create(file, header);
     take(cache);
@@ -70,7 +75,7 @@ ReferenceService::ReferenceService(const SessionInput& input, int threads)
   } catch (const std::exception& problem) {
     entries_.clear();
     note_ = fmt::format("no cache of reference solves: {}", problem.what());
-    try {   // another run writes it: what it holds serves this one too
+    try {  // another run writes it: what it holds serves this one too
       const StateFile cache = StateFile::open_read_only(file);
       if (cache.header().identity != input.identity) return;
       take(cache);
@@ -92,8 +97,7 @@ ReferenceService::~ReferenceService() {
 }
 
 void ReferenceService::start_threads() {
-  while (threads_.size() < thread_count_)
-    threads_.emplace_back([this](std::stop_token stop) { work(stop); });
+  while (threads_.size() < thread_count_) threads_.emplace_back([this](std::stop_token stop) { work(stop); });
 }
 
 void ReferenceService::request(const Vec3& x) {
@@ -106,16 +110,19 @@ void ReferenceService::request(const Vec3& x) {
   wake_.notify_one();
 }
 
-State ReferenceService::get(const Vec3& x) { return *get_until(x, std::chrono::steady_clock::time_point::max()); }
+State ReferenceService::get(const Vec3& x) {
+  return *get_until(x, std::chrono::steady_clock::time_point::max());
+}
 
 std::optional<State> ReferenceService::get_until(const Vec3& x, std::chrono::steady_clock::time_point end) {
   request(x);
   std::unique_lock lock(mutex_);
-  const Entry& entry = entries_.at(key(x));   // references into the map stay valid
+  const Entry& entry = entries_.at(key(x));  // references into the map stay valid
   if (!entry.ready) {
     // What is waited for goes first.
     const Key wanted = key(x);
-    const auto found = std::find_if(queue_.begin(), queue_.end(), [&](const Vec3& q) { return key(q) == wanted; });
+    const auto found =
+        std::find_if(queue_.begin(), queue_.end(), [&](const Vec3& q) { return key(q) == wanted; });
     if (found != queue_.end()) {
       queue_.erase(found);
       queue_.push_front(x);
@@ -153,7 +160,7 @@ void ReferenceService::work(std::stop_token stop) {
       SolveOutcome outcome = solver.reference(x);
       outcome.state.at = x;
       outcome.state.parent = Vec3::Zero();
-      outcome.state.force.array() += 0.0;   // -0 does not survive the cache
+      outcome.state.force.array() += 0.0;  // -0 does not survive the cache
       outcome.state.stiffness.array() += 0.0;
       lock.lock();
       if (writer_) writer_->push(outcome.state);
@@ -189,7 +196,7 @@ std::vector<double> ReferenceService::measured_costs() {
     const Vec3 share(uniform(mix(11, 3 * i)), uniform(mix(11, 3 * i + 1)), uniform(mix(11, 3 * i + 2)));
     const Vec3 x = box_.low + share.cwiseProduct(box_.size());
     const double length = std::max(x.norm(), 1e-12);
-    const Vec3 parent = x * std::max(0.0, 1 - solver_options_.spacing / length);   // a spacing nearer to rest
+    const Vec3 parent = x * std::max(0.0, 1 - solver_options_.spacing / length);  // a spacing nearer to rest
     const SolveOutcome start = solver.reference(parent);
     const auto before = std::chrono::steady_clock::now();
     const SolveOutcome outcome = solver.from(start.equilibrium.get(), x, {});

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "geometry/states/state_file.hpp"
-#include "scheduling/workers/cost.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/state_solver.hpp"
 
 namespace forefeel {
@@ -28,17 +28,20 @@ class ReferenceService {
  public:
   // threads 0: as many as the machine has. Threads start with the first request that is not cached.
   ReferenceService(const SessionInput& input, int threads);
-  ~ReferenceService();   // drops what nobody waits for
+  ~ReferenceService();  // drops what nobody waits for
   ReferenceService(const ReferenceService&) = delete;
   ReferenceService& operator=(const ReferenceService&) = delete;
 
-  void request(const Vec3& x);   // starts on it unless known; returns at once
-  State get(const Vec3& x);      // waits for it
-  std::optional<State> get_until(const Vec3& x, std::chrono::steady_clock::time_point end);   // nothing where it is late
-  std::size_t solved() const;    // not found in the cache
+  void request(const Vec3& x);  // starts on it unless known; returns at once
+  State get(const Vec3& x);     // waits for it
+  std::optional<State> get_until(const Vec3& x,
+                                 std::chrono::steady_clock::time_point end);  // nothing where it is late
+  std::size_t solved() const;                                                 // not found in the cache
   // Takes states that were solved elsewhere, tight and on the reference branch; they do not enter the file.
   void learn(std::span<const State> states);
-  const std::optional<std::string>& note() const { return note_; }   // why there is no cache, if one was asked for
+  const std::optional<std::string>& note() const {
+    return note_;
+  }  // why there is no cache, if one was asked for
 
   // One line where records of the cache had a wrong checksum: which file, and how many. They are solved anew and replaced.
   const std::optional<std::string>& damage() const { return damage_; }
@@ -72,7 +75,8 @@ class ReferenceService {
   std::vector<double> measured_costs();
   std::vector<double> measured_rest_costs();
   // Those in the file, else measured now and written there.
-  std::vector<double> kept(const std::filesystem::path& file, std::vector<double> (ReferenceService::*measured)());
+  std::vector<double> kept(const std::filesystem::path& file,
+                           std::vector<double> (ReferenceService::*measured)());
   std::mutex costs_mutex_;
   RecordedCosts costs_;
   std::optional<std::string> note_, damage_;

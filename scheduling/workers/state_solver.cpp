@@ -20,7 +20,7 @@ void LinearBasis::solve() {
     seconds_ += outcome.state.seconds;
     iterations_ += outcome.state.iterations;
   }
-  stiffness_ = 0.5 * (stiffness_ + stiffness_.transpose()).eval();   // symmetric but for round-off
+  stiffness_ = 0.5 * (stiffness_ + stiffness_.transpose()).eval();  // symmetric but for round-off
   status_ = SolveStatus::converged;
 }
 
@@ -35,7 +35,7 @@ SolveOutcome LinearBasis::at(const Vec3& x, bool want_displacements) {
   state.stiffness = stiffness_;
   state.energy = 0.5 * x.dot(stiffness_ * x);
   state.residual = residual_;
-  state.seconds = 0;   // the three solves are paid once for all states
+  state.seconds = 0;  // the three solves are paid once for all states
   state.iterations = 0;
   state.parent = Vec3::Zero();
   if (want_displacements) {
@@ -51,7 +51,8 @@ std::shared_ptr<LinearBasis> linear_basis(const std::shared_ptr<const Body>& bod
   return is_linear(*body) ? std::make_shared<LinearBasis>(body, spacing) : nullptr;
 }
 
-StateSolver::StateSolver(std::shared_ptr<const Body> body, std::shared_ptr<LinearBasis> linear, Options options)
+StateSolver::StateSolver(std::shared_ptr<const Body> body, std::shared_ptr<LinearBasis> linear,
+                         Options options)
     : body_(std::move(body)), linear_(std::move(linear)), options_(options) {}
 
 Solver& StateSolver::solver() {
@@ -80,7 +81,8 @@ SolveOptions StateSolver::quick() const {
 
 void StateSolver::settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop) {
   if (outcome.state.usable()) return;
-  if (stop.stop_requested()) outcome.state.status = SolveStatus::cancelled;   // however it ended: it proves nothing
+  if (stop.stop_requested())
+    outcome.state.status = SolveStatus::cancelled;  // however it ended: it proves nothing
   if (outcome.state.status != SolveStatus::cancelled) outcome = reference(x);
 }
 
@@ -91,7 +93,8 @@ SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::sto
   return outcome;
 }
 
-std::vector<SolveOutcome> StateSolver::beside(const Equilibrium* near, const std::vector<Vec3>& xs, std::stop_token stop) {
+std::vector<SolveOutcome> StateSolver::beside(const Equilibrium* near, const std::vector<Vec3>& xs,
+                                              std::stop_token stop) {
   std::vector<SolveOutcome> outcomes;
   if (linear_) {
     for (const Vec3& x : xs) outcomes.push_back(linear_->at(x, options_.displacements));

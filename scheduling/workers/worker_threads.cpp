@@ -5,13 +5,16 @@
 namespace forefeel {
 
 WorkerThreads::WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now)
-    : body_(std::move(body)), options_(options), linear_(linear_basis(body_, options.spacing)), now_(std::move(now)) {}
+    : body_(std::move(body)),
+      options_(options),
+      linear_(linear_basis(body_, options.spacing)),
+      now_(std::move(now)) {}
 
 void WorkerThreads::serve() {
   int worker = -1;
   try {
     StateSolver solver(body_, linear_, options_);
-    solver.prepare();   // at the same time as the others; the session may wait for its first state
+    solver.prepare();  // at the same time as the others; the session may wait for its first state
     std::unique_lock lock(mutex_);
     if (stopped_) return;
     worker = static_cast<int>(slots_.size());
@@ -62,7 +65,8 @@ void WorkerThreads::run(StateSolver& solver, int worker, const Job& job, const s
   std::vector<SolveOutcome> outcomes = solver.beside(near.get(), xs, stop);
   for (std::size_t i = 0; i < xs.size(); ++i) {
     JobResult result = result_of(job.beside[i].dispatch, xs[i], later, std::move(outcomes[i]));
-    if (result.state.status != SolveStatus::cancelled) result.finished = result.started + result.state.seconds;   // its share
+    if (result.state.status != SolveStatus::cancelled)
+      result.finished = result.started + result.state.seconds;  // its share
     give(std::move(result));
   }
 }

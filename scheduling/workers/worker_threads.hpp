@@ -19,7 +19,7 @@ namespace forefeel {
 
 class WorkerThreads final : public RealWorkers {
  public:
-  using Now = std::function<double()>;   // session time [s]
+  using Now = std::function<double()>;  // session time [s]
   WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now);
 
   // A worker's whole life: returns after stop(). Does not throw; see failure().
@@ -47,7 +47,7 @@ class WorkerThreads final : public RealWorkers {
   std::shared_ptr<LinearBasis> linear_;
   Now now_;
   mutable std::mutex mutex_;
-  std::deque<Slot> slots_;               // references stay valid while it grows
+  std::deque<Slot> slots_;  // references stay valid while it grows
   std::vector<JobResult> results_;
   std::condition_variable done_;
   bool stopped_ = false;

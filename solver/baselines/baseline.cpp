@@ -14,12 +14,12 @@ void openblas_set_num_threads(int) __attribute__((weak));
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_LDLT(isa)                  \
-  namespace isa {                                   \
-  void* make_ldlt(int, const int*, const int*);     \
-  void free_ldlt(void*);                            \
-  bool factor_ldlt(void*, const double*);           \
-  void solve_ldlt(void*, const double*, double*);   \
+#define FOREFEEL_DECLARE_LDLT(isa)                \
+  namespace isa {                                 \
+  void* make_ldlt(int, const int*, const int*);   \
+  void free_ldlt(void*);                          \
+  bool factor_ldlt(void*, const double*);         \
+  void solve_ldlt(void*, const double*, double*); \
   }
 FOREFEEL_DECLARE_LDLT(portable)
 #ifdef FOREFEEL_MULTIVERSION
@@ -39,7 +39,8 @@ struct LdltFunctions {
 LdltFunctions ldlt_functions() {
 #ifdef FOREFEEL_MULTIVERSION
   const std::string_view isa = instruction_set();
-  if (isa == "AVX-512") return {avx512::make_ldlt, avx512::free_ldlt, avx512::factor_ldlt, avx512::solve_ldlt};
+  if (isa == "AVX-512")
+    return {avx512::make_ldlt, avx512::free_ldlt, avx512::factor_ldlt, avx512::solve_ldlt};
   if (isa == "AVX2") return {avx2::make_ldlt, avx2::free_ldlt, avx2::factor_ldlt, avx2::solve_ldlt};
 #endif
   return {portable::make_ldlt, portable::free_ldlt, portable::factor_ldlt, portable::solve_ldlt};
@@ -104,14 +105,19 @@ class CholmodSolver : public SparseSolver {
 
 }  // namespace
 
-std::unique_ptr<SparseSolver> make_eigen_ldlt(const SparsePattern& p) { return std::make_unique<EigenSolver>(p); }
-std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& p) { return std::make_unique<CholmodSolver>(p); }
+std::unique_ptr<SparseSolver> make_eigen_ldlt(const SparsePattern& p) {
+  return std::make_unique<EigenSolver>(p);
+}
+std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& p) {
+  return std::make_unique<CholmodSolver>(p);
+}
 
 std::string cholmod_blas() {
   if (!openblas_get_config) return "reference BLAS";
-  std::string version = openblas_get_config();      // "OpenBLAS 0.3.21 …"
+  std::string version = openblas_get_config();  // "OpenBLAS 0.3.21 …"
   version = version.substr(0, version.find(' ', version.find(' ') + 1));
-  return version + (openblas_get_corename ? std::string(", ") + openblas_get_corename() + " kernels" : "") + ", one thread";
+  return version + (openblas_get_corename ? std::string(", ") + openblas_get_corename() + " kernels" : "") +
+         ", one thread";
 }
 
 const char* cholmod_blas_wanted() {
@@ -162,10 +168,13 @@ bool BaselineNewton::factorise(const std::vector<double>& u) {
 
 State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations) {
   const auto n = static_cast<std::size_t>(3 * d_->free_nodes);
-  const auto border = [&](std::size_t row, std::size_t c) -> double {   // of H_fc; rows without the contact hold 0
+  const auto border = [&](std::size_t row,
+                          std::size_t c) -> double {  // of H_fc; rows without the contact hold 0
     const std::size_t i = row / 3;
     const auto last = static_cast<std::size_t>(d_->pattern.row_start[i + 1] - 1);
-    return static_cast<std::int64_t>(d_->pattern.column[last]) == d_->free_nodes ? blocks_[9 * last + 3 * (row % 3) + c] : 0.0;
+    return static_cast<std::int64_t>(d_->pattern.column[last]) == d_->free_nodes
+               ? blocks_[9 * last + 3 * (row % 3) + c]
+               : 0.0;
   };
   State s;
   s.at = x;
@@ -199,7 +208,7 @@ State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolera
     for (std::size_t c = 0; c < 3; ++c) u[n + c] = x[static_cast<int>(c)];
     move.setZero();
   }
-  if (s.iterations == 0 && !factorise(u)) {      // already in equilibrium: there is no factor yet
+  if (s.iterations == 0 && !factorise(u)) {  // already in equilibrium: there is no factor yet
     s.status = SolveStatus::diverged;
     return s;
   }

@@ -25,9 +25,10 @@ struct SparseSolver {
   virtual void solve(const double* b, double* x) = 0;
 };
 
-std::unique_ptr<SparseSolver> make_eigen_ldlt(const SparsePattern& pattern);   // of this processor's instruction set
+std::unique_ptr<SparseSolver> make_eigen_ldlt(
+    const SparsePattern& pattern);  // of this processor's instruction set
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
-std::string cholmod_blas();                    // the BLAS it runs on, its kernels and threads
+std::string cholmod_blas();  // the BLAS it runs on, its kernels and threads
 // The OPENBLAS_CORETYPE of this processor's instruction set where OpenBLAS chose lesser kernels, or null.
 const char* cholmod_blas_wanted();
 
@@ -45,7 +46,7 @@ class BaselineNewton {
 
   std::shared_ptr<const Discretisation> d_;
   SparsePattern pattern_;
-  std::vector<std::int64_t> source_;           // of each value, in the block values
+  std::vector<std::int64_t> source_;  // of each value, in the block values
   std::unique_ptr<SparseSolver> solver_;
   std::vector<double> blocks_, values_, gradient_, right_, step_;
 };

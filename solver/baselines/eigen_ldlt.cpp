@@ -21,7 +21,8 @@ class EigenLdlt {
     return ldlt_.info() == Eigen::Success;
   }
   void solve(const double* b, double* x) {
-    Eigen::Map<Eigen::VectorXd>(x, matrix_.rows()) = ldlt_.solve(Eigen::Map<const Eigen::VectorXd>(b, matrix_.rows()));
+    Eigen::Map<Eigen::VectorXd>(x, matrix_.rows()) =
+        ldlt_.solve(Eigen::Map<const Eigen::VectorXd>(b, matrix_.rows()));
   }
 
  private:
@@ -29,10 +30,18 @@ class EigenLdlt {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt_;
 };
 
-void* make_ldlt(int n, const int* start, const int* row) { return new EigenLdlt(n, start, row); }
-void free_ldlt(void* ldlt) { delete static_cast<EigenLdlt*>(ldlt); }
-bool factor_ldlt(void* ldlt, const double* values) { return static_cast<EigenLdlt*>(ldlt)->factor(values); }
-void solve_ldlt(void* ldlt, const double* b, double* x) { static_cast<EigenLdlt*>(ldlt)->solve(b, x); }
+void* make_ldlt(int n, const int* start, const int* row) {
+  return new EigenLdlt(n, start, row);
+}
+void free_ldlt(void* ldlt) {
+  delete static_cast<EigenLdlt*>(ldlt);
+}
+bool factor_ldlt(void* ldlt, const double* values) {
+  return static_cast<EigenLdlt*>(ldlt)->factor(values);
+}
+void solve_ldlt(void* ldlt, const double* b, double* x) {
+  static_cast<EigenLdlt*>(ldlt)->solve(b, x);
+}
 
 }  // namespace FOREFEEL_ISA
 }  // namespace forefeel

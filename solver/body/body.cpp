@@ -1,7 +1,7 @@
 #include "solver/body/body.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,8 @@ void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const
   if (nodes.empty()) throw InputError(where, "no node is in it, expected at least one");
   for (const NodeIndex node : nodes) {
     if (node < 0 || static_cast<std::size_t>(node) >= mesh.nodes.size())
-      throw InputError(where, fmt::format("node {} is out of range, expected 0 to {}", node, mesh.nodes.size() - 1));
+      throw InputError(where,
+                       fmt::format("node {} is out of range, expected 0 to {}", node, mesh.nodes.size() - 1));
   }
 }
 
@@ -34,11 +35,14 @@ void check_parts(const Body& body, const std::string& where) {
   for (const int p : part) parts = std::max(parts, p + 1);
   std::vector<char> clamped(static_cast<std::size_t>(parts), 0);
   for (const NodeIndex node : body.clamp)
-    if (part[static_cast<std::size_t>(node)] >= 0) clamped[static_cast<std::size_t>(part[static_cast<std::size_t>(node)])] = 1;
+    if (part[static_cast<std::size_t>(node)] >= 0)
+      clamped[static_cast<std::size_t>(part[static_cast<std::size_t>(node)])] = 1;
   const auto loose = std::count(clamped.begin(), clamped.end(), 0);
   if (loose > 0)
-    throw InputError(where + "clamp", fmt::format("{} of the {} connected parts of the mesh {} no clamped node, "
-                                                  "expected one in each", loose, parts, loose == 1 ? "has" : "have"));
+    throw InputError(where + "clamp",
+                     fmt::format("{} of the {} connected parts of the mesh {} no clamped node, "
+                                 "expected one in each",
+                                 loose, parts, loose == 1 ? "has" : "have"));
   for (const NodeIndex node : body.contact)
     if (part[static_cast<std::size_t>(node)] < 0)
       throw InputError(where + "contact", fmt::format("node {} belongs to no tetrahedron", node));
@@ -48,11 +52,16 @@ void check_parts(const Body& body, const std::string& where) {
 
 std::string_view name(Law law) {
   switch (law) {
-    case Law::linear: return "linear";
-    case Law::st_venant_kirchhoff: return "st-venant-kirchhoff";
-    case Law::neo_hookean: return "neo-hookean";
-    case Law::stable_neo_hookean: return "stable-neo-hookean";
-    case Law::mooney_rivlin: return "mooney-rivlin";
+    case Law::linear:
+      return "linear";
+    case Law::st_venant_kirchhoff:
+      return "st-venant-kirchhoff";
+    case Law::neo_hookean:
+      return "neo-hookean";
+    case Law::stable_neo_hookean:
+      return "stable-neo-hookean";
+    case Law::mooney_rivlin:
+      return "mooney-rivlin";
   }
   return "unknown";
 }
@@ -61,9 +70,13 @@ std::vector<std::string> law_names() {
   return {"linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean", "mooney-rivlin"};
 }
 
-std::string_view name(Element element) { return element == Element::linear ? "linear" : "quadratic"; }
+std::string_view name(Element element) {
+  return element == Element::linear ? "linear" : "quadratic";
+}
 
-std::vector<std::string> element_names() { return {"linear", "quadratic"}; }
+std::vector<std::string> element_names() {
+  return {"linear", "quadratic"};
+}
 
 namespace {
 // Held along a line at most, a body turns about it and has no single equilibrium.
@@ -71,13 +84,16 @@ void check_held(const Body& body, const std::string& prefix) {
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})
     for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[static_cast<std::size_t>(node)]);
-  const auto further = [&](const Vec3& a, const Vec3& b) { return (a - held[0]).norm() < (b - held[0]).norm(); };
+  const auto further = [&](const Vec3& a, const Vec3& b) {
+    return (a - held[0]).norm() < (b - held[0]).norm();
+  };
   const Vec3 far = *std::max_element(held.begin(), held.end(), further) - held[0];
   const double length = longest_side(body.mesh);
   for (const Vec3& node : held)
     if ((node - held[0]).cross(far).norm() > 1e-9 * length * length) return;
-  throw InputError(prefix + "clamp", "clamp and contact lie on one line, so the body can turn about it, "
-                                     "expected at least three nodes off a line");
+  throw InputError(prefix + "clamp",
+                   "clamp and contact lie on one line, so the body can turn about it, "
+                   "expected at least three nodes off a line");
 }
 }  // namespace
 
@@ -91,19 +107,26 @@ std::vector<std::string> check(const Body& body, const std::string& where) {
   for (const NodeIndex node : body.clamp) clamped[static_cast<std::size_t>(node)] = 1;
   for (const NodeIndex node : body.contact)
     if (clamped[static_cast<std::size_t>(node)])
-      throw InputError(prefix + "contact", fmt::format("node {} is clamped, expected a node that can move", node));
+      throw InputError(prefix + "contact",
+                       fmt::format("node {} is clamped, expected a node that can move", node));
   check_parts(body, prefix);
   check_held(body, prefix);
 
   std::vector<std::string> warnings;
   if (body.material.poisson > 0.45 && body.element == Element::linear)
-    warnings.push_back(fmt::format("material.poisson = {}: linear tetrahedra lock above 0.45 and answer too stiffly; "
-                                   "body.element = \"quadratic\" does not", body.material.poisson));
+    warnings.push_back(
+        fmt::format("material.poisson = {}: linear tetrahedra lock above 0.45 and answer too stiffly; "
+                    "body.element = \"quadratic\" does not",
+                    body.material.poisson));
   if (body.contact.size() == 1)
-    warnings.push_back("the contact is one node: its force falls without limit as the mesh is refined; give a radius that takes several");
+    warnings.push_back(
+        "the contact is one node: its force falls without limit as the mesh is refined; give a radius that "
+        "takes several");
   return warnings;
 }
 
-bool is_linear(const Body& body) { return body.material.law == Law::linear; }
+bool is_linear(const Body& body) {
+  return body.material.law == Law::linear;
+}
 
 }  // namespace forefeel

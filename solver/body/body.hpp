@@ -12,26 +12,26 @@
 namespace forefeel {
 
 enum class Law { linear, st_venant_kirchhoff, neo_hookean, stable_neo_hookean, mooney_rivlin };
-std::string_view name(Law law);                              // "neo-hookean", …
-std::vector<std::string> law_names();                        // those this build solves
+std::string_view name(Law law);        // "neo-hookean", …
+std::vector<std::string> law_names();  // those this build solves
 
 // linear: four-node tetrahedra, one point. quadratic: ten-node tetrahedra (straight edges, four points) on the same
 // mesh, which do not lock above nu = 0.45.
 enum class Element { linear, quadratic };
-std::string_view name(Element element);                      // "linear", "quadratic"
+std::string_view name(Element element);  // "linear", "quadratic"
 std::vector<std::string> element_names();
 
 struct Material {
   Law law = Law::neo_hookean;
-  double young = 5000;       // E [Pa], > 0
-  double poisson = 0.45;     // nu, in (-1, 0.5)
+  double young = 5000;    // E [Pa], > 0
+  double poisson = 0.45;  // nu, in (-1, 0.5)
 };
 
 struct Body {
   TetMesh mesh;
   Material material;
-  std::vector<NodeIndex> clamp;      // sorted, not empty
-  std::vector<NodeIndex> contact;    // sorted, not empty, disjoint from clamp
+  std::vector<NodeIndex> clamp;    // sorted, not empty
+  std::vector<NodeIndex> contact;  // sorted, not empty, disjoint from clamp
   Element element = Element::linear;
 };
 

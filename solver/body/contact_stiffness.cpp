@@ -31,13 +31,15 @@ Patch contact_patch(const Body& body) {
 
 }  // namespace
 
-double contact_area(const Body& body) { return contact_patch(body).area; }
+double contact_area(const Body& body) {
+  return contact_patch(body).area;
+}
 
 Mat3 disc_stiffness(const Body& body) {
   const Patch patch = contact_patch(body);
   const auto [law, young, poisson] = body.material;
   const double shear = young / (2 * (1 + poisson)), a = std::sqrt(patch.area / std::numbers::pi);
-  const double s = 1 - 2 * poisson;   // ln(1 + 2 s) / s tends to 2
+  const double s = 1 - 2 * poisson;  // ln(1 + 2 s) / s tends to 2
   const double normal = 4 * shear * a * (s > 1e-8 ? std::log1p(2 * s) / s : 2);
   const double tangential = 8 * shear * a / (2 - poisson);
   return tangential * Mat3::Identity() + (normal - tangential) * patch.normal * patch.normal.transpose();

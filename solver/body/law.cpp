@@ -42,15 +42,22 @@ LawConstants law_constants(const Material& material) {
   return c;
 }
 
-bool needs_positive_jacobian(Law law) { return law == Law::neo_hookean || law == Law::mooney_rivlin; }
+bool needs_positive_jacobian(Law law) {
+  return law == Law::neo_hookean || law == Law::mooney_rivlin;
+}
 
 LawValue evaluate_law(Law law, const LawConstants& constants, const Mat3& f) {
   switch (law) {
-    case Law::linear: return evaluate<Linear>(constants, f);
-    case Law::st_venant_kirchhoff: return evaluate<StVenantKirchhoff>(constants, f);
-    case Law::neo_hookean: return evaluate<NeoHookean>(constants, f);
-    case Law::stable_neo_hookean: return evaluate<StableNeoHookean>(constants, f);
-    case Law::mooney_rivlin: return evaluate<MooneyRivlin>(constants, f);
+    case Law::linear:
+      return evaluate<Linear>(constants, f);
+    case Law::st_venant_kirchhoff:
+      return evaluate<StVenantKirchhoff>(constants, f);
+    case Law::neo_hookean:
+      return evaluate<NeoHookean>(constants, f);
+    case Law::stable_neo_hookean:
+      return evaluate<StableNeoHookean>(constants, f);
+    case Law::mooney_rivlin:
+      return evaluate<MooneyRivlin>(constants, f);
   }
   return {};
 }

@@ -25,9 +25,9 @@ LawConstants law_constants(const Material& material);
 bool needs_positive_jacobian(Law law);
 
 struct LawValue {
-  double energy = 0;                 // psi(F) - psi(I) [J/m^3]; infinite where J <= 0 and the law needs J > 0
-  Mat3 stress = Mat3::Zero();        // P = d psi / dF [Pa]
-  Mat9 tangent = Mat9::Zero();       // dP_ij / dF_kl at (3 i + j, 3 k + l) [Pa]
+  double energy = 0;            // psi(F) - psi(I) [J/m^3]; infinite where J <= 0 and the law needs J > 0
+  Mat3 stress = Mat3::Zero();   // P = d psi / dF [Pa]
+  Mat9 tangent = Mat9::Zero();  // dP_ij / dF_kl at (3 i + j, 3 k + l) [Pa]
 };
 LawValue evaluate_law(Law law, const LawConstants& constants, const Mat3& deformation_gradient);
 

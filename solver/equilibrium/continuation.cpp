@@ -6,15 +6,17 @@
 namespace forefeel {
 namespace {
 
-constexpr double smallest_share = 1.0 / 256;   // of a continuation step, after halvings
+constexpr double smallest_share = 1.0 / 256;  // of a continuation step, after halvings
 constexpr double most_steps = 5000;
 
 }  // namespace
 
-void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x, std::vector<double>& u) {
+void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x,
+             std::vector<double>& u) {
   u.resize(field.u.size());
   const double *va = field.tangent.data(), *vb = va + u.size(), *vc = vb + u.size();
-  for (std::size_t i = 0; i < u.size(); ++i) u[i] = field.u[i] + va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2];
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = field.u[i] + va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2];
   for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * d.free_nodes + i)] = x[i];
 }
 
@@ -33,7 +35,7 @@ void Continuation::begin_at_rest() {
 }
 
 void Continuation::begin_at(const Vec3& at, const LocalField& field) {
-  has_factor_ = has_factor_ && at_ == at && field_.u == field.u;   // begun where the last solve ended
+  has_factor_ = has_factor_ && at_ == at && field_.u == field.u;  // begun where the last solve ended
   field_.u = field.u;
   has_tangent_ = !field.tangent.empty();
   if (has_tangent_) field_.tangent = field.tangent;
@@ -54,11 +56,11 @@ bool Continuation::prepare() {
   return has_factor_ = has_factor_ || newton_.factorise(field_.u);
 }
 
-NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
-                                   bool keep_factor) {
+NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iterations,
+                                   const std::stop_token& stop, bool keep_factor) {
   NewtonReport report;
   const Vec3 move = x - at_;
-  if (move.isZero(0) && !has_tangent_) {     // an iteration that was broken off goes on
+  if (move.isZero(0) && !has_tangent_) {  // an iteration that was broken off goes on
     trial_ = field_.u;
     return correct_trial(x, tolerance, max_iterations, stop, keep_factor);
   }
@@ -75,27 +77,29 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
   const double *va = field_.tangent.data(), *vb = va + size, *vc = vb + size;
   double largest = 0;
   for (std::size_t i = 0; i < rows; ++i)
-    largest = std::max(largest, std::abs(half_[i] + 0.5 * (va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2]) - field_.u[i]));
+    largest = std::max(
+        largest,
+        std::abs(half_[i] + 0.5 * (va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2]) - field_.u[i]));
   if (move.norm() > 0) kinks_ = {largest / move.norm(), kinks_[0]};
   return report;
 }
 
-NewtonReport Continuation::correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
-                                   const std::stop_token& stop) {
+NewtonReport Continuation::correct(const std::vector<double>& u, const Vec3& x, double tolerance,
+                                   int max_iterations, const std::stop_token& stop) {
   trial_ = u;
   iterations_ = 0;
   return correct_trial(x, tolerance, max_iterations, stop, true);
 }
 
-NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int max_iterations, const std::stop_token& stop,
-                                         bool keep_factor) {
+NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int max_iterations,
+                                         const std::stop_token& stop, bool keep_factor) {
   has_factor_ = false;
   NewtonReport report = newton_.solve(trial_, tolerance, max_iterations, stop, keep_factor);
   iterations_ += report.iterations;
   if (report.status != SolveStatus::converged) return report;
   if (!newton_.condense(trial_, newton_.contraction(), field_.tangent.data(), stiffness_)) {
     has_tangent_ = false;
-    if (!newton_.factorise(trial_)) {        // an equilibrium, but not a stable one
+    if (!newton_.factorise(trial_)) {  // an equilibrium, but not a stable one
       report.status = SolveStatus::diverged;
       return report;
     }
@@ -112,7 +116,7 @@ NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolera
   const Vec3 from = at_;
   const double distance = (x - from).norm();
   const double steps = max_step > 0 ? std::max(1.0, std::ceil(distance / max_step * (1 - 1e-12))) : 1.0;
-  if (!(steps <= most_steps)) {   // a position of other units, or not finite: no way there
+  if (!(steps <= most_steps)) {  // a position of other units, or not finite: no way there
     NewtonReport report;
     report.status = SolveStatus::stalled;
     return report;
@@ -123,7 +127,8 @@ NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolera
   do {
     const double next = done + share >= 1 - 1e-9 ? 1.0 : done + share;
     const Vec3 target = next == 1.0 ? x : Vec3(from + next * (x - from));
-    report = step_to(target, between > 0 && next < 1 ? between : tolerance, max_iterations, stop, between > 0);
+    report =
+        step_to(target, between > 0 && next < 1 ? between : tolerance, max_iterations, stop, between > 0);
     if (report.status == SolveStatus::converged) {
       done = next;
       share = std::min(1 / steps, 2 * share);

@@ -13,7 +13,8 @@ namespace {
 constexpr int most_iterations = 14;
 // The last correction of V changed K by a share g of it; with a factor that leaves a share e of an error per step, what
 // is left is about e g.
-constexpr double settled_share = 1e-4, largest_gain = 3e-3, least_contraction = 0.03, unknown_contraction = 0.2;
+constexpr double settled_share = 1e-4, largest_gain = 3e-3, least_contraction = 0.03,
+                 unknown_contraction = 0.2;
 
 double& lane(std::vector<double>& v, std::size_t row, int l) {
   return v[row * lane_count + static_cast<std::size_t>(l)];
@@ -36,7 +37,8 @@ void LaneSolver::load(const std::vector<LocalField*>& fields) {
   const std::size_t rows = size_ / lane_count;
   for (int l = 0; l < lane_count; ++l) {
     // idle lanes repeat the first state
-    const LocalField& f = *fields[static_cast<std::size_t>(l) < fields.size() ? static_cast<std::size_t>(l) : 0];
+    const LocalField& f =
+        *fields[static_cast<std::size_t>(l) < fields.size() ? static_cast<std::size_t>(l) : 0];
     for (std::size_t i = 0; i < rows; ++i) {
       lane(u_, i, l) = f.u[i];
     }
@@ -48,10 +50,15 @@ void LaneSolver::load(const std::vector<LocalField*>& fields) {
 
 // The change of the step over the last move, and that move, as the known-th pair (a ring).
 void LaneSolver::remember(int known) {
-  const std::array<double, lane_count> minus = [] { std::array<double, lane_count> a{}; a.fill(-1); return a; }();
+  const std::array<double, lane_count> minus = [] {
+    std::array<double, lane_count> a{};
+    a.fill(-1);
+    return a;
+  }();
   const auto at = static_cast<std::size_t>(known % depth_);
   step_change_[at] = step_;
-  front_kernels().add_lanes(static_cast<std::int64_t>(3 * d_->free_nodes), minus.data(), last_step_.data(), step_change_[at].data());
+  front_kernels().add_lanes(static_cast<std::int64_t>(3 * d_->free_nodes), minus.data(), last_step_.data(),
+                            step_change_[at].data());
   move_[at].swap(last_move_);
 }
 
@@ -67,7 +74,8 @@ void LaneSolver::mix(int pairs, const std::array<double, lane_count>& active) {
     const auto& si = step_change_[static_cast<std::size_t>(i)];
     k.dot_lanes(rows, si.data(), step_.data(), right[static_cast<std::size_t>(i)].data());
     for (int j = 0; j <= i; ++j)
-      k.dot_lanes(rows, si.data(), step_change_[static_cast<std::size_t>(j)].data(), gram[static_cast<std::size_t>(i * depth_ + j)].data());
+      k.dot_lanes(rows, si.data(), step_change_[static_cast<std::size_t>(j)].data(),
+                  gram[static_cast<std::size_t>(i * depth_ + j)].data());
   }
   for (std::size_t l = 0; l < lane_count; ++l) {
     if (known == 0 || active[l] == 0) continue;
@@ -120,7 +128,7 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
       slow = slow || (iteration > 0 && result.residual > 0.125 * best[at]);
       best[at] = std::min(best[at], result.residual);
       if (result.converged || hopeless) active[at] = 0;
-      if (hopeless && !result.converged)   // keep what it holds harmless to the other lanes' arithmetic
+      if (hopeless && !result.converged)  // keep what it holds harmless to the other lanes' arithmetic
         for (std::size_t i = 0; i < size_ / lane_count; ++i) lane(u_, i, l) = 0;
       any = any || active[at] != 0;
     }
@@ -144,28 +152,33 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
   return false;
 }
 
-void LaneSolver::finish(const Factorisation& factor, int count, int rounds, std::array<LaneResult, lane_count>& results) {
+void LaneSolver::finish(const Factorisation& factor, int count, int rounds,
+                        std::array<LaneResult, lane_count>& results) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
   std::array<double, lane_count> dot{}, one{};
   one.fill(1);
   for (int round = 0; round < rounds; ++round) {
     std::fill(product_.begin(), product_.end(), 0.0);
-    d_->kernels->product_lanes(d_->view(), static_cast<std::int64_t>(size_), u_.data(), tangent_.data(), product_.data());
+    d_->kernels->product_lanes(d_->view(), static_cast<std::int64_t>(size_), u_.data(), tangent_.data(),
+                               product_.data());
     std::array<Mat3, lane_count> plain, gain;
     for (int a = 0; a < 3; ++a)
       for (int b = a; b < 3; ++b) {
         const double* y = &product_[static_cast<std::size_t>(b) * size_];
         k.dot_lanes(rows, &tangent_[static_cast<std::size_t>(a) * size_], y, dot.data());
         for (int l = 0; l < count; ++l)
-          plain[static_cast<std::size_t>(l)](a, b) = plain[static_cast<std::size_t>(l)](b, a) = dot[static_cast<std::size_t>(l)] + y[(rows + a) * lane_count + l];
+          plain[static_cast<std::size_t>(l)](a, b) = plain[static_cast<std::size_t>(l)](b, a) =
+              dot[static_cast<std::size_t>(l)] + y[(rows + a) * lane_count + l];
       }
     for (int c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < size_; ++i) step_[i] = -product_[static_cast<std::size_t>(c) * size_ + i];
       factor.solve_lanes(step_.data());
       for (int a = 0; a <= c; ++a) {
         k.dot_lanes(rows, &product_[static_cast<std::size_t>(a) * size_], step_.data(), dot.data());
-        for (int l = 0; l < count; ++l) gain[static_cast<std::size_t>(l)](a, c) = gain[static_cast<std::size_t>(l)](c, a) = -dot[static_cast<std::size_t>(l)];
+        for (int l = 0; l < count; ++l)
+          gain[static_cast<std::size_t>(l)](a, c) = gain[static_cast<std::size_t>(l)](c, a) =
+              -dot[static_cast<std::size_t>(l)];
       }
       k.add_lanes(rows, one.data(), step_.data(), &tangent_[static_cast<std::size_t>(c) * size_]);
     }
@@ -174,7 +187,8 @@ void LaneSolver::finish(const Factorisation& factor, int count, int rounds, std:
       LaneResult& result = results[static_cast<std::size_t>(l)];
       result.stiffness = plain[static_cast<std::size_t>(l)] - gain[static_cast<std::size_t>(l)];
       const double share = gain[static_cast<std::size_t>(l)].norm() / result.stiffness.norm();
-      const double left = result.iterations > 0 ? std::max(result.contraction, least_contraction) : unknown_contraction;
+      const double left =
+          result.iterations > 0 ? std::max(result.contraction, least_contraction) : unknown_contraction;
       result.stiffness_settled = share <= largest_gain && left * share <= settled_share;
       settled = settled && (result.stiffness_settled || !result.converged);
     }
@@ -188,8 +202,8 @@ void LaneSolver::finish(const Factorisation& factor, int count, int rounds, std:
   }
 }
 
-void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
-                       std::array<LaneResult, lane_count>& results, int rounds) {
+void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fields,
+                       double residual_tolerance, std::array<LaneResult, lane_count>& results, int rounds) {
   results.fill({});
   const auto count = static_cast<int>(fields.size());
   load(fields);

@@ -22,8 +22,8 @@ struct LocalField {
 
 struct LaneResult {
   bool converged = false;
-  bool stiffness_settled = false;    // false: M fits too badly for K and V, which then hold nothing
-  double contraction = 0;            // the worst share of a residual that a step left; 0 where there was no step
+  bool stiffness_settled = false;  // false: M fits too badly for K and V, which then hold nothing
+  double contraction = 0;  // the worst share of a residual that a step left; 0 where there was no step
   int iterations = 0;
   double residual = 0, energy = 0, min_jacobian = 0;
   Vec3 force = Vec3::Zero();
@@ -35,7 +35,7 @@ class NewtonSolver;
 // K, V and the force's correction by V^T r_f from a factor at the equilibrium `field` itself, where a neighbour's did not
 // settle them; false where it is not stable.
 bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result);
-void take(State& state, const LaneResult& result);   // of a lane that converged
+void take(State& state, const LaneResult& result);  // of a lane that converged
 
 class LaneSolver {
  public:
@@ -49,16 +49,18 @@ class LaneSolver {
 
  private:
   void load(const std::vector<LocalField*>& fields);
-  bool iterate(const Factorisation& factor, int count, double tolerance, std::array<LaneResult, lane_count>& results);
+  bool iterate(const Factorisation& factor, int count, double tolerance,
+               std::array<LaneResult, lane_count>& results);
   void mix(int known, const std::array<double, lane_count>& active);
   void remember(int known);
-  void finish(const Factorisation& factor, int count, int rounds, std::array<LaneResult, lane_count>& results);
+  void finish(const Factorisation& factor, int count, int rounds,
+              std::array<LaneResult, lane_count>& results);
 
   std::shared_ptr<const Discretisation> d_;
-  std::size_t size_;                       // of a local vector in lanes
+  std::size_t size_;  // of a local vector in lanes
   std::vector<double> u_, residual_, step_, tangent_, product_;
-  static constexpr int depth_ = 3;         // of the mixing
-  std::array<std::vector<double>, depth_> step_change_, move_;   // of the last iterations
+  static constexpr int depth_ = 3;                              // of the mixing
+  std::array<std::vector<double>, depth_> step_change_, move_;  // of the last iterations
   std::vector<double> last_step_, last_move_;
 };
 

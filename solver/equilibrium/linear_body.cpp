@@ -28,7 +28,8 @@ State LinearBody::state(const Vec3& x, LocalField& field) const {
   std::vector<double> gradient(field.u.size(), 0.0);
   s.min_jacobian = d_.kernels->gradient(d_.view(), field.u.data(), gradient.data()).min_jacobian;
   double squares = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(3 * d_.free_nodes); ++i) squares += gradient[i] * gradient[i];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(3 * d_.free_nodes); ++i)
+    squares += gradient[i] * gradient[i];
   s.force = -stiffness_ * x;
   s.stiffness = stiffness_;
   s.energy = 0.5 * x.dot(stiffness_ * x);

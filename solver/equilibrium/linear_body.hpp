@@ -9,7 +9,7 @@ namespace forefeel {
 
 class LinearBody {
  public:
-  LinearBody(const Discretisation& d, NewtonSolver& newton);   // d must outlive this
+  LinearBody(const Discretisation& d, NewtonSolver& newton);  // d must outlive this
   State state(const Vec3& x, LocalField& field) const;
 
  private:

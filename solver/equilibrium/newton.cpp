@@ -61,11 +61,13 @@ bool NewtonSolver::factorise_shifted(const std::vector<double>& u) {
 bool NewtonSolver::line_search(std::vector<double>& u, NewtonReport& report) {
   const std::int64_t n = 3 * d_->free_nodes;
   double slope = 0;
-  for (std::int64_t i = 0; i < n; ++i) slope += gradient_[static_cast<std::size_t>(i)] * step_[static_cast<std::size_t>(i)];
+  for (std::int64_t i = 0; i < n; ++i)
+    slope += gradient_[static_cast<std::size_t>(i)] * step_[static_cast<std::size_t>(i)];
   double length = 1;
   for (int halvings = 0; halvings < 30; ++halvings, length *= 0.5) {
     trial_ = u;
-    for (std::int64_t i = 0; i < n; ++i) trial_[static_cast<std::size_t>(i)] += length * step_[static_cast<std::size_t>(i)];
+    for (std::int64_t i = 0; i < n; ++i)
+      trial_[static_cast<std::size_t>(i)] += length * step_[static_cast<std::size_t>(i)];
     NewtonReport next;
     evaluate(trial_, next);
     const bool finite = std::isfinite(next.energy) && std::isfinite(next.residual);
@@ -93,7 +95,7 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
   }
   const std::int64_t n = 3 * d_->free_nodes;
   bool has_factor = false;
-  double before = 0;       // the residual before the last step
+  double before = 0;  // the residual before the last step
   while (true) {
     if (stop.stop_requested()) {
       report.status = SolveStatus::cancelled;
@@ -121,7 +123,8 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
       return report;
     }
     ++report.iterations;
-    for (std::int64_t i = 0; i < n; ++i) step_[static_cast<std::size_t>(i)] = -gradient_[static_cast<std::size_t>(i)];
+    for (std::int64_t i = 0; i < n; ++i)
+      step_[static_cast<std::size_t>(i)] = -gradient_[static_cast<std::size_t>(i)];
     factor_.solve(step_.data());
     const double moved = norm(step_.data(), n), all = norm(u.data(), n + 3);
     const bool fresh = !keep;
@@ -134,8 +137,9 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
       continue;
     }
     const bool round_off = shift_ == 0 && moved <= 1e-11 * all && report.residual <= 1e-7;
-    report.status = round_off ? SolveStatus::converged
-                              : report.min_jacobian > 0 ? SolveStatus::stalled : SolveStatus::inverted;
+    report.status = round_off                 ? SolveStatus::converged
+                    : report.min_jacobian > 0 ? SolveStatus::stalled
+                                              : SolveStatus::inverted;
     return report;
   }
 }
@@ -144,7 +148,7 @@ bool NewtonSolver::condense(const std::vector<double>& u, double left, double* t
   factor_.tangent(tangent);
   stiffness = factor_.stiffness();
   if (left == 0) return true;
-  constexpr double settled_share = 1e-5, largest_gain = 1e-3;      // as in lane_solver.cpp
+  constexpr double settled_share = 1e-5, largest_gain = 1e-3;  // as in lane_solver.cpp
   constexpr int most_rounds = 3;
   const std::size_t size = u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
   product_.resize(3 * size);

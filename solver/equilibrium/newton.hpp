@@ -15,10 +15,10 @@ namespace forefeel {
 struct NewtonReport {
   SolveStatus status = SolveStatus::stalled;
   int iterations = 0;
-  double residual = 0;          // |r_f| / max(|f|, floor)
-  double energy = 0;            // [J]
+  double residual = 0;  // |r_f| / max(|f|, floor)
+  double energy = 0;    // [J]
   double min_jacobian = 0;
-  Vec3 force = Vec3::Zero();    // of the body on the HIP [N]
+  Vec3 force = Vec3::Zero();  // of the body on the HIP [N]
 };
 
 // Work space of one body for one thread.
@@ -28,14 +28,14 @@ class NewtonSolver {
 
   // u, a local vector with the contact already at x, becomes the equilibrium. On success `factor()` is of H(u) itself;
   // with keep_factor it may be of an iterate before, and then the last step with it took the residual down fivefold.
-  NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations, const std::stop_token& stop,
-                     bool keep_factor = false);
+  NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations,
+                     const std::stop_token& stop, bool keep_factor = false);
   // V = du/dx and K at u from the factor, be it of H(u) or of one nearby (`left`: the share of an error that a step with
   // it leaves): see lane_solver.hpp. False where that factor fits too badly.
   bool condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness);
-  double contraction() const { return contraction_; }   // of the last steps with the factor; 0: it is of H(u)
+  double contraction() const { return contraction_; }  // of the last steps with the factor; 0: it is of H(u)
   const Factorisation& factor() const { return factor_; }
-  bool factorise(const std::vector<double>& u);       // H(u); false unless positive definite
+  bool factorise(const std::vector<double>& u);  // H(u); false unless positive definite
 
   const Discretisation& discretisation() const { return *d_; }
 

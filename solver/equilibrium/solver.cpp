@@ -26,7 +26,7 @@ struct Solver::Impl {
   std::shared_ptr<const Discretisation> d;
   Continuation path;
   LaneSolver lanes;
-  std::unique_ptr<LinearBody> linear;      // made at the first solve of a linear body
+  std::unique_ptr<LinearBody> linear;  // made at the first solve of a linear body
 
   explicit Impl(std::shared_ptr<const Body> b)
       : body(std::move(b)), d(std::make_shared<const Discretisation>(discretise(*body))), path(d), lanes(d) {}
@@ -42,7 +42,8 @@ struct Solver::Impl {
         if (d->local[node] != clamp)
           for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t c = 0; c < 3; ++c)
-              field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i] = start.tangent[9 * node + 3 * i + c];
+              field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i] =
+                  start.tangent[9 * node + 3 * i + c];
     }
     path.begin_at(start.at, field);
   }
@@ -55,7 +56,8 @@ struct Solver::Impl {
     for (std::size_t node = 0; node < d->local.size(); ++node)
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t c = 0; c < 3; ++c)
-          equilibrium->tangent[9 * node + 3 * i + c] = field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i];
+          equilibrium->tangent[9 * node + 3 * i + c] =
+              field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i];
     if (options.want_displacements)
       out.state.displacements = std::make_shared<const std::vector<double>>(
           equilibrium->displacements.begin(),
@@ -74,7 +76,8 @@ struct Solver::Impl {
   }
 
   // Up to eight states in lanes; false where a state is left to others.
-  std::array<bool, lane_count> run_lanes(const Vec3* xs, std::size_t count, const SolveOptions& options, SolveOutcome* out) {
+  std::array<bool, lane_count> run_lanes(const Vec3* xs, std::size_t count, const SolveOptions& options,
+                                         SolveOutcome* out) {
     std::array<LocalField, lane_count> fields;
     std::vector<LocalField*> pointers;
     for (std::size_t i = 0; i < count; ++i) {
@@ -108,7 +111,8 @@ struct Solver::Impl {
     return (foretold - b.force).norm() <= 0.1 * std::max({a.force.norm(), b.force.norm(), d->force_floor});
   }
 
-  SolveOutcome outcome(const NewtonReport& report, const Vec3& x, const Vec3& parent, const SolveOptions& options) {
+  SolveOutcome outcome(const NewtonReport& report, const Vec3& x, const Vec3& parent,
+                       const SolveOptions& options) {
     SolveOutcome out;
     State& s = out.state;
     s.at = x;
@@ -146,7 +150,9 @@ Solver::~Solver() = default;
 Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 
-const Body& Solver::body() const { return *impl_->body; }
+const Body& Solver::body() const {
+  return *impl_->body;
+}
 
 std::shared_ptr<const Equilibrium> Solver::rest() const {
   auto rest = std::make_shared<Equilibrium>();
@@ -161,18 +167,21 @@ SolveOutcome Solver::reference(const Vec3& x, double spacing, const SolveOptions
     out = impl_->linear_outcome(x, Vec3::Zero(), options);
   } else {
     impl_->path.begin_at_rest();
-    const NewtonReport report = impl_->path.advance(x, spacing, options.tolerance, options.max_iterations, {});
+    const NewtonReport report =
+        impl_->path.advance(x, spacing, options.tolerance, options.max_iterations, {});
     out = impl_->outcome(report, x, Vec3::Zero(), options);
   }
   out.state.seconds = seconds_since(start);
   return out;
 }
 
-std::optional<bool> second_way(Solver& solver, const State& state, double spacing, const SolveOptions& options) {
+std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
+                               const SolveOptions& options) {
   if (state.status != SolveStatus::converged) return std::nullopt;
   if (is_linear(solver.body())) return false;
-  std::array<int, 3> axes{0, 1, 2};        // the longest part last
-  std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return std::abs(state.at[a]) < std::abs(state.at[b]); });
+  std::array<int, 3> axes{0, 1, 2};  // the longest part last
+  std::stable_sort(axes.begin(), axes.end(),
+                   [&](int a, int b) { return std::abs(state.at[a]) < std::abs(state.at[b]); });
   SolveOptions leg = options;
   leg.max_step = spacing;
   leg.want_displacements = false;
@@ -193,23 +202,25 @@ bool second_way_differs(Solver& solver, const State& state, double spacing, cons
   return second_way(solver, state, spacing, options).value_or(false);
 }
 
-SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOptions& options, std::stop_token stop) {
+SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
+                          std::stop_token stop) {
   const auto begun = SteadyClock::now();
   SolveOutcome out;
   if (is_linear(*impl_->body)) {
     out = impl_->linear_outcome(x, start.at, options);
   } else {
     impl_->begin_at(start);
-    const NewtonReport report = impl_->path.advance(x, options.max_step, options.tolerance, options.max_iterations, stop,
-                                                    options.keep_factor ? options.tolerance : 0);
+    const NewtonReport report =
+        impl_->path.advance(x, options.max_step, options.tolerance, options.max_iterations, stop,
+                            options.keep_factor ? options.tolerance : 0);
     out = impl_->outcome(report, x, start.at, options);
   }
   out.state.seconds = seconds_since(begun);
   return out;
 }
 
-std::vector<SolveOutcome> Solver::beside(const Equilibrium& near, const std::vector<Vec3>& xs, const SolveOptions& options,
-                                         std::stop_token stop) {
+std::vector<SolveOutcome> Solver::beside(const Equilibrium& near, const std::vector<Vec3>& xs,
+                                         const SolveOptions& options, std::stop_token stop) {
   std::vector<SolveOutcome> out(xs.size());
   std::vector<bool> done(xs.size(), false);
   const auto begun = SteadyClock::now();

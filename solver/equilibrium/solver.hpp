@@ -17,21 +17,21 @@ namespace forefeel {
 // A converged solution that later solves can start from; immutable, shared between threads.
 struct Equilibrium {
   Vec3 at = Vec3::Zero();
-  std::vector<double> displacements;     // #V x 3 row by row [m]
-  std::vector<double> tangent;           // du/dx, (#V x 3) x 3 row by row; may be empty
+  std::vector<double> displacements;  // #V x 3 row by row [m]
+  std::vector<double> tangent;        // du/dx, (#V x 3) x 3 row by row; may be empty
 };
 
 struct SolveOptions {
-  double tolerance = 1e-10;              // on the relative residual
-  int max_iterations = 60;               // Newton iterations in all
-  double max_step = 0;                   // continuation step [m]; 0: the whole way at once, halved where it fails
+  double tolerance = 1e-10;  // on the relative residual
+  int max_iterations = 60;   // Newton iterations in all
+  double max_step = 0;       // continuation step [m]; 0: the whole way at once, halved where it fails
   bool want_displacements = false;
-  bool keep_factor = false;              // serves on while it contracts; K and du/dx are then corrected, to about 1e-5
+  bool keep_factor = false;  // serves on while it contracts; K and du/dx are then corrected, to about 1e-5
 };
 
 struct SolveOutcome {
-  State state;                                        // status says how it ended; never throws for divergence
-  std::shared_ptr<const Equilibrium> equilibrium;     // null unless converged
+  State state;                                     // status says how it ended; never throws for divergence
+  std::shared_ptr<const Equilibrium> equilibrium;  // null unless converged
   // Cancelled after some iterations: where they stood. Not in equilibrium, but a start for from() all the same.
   std::shared_ptr<const Equilibrium> partial;
   std::vector<std::string> warnings;
@@ -51,12 +51,13 @@ class Solver {
   // From rest straight to x in steps <= spacing, each tight: the reference branch.
   SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});
   // From a known equilibrium, directly; falls back to smaller steps. stop is looked at between iterations.
-  SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options, std::stop_token stop = {});
+  SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
+                    std::stop_token stop = {});
   // States near a known equilibrium, eight side by side on one factor there (the last solve's, if that was it): a
   // fraction of the time of as many single solves. What does not contract, whose K does not settle or whose force is not
   // what the stiffnesses between foretell is solved by from(). In the order of xs; what stop prevented is cancelled.
-  std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs, const SolveOptions& options,
-                                   std::stop_token stop = {});
+  std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs,
+                                   const SolveOptions& options, std::stop_token stop = {});
 
  private:
   struct Impl;
@@ -65,7 +66,8 @@ class Solver {
 
 // Whether a second way, along the axes one after the other instead of straight, ends in another stable equilibrium at
 // state.at: its force differs by more than 1e-4. Nothing where the state is not solved or the second way does not arrive.
-std::optional<bool> second_way(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
+std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
+                               const SolveOptions& options = {});
 // False where that is not known.
 bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
 
@@ -75,8 +77,8 @@ bool is_linear(const Body& body);
 struct GenerateOptions {
   double spacing = 0.006;
   Box box;
-  int threads = 0;                       // 0: all
-  double tolerance = 1e-6;               // force, relative
+  int threads = 0;          // 0: all
+  double tolerance = 1e-6;  // force, relative
   bool want_displacements = false;
   std::stop_token stop;
 };

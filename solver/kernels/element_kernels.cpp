@@ -56,7 +56,9 @@ FOREFEEL_INLINE Lanes load(const double* p) {
   __builtin_memcpy(&v, p, sizeof v);
   return v;
 }
-FOREFEEL_INLINE void store(double* p, Lanes v) { __builtin_memcpy(p, &v, sizeof v); }
+FOREFEEL_INLINE void store(double* p, Lanes v) {
+  __builtin_memcpy(p, &v, sizeof v);
+}
 
 template <int nodes>
 FOREFEEL_INLINE void gather(const std::int32_t* node, const double* u, Lanes* out) {
@@ -175,7 +177,8 @@ void product_of(const ElementView& view, std::int64_t stride, const double* u, c
         for (int i = 0; i < 9; ++i) p[i] *= weight;
         for (int a = 0; a < nodes; ++a)
           for (int i = 0; i < 3; ++i)
-            sum[c][3 * a + i] += p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
+            sum[c][3 * a + i] +=
+                p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
       }
     }
     for (int c = 0; c < 3; ++c)
@@ -188,7 +191,8 @@ void product_of(const ElementView& view, std::int64_t stride, const double* u, c
 }
 
 template <class Law, int nodes>
-void gradient_lanes_of(const ElementView& view, const double* u, double* r, double* energy, double* min_jacobian) {
+void gradient_lanes_of(const ElementView& view, const double* u, double* r, double* energy,
+                       double* min_jacobian) {
   using S = Shape<nodes>;
   Lanes total{}, lowest = spread<Lanes>(__builtin_inf());
   for (std::int64_t group = 0; group < view.groups; ++group)
@@ -236,7 +240,8 @@ void gradient_lanes_of(const ElementView& view, const double* u, double* r, doub
 }
 
 template <class Law, int nodes>
-void product_lanes_of(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
+void product_lanes_of(const ElementView& view, std::int64_t stride, const double* u, const double* d,
+                      double* y) {
   using S = Shape<nodes>;
   for (std::int64_t group = 0; group < view.groups; ++group)
     for (int e = 0; e < lane_count; ++e) {
@@ -269,8 +274,8 @@ void product_lanes_of(const ElementView& view, std::int64_t stride, const double
           for (int a = 0; a < nodes; ++a) {
             const double ga = weight * g[3 * a], gb = weight * g[3 * a + 1], gc = weight * g[3 * a + 2];
             for (int i = 0; i < 3; ++i) {
-              double* to = y + c * stride +
-                           (3 * static_cast<std::int64_t>(node[a * lane_count]) + i) * lane_count;
+              double* to =
+                  y + c * stride + (3 * static_cast<std::int64_t>(node[a * lane_count]) + i) * lane_count;
               store(to, load(to) + p[3 * i] * ga + p[3 * i + 1] * gb + p[3 * i + 2] * gc);
             }
           }
@@ -287,14 +292,18 @@ struct Both {
   static void hessian(const ElementView& view, const double* u, double* blocks) {
     view.nodes_per_element == 4 ? hessian_of<Law, 4>(view, u, blocks) : hessian_of<Law, 10>(view, u, blocks);
   }
-  static void gradient_lanes(const ElementView& view, const double* u, double* r, double* energy, double* least_j) {
+  static void gradient_lanes(const ElementView& view, const double* u, double* r, double* energy,
+                             double* least_j) {
     view.nodes_per_element == 4 ? gradient_lanes_of<Law, 4>(view, u, r, energy, least_j)
                                 : gradient_lanes_of<Law, 10>(view, u, r, energy, least_j);
   }
-  static void product(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
-    view.nodes_per_element == 4 ? product_of<Law, 4>(view, stride, u, d, y) : product_of<Law, 10>(view, stride, u, d, y);
+  static void product(const ElementView& view, std::int64_t stride, const double* u, const double* d,
+                      double* y) {
+    view.nodes_per_element == 4 ? product_of<Law, 4>(view, stride, u, d, y)
+                                : product_of<Law, 10>(view, stride, u, d, y);
   }
-  static void product_lanes(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
+  static void product_lanes(const ElementView& view, std::int64_t stride, const double* u, const double* d,
+                            double* y) {
     view.nodes_per_element == 4 ? product_lanes_of<Law, 4>(view, stride, u, d, y)
                                 : product_lanes_of<Law, 10>(view, stride, u, d, y);
   }

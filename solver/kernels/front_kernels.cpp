@@ -21,12 +21,14 @@ FOREFEEL_INLINE Lanes load(const double* p) {
   __builtin_memcpy(&v, p, sizeof v);
   return v;
 }
-FOREFEEL_INLINE void store(double* p, Lanes v) { __builtin_memcpy(p, &v, sizeof v); }
+FOREFEEL_INLINE void store(double* p, Lanes v) {
+  __builtin_memcpy(p, &v, sizeof v);
+}
 
 // C[i][j .. j+8v) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel, all of C's piece in registers.
 template <int rows, int vectors>
-FOREFEEL_INLINE void rank_update(std::int64_t depth, const double* a, const double* b, std::int64_t ld, double* c,
-                                 std::int64_t ldc) {
+FOREFEEL_INLINE void rank_update(std::int64_t depth, const double* a, const double* b, std::int64_t ld,
+                                 double* c, std::int64_t ldc) {
   Lanes sum[rows][vectors];
   for (int i = 0; i < rows; ++i)
     for (int v = 0; v < vectors; ++v) sum[i][v] = load(c + i * ldc + v * lane_count);
@@ -41,8 +43,8 @@ FOREFEEL_INLINE void rank_update(std::int64_t depth, const double* a, const doub
 }
 
 template <int rows>
-FOREFEEL_INLINE void update_rows(std::int64_t depth, const double* a, const double* b, std::int64_t ld, double* c,
-                                 std::int64_t ldc, std::int64_t from, std::int64_t width) {
+FOREFEEL_INLINE void update_rows(std::int64_t depth, const double* a, const double* b, std::int64_t ld,
+                                 double* c, std::int64_t ldc, std::int64_t from, std::int64_t width) {
   std::int64_t j = from;
   for (; j + block_vectors * lane_count <= width; j += block_vectors * lane_count)
     rank_update<rows, block_vectors>(depth, a, b + j, ld, c + j, ldc);
@@ -61,7 +63,7 @@ inline void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t
       const std::int64_t deep = depth - p < depth_block ? depth - p : depth_block;
       const std::int64_t last = width - first < width_block ? width : first + width_block;
       const double* piece = panel + p * ld;
-      const std::int64_t end = rows < last ? rows : last;   // rows below hold nothing in these columns
+      const std::int64_t end = rows < last ? rows : last;  // rows below hold nothing in these columns
       std::int64_t i = 0;
       const auto from = [&](std::int64_t row) {
         const std::int64_t start = row / lane_count * lane_count;
@@ -69,13 +71,15 @@ inline void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t
       };
       for (; i + block_rows <= end; i += block_rows)
         update_rows<block_rows>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
-      for (; i + 2 <= end; i += 2) update_rows<2>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+      for (; i + 2 <= end; i += 2)
+        update_rows<2>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
       for (; i < end; ++i) update_rows<1>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
     }
 }
 
 // Cholesky of rows begin to end of a panel, eight at a time. `width` and `begin` are multiples of eight.
-inline bool eliminate_rows(double* panel, std::int64_t begin, std::int64_t end, std::int64_t ld, std::int64_t width) {
+inline bool eliminate_rows(double* panel, std::int64_t begin, std::int64_t end, std::int64_t ld,
+                           std::int64_t width) {
   for (std::int64_t first = begin; first < end; first += lane_count) {
     const std::int64_t last = first + lane_count < end ? first + lane_count : end;
     for (std::int64_t p = first; p < last; ++p) {
@@ -94,7 +98,8 @@ inline bool eliminate_rows(double* panel, std::int64_t begin, std::int64_t end, 
       row[p] = inverse;
     }
     const double* done = panel + first * ld + last;
-    if (last < end) symmetric_update(last - first, end - last, width - last, done, ld, panel + last * ld + last, ld);
+    if (last < end)
+      symmetric_update(last - first, end - last, width - last, done, ld, panel + last * ld + last, ld);
   }
   return true;
 }
@@ -105,7 +110,8 @@ inline bool eliminate(double* panel, std::int64_t pivots, std::int64_t ld, std::
     const std::int64_t last = first + depth_block < pivots ? first + depth_block : pivots;
     if (!eliminate_rows(panel, first, last, ld, width)) return false;
     if (last < pivots)
-      symmetric_update(last - first, pivots - last, width - last, panel + first * ld + last, ld, panel + last * ld + last, ld);
+      symmetric_update(last - first, pivots - last, width - last, panel + first * ld + last, ld,
+                       panel + last * ld + last, ld);
   }
   return true;
 }
@@ -118,15 +124,16 @@ FOREFEEL_INLINE void add_rows(const double* from, double* to, std::int64_t count
 
 // The update matrix of a child, added where its nodes stand in the parent: pivot rows to the panel, others to the
 // parent's own update matrix.
-inline void extend_add(const FrontTree& tree, const Front& child, const Front& parent, const double* stack_from,
-                       double* panel, double* update) {
+inline void extend_add(const FrontTree& tree, const Front& child, const Front& parent,
+                       const double* stack_from, double* panel, double* update) {
   const ExtendRun* runs = tree.runs + child.runs;
   const std::int64_t pivots = 3 * static_cast<std::int64_t>(parent.pivots);
   for (std::int64_t r = 0; r < child.run_count; ++r)
     for (std::int64_t i = 0; i < 3 * runs[r].length; ++i) {
       const double* from = stack_from + (3 * runs[r].from + i) * child.update_ld;
       const std::int64_t row = 3 * runs[r].to + i;
-      double* to = row < pivots ? panel + row * parent.ld : update + (row - pivots) * parent.update_ld - pivots;
+      double* to =
+          row < pivots ? panel + row * parent.ld : update + (row - pivots) * parent.update_ld - pivots;
       add_rows(from + 3 * runs[r].from + i, to + row, 3 * runs[r].length - i);
       for (std::int64_t q = r + 1; q < child.run_count; ++q)
         add_rows(from + 3 * runs[q].from, to + 3 * runs[q].to, 3 * runs[q].length);
@@ -138,16 +145,19 @@ bool factor(const FrontTree& tree, const double* blocks, double* panels, double*
   for (int i = 0; i < 9; ++i) corner[i] = last[i];
   for (std::int64_t s = 0; s < tree.count; ++s) {
     const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), rest = 3 * static_cast<std::int64_t>(front.rest);
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                       rest = 3 * static_cast<std::int64_t>(front.rest);
     double* panel = panels + front.panel;
     double* update = stack + front.update;
     __builtin_memset(panel, 0, static_cast<std::size_t>(pivots * front.ld) * sizeof(double));
-    for (std::int64_t i = 0; i < rest; ++i) {      // the upper triangle, and what whole vectors touch beside it
+    for (std::int64_t i = 0; i < rest; ++i) {  // the upper triangle, and what whole vectors touch beside it
       const std::int64_t from = i / lane_count * lane_count - (i < lane_count ? 0 : lane_count);
-      __builtin_memset(update + i * front.update_ld + from, 0, static_cast<std::size_t>(front.update_ld - from) * sizeof(double));
+      __builtin_memset(update + i * front.update_ld + from, 0,
+                       static_cast<std::size_t>(front.update_ld - from) * sizeof(double));
     }
     for (std::int64_t i = 0; i < front.pivots; ++i)
-      for (std::int64_t block = tree.row_start[front.first + i]; block < tree.row_start[front.first + i + 1]; ++block) {
+      for (std::int64_t block = tree.row_start[front.first + i]; block < tree.row_start[front.first + i + 1];
+           ++block) {
         double* to = panel + 3 * i * front.ld + 3 * tree.place[block];
         for (int a = 0; a < 3; ++a)
           for (int b = 0; b < 3; ++b) to[a * front.ld + b] = blocks[9 * block + 3 * a + b];
@@ -174,7 +184,8 @@ bool factor(const FrontTree& tree, const double* blocks, double* panels, double*
 void forward(const FrontTree& tree, const double* panels, double* b, double* work) {
   for (std::int64_t s = 0; s < tree.count; ++s) {
     const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), rest = 3 * static_cast<std::int64_t>(front.rest);
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                       rest = 3 * static_cast<std::int64_t>(front.rest);
     const double* panel = panels + front.panel;
     const std::int32_t* rows = tree.rows + front.rows;
     double* x = b + 3 * static_cast<std::int64_t>(front.first);
@@ -204,7 +215,8 @@ void forward(const FrontTree& tree, const double* panels, double* b, double* wor
 void backward(const FrontTree& tree, const double* panels, double* b, double* work) {
   for (std::int64_t s = tree.count - 1; s >= 0; --s) {
     const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), rest = 3 * static_cast<std::int64_t>(front.rest);
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                       rest = 3 * static_cast<std::int64_t>(front.rest);
     const double* panel = panels + front.panel;
     const std::int32_t* rows = tree.rows + front.rows;
     double* x = b + 3 * static_cast<std::int64_t>(front.first);
@@ -226,7 +238,8 @@ void backward(const FrontTree& tree, const double* panels, double* b, double* wo
 
 // sum_i -= panel[p][i] x_p for `rows` entries side by side, eight right-hand sides each.
 template <int rows>
-FOREFEEL_INLINE void forward_piece(std::int64_t pivots, const double* panel, std::int64_t ld, const double* x, double* out) {
+FOREFEEL_INLINE void forward_piece(std::int64_t pivots, const double* panel, std::int64_t ld, const double* x,
+                                   double* out) {
   Lanes sum[rows];
   for (int i = 0; i < rows; ++i) sum[i] = load(out + i * lane_count);
   for (std::int64_t p = 0; p < pivots; ++p) {
@@ -239,7 +252,8 @@ FOREFEEL_INLINE void forward_piece(std::int64_t pivots, const double* panel, std
 void forward_lanes(const FrontTree& tree, const double* panels, double* b, double* work) {
   for (std::int64_t s = 0; s < tree.count; ++s) {
     const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), rest = 3 * static_cast<std::int64_t>(front.rest);
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                       rest = 3 * static_cast<std::int64_t>(front.rest);
     const double* panel = panels + front.panel;
     const std::int32_t* rows = tree.rows + front.rows;
     double* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
@@ -253,25 +267,32 @@ void forward_lanes(const FrontTree& tree, const double* panels, double* b, doubl
       }
       std::int64_t q = last;
       for (; q + 6 <= pivots; q += 6)
-        forward_piece<6>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count, x + q * lane_count);
+        forward_piece<6>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
+                         x + q * lane_count);
       for (; q < pivots; ++q)
-        forward_piece<1>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count, x + q * lane_count);
+        forward_piece<1>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
+                         x + q * lane_count);
     }
     for (std::int64_t i = 0; i < front.rest; ++i)
       for (int a = 0; a < 3; ++a)
-        store(work + (3 * i + a) * lane_count, load(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+        store(work + (3 * i + a) * lane_count,
+              load(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
     std::int64_t i = 0;
-    for (; i + 12 <= rest; i += 12) forward_piece<12>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
-    for (; i + 3 <= rest; i += 3) forward_piece<3>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
+    for (; i + 12 <= rest; i += 12)
+      forward_piece<12>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
+    for (; i + 3 <= rest; i += 3)
+      forward_piece<3>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
     for (i = 0; i < front.rest; ++i)
       for (int a = 0; a < 3; ++a)
-        store(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count, load(work + (3 * i + a) * lane_count));
+        store(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count,
+              load(work + (3 * i + a) * lane_count));
   }
 }
 
 // out_p -= sum_q panel[p][q] x_q for `rows` pivots side by side.
 template <int rows>
-FOREFEEL_INLINE void backward_piece(std::int64_t count, const double* panel, std::int64_t ld, const double* x, double* out) {
+FOREFEEL_INLINE void backward_piece(std::int64_t count, const double* panel, std::int64_t ld, const double* x,
+                                    double* out) {
   Lanes sum[rows];
   for (int i = 0; i < rows; ++i) sum[i] = load(out + i * lane_count);
   for (std::int64_t q = 0; q < count; ++q) {
@@ -284,13 +305,15 @@ FOREFEEL_INLINE void backward_piece(std::int64_t count, const double* panel, std
 void backward_lanes(const FrontTree& tree, const double* panels, double* b, double* work) {
   for (std::int64_t s = tree.count - 1; s >= 0; --s) {
     const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), rest = 3 * static_cast<std::int64_t>(front.rest);
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                       rest = 3 * static_cast<std::int64_t>(front.rest);
     const double* panel = panels + front.panel;
     const std::int32_t* rows = tree.rows + front.rows;
     double* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
     for (std::int64_t i = 0; i < front.rest; ++i)
       for (int a = 0; a < 3; ++a)
-        store(work + (3 * i + a) * lane_count, load(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+        store(work + (3 * i + a) * lane_count,
+              load(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
     std::int64_t p = 0;
     for (; p + 6 <= pivots; p += 6)
       backward_piece<6>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
@@ -298,11 +321,12 @@ void backward_lanes(const FrontTree& tree, const double* panels, double* b, doub
       backward_piece<1>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
     // pivots is a multiple of three: blocks of three from the end
     for (std::int64_t first = pivots - 3; first >= 0; first -= 3) {
-      backward_piece<3>(pivots - first - 3, panel + first * front.ld + first + 3, front.ld, x + (first + 3) * lane_count,
-                        x + first * lane_count);
+      backward_piece<3>(pivots - first - 3, panel + first * front.ld + first + 3, front.ld,
+                        x + (first + 3) * lane_count, x + first * lane_count);
       for (std::int64_t q = first + 2; q >= first; --q) {
         Lanes value = load(x + q * lane_count);
-        for (std::int64_t r = q + 1; r < first + 3; ++r) value -= load(x + r * lane_count) * panel[q * front.ld + r];
+        for (std::int64_t r = q + 1; r < first + 3; ++r)
+          value -= load(x + r * lane_count) * panel[q * front.ld + r];
         store(x + q * lane_count, value * panel[q * front.ld + q]);
       }
     }
@@ -328,6 +352,7 @@ void add_lanes(std::int64_t rows, const double* factor, const double* x, double*
 
 namespace FOREFEEL_ISA {
 extern const FrontKernels front_kernels;
-const FrontKernels front_kernels{factor, forward, backward, forward_lanes, backward_lanes, dot_lanes, add_lanes};
+const FrontKernels front_kernels{factor,         forward,   backward, forward_lanes,
+                                 backward_lanes, dot_lanes, add_lanes};
 }  // namespace FOREFEEL_ISA
 }  // namespace forefeel

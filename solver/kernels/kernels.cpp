@@ -5,16 +5,16 @@ namespace forefeel {
 namespace portable {
 extern const ElementKernels element_kernels[5];
 extern const FrontKernels front_kernels;
-}
+}  // namespace portable
 #ifdef FOREFEEL_MULTIVERSION
 namespace avx2 {
 extern const ElementKernels element_kernels[5];
 extern const FrontKernels front_kernels;
-}
+}  // namespace avx2
 namespace avx512 {
 extern const ElementKernels element_kernels[5];
 extern const FrontKernels front_kernels;
-}
+}  // namespace avx512
 #endif
 
 namespace {
@@ -24,8 +24,8 @@ enum class Isa { portable, avx2, avx512 };
 Isa detect() {
 #ifdef FOREFEEL_MULTIVERSION
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw"))
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
     return Isa::avx512;
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return Isa::avx2;
 #endif

@@ -16,24 +16,24 @@ inline constexpr int lane_count = 8;
 // Constants of a law, derived from E and nu [Pa]; a is a pure number.
 struct LawConstants {
   double mu = 0, lambda = 0;
-  double m = 0, l = 0, a = 0;        // stable neo-Hookean
-  double c1 = 0, c2 = 0;             // Mooney-Rivlin
+  double m = 0, l = 0, a = 0;  // stable neo-Hookean
+  double c1 = 0, c2 = 0;       // Mooney-Rivlin
 };
 
 struct ElementView {
   std::int64_t groups = 0;
-  int nodes_per_element = 4;                 // 4 linear, 10 quadratic
-  const std::int32_t* node = nullptr;        // groups x nodes x 8, local node numbers
-  const double* gradient = nullptr;          // groups x 12 x 8: gradients of the four barycentric coordinates [1/m]
-  const double* volume = nullptr;            // groups x 8 [m^3]
-  const std::int32_t* block = nullptr;       // groups x pairs x 8: block of the pair (a <= b), or the dummy block
-  const std::int8_t* block_kind = nullptr;   // 0 as it is, 1 transposed, 2 both (a pair within the contact)
+  int nodes_per_element = 4;           // 4 linear, 10 quadratic
+  const std::int32_t* node = nullptr;  // groups x nodes x 8, local node numbers
+  const double* gradient = nullptr;    // groups x 12 x 8: gradients of the four barycentric coordinates [1/m]
+  const double* volume = nullptr;      // groups x 8 [m^3]
+  const std::int32_t* block = nullptr;  // groups x pairs x 8: block of the pair (a <= b), or the dummy block
+  const std::int8_t* block_kind = nullptr;  // 0 as it is, 1 transposed, 2 both (a pair within the contact)
   LawConstants constants;
 };
 
 struct FieldSummary {
-  double energy = 0;         // sum V psi [J]
-  double min_jacobian = 0;   // least det F
+  double energy = 0;        // sum V psi [J]
+  double min_jacobian = 0;  // least det F
 };
 
 struct ElementKernels {
@@ -42,7 +42,8 @@ struct ElementKernels {
   // blocks (3 x 3, row-major) += d2W/du2.
   void (*hessian)(const ElementView&, const double* u, double* blocks);
   // r += dW/du for eight displacement fields at once; energy and min_jacobian are [8].
-  void (*gradient_lanes)(const ElementView&, const double* u, double* r, double* energy, double* min_jacobian);
+  void (*gradient_lanes)(const ElementView&, const double* u, double* r, double* energy,
+                         double* min_jacobian);
   // y_c += (d2W/du2)(u) d_c for three directions, c = 0..2; d_c and y_c are `stride` apart.
   void (*product)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
   // The same for each of eight fields.
@@ -67,12 +68,12 @@ struct ExtendRun {
 };
 struct FrontTree {
   std::int64_t count = 0, free_nodes = 0;
-  const Front* fronts = nullptr;               // in elimination order
+  const Front* fronts = nullptr;  // in elimination order
   const std::int32_t* rows = nullptr;
   const std::int32_t* children = nullptr;
   const ExtendRun* runs = nullptr;
-  const std::int64_t* row_start = nullptr;     // blocks of H, as in BlockPattern
-  const std::int32_t* place = nullptr;         // per block: node position of its column in the row's front
+  const std::int64_t* row_start = nullptr;  // blocks of H, as in BlockPattern
+  const std::int32_t* place = nullptr;      // per block: node position of its column in the row's front
   std::int64_t block_count = 0;
 };
 
@@ -82,7 +83,7 @@ struct FrontKernels {
   // U^T y = b, then U x = y - U_c x_c, where x_c is what stands in the row of the contact (0: a plain solve).
   void (*forward)(const FrontTree&, const double* panels, double* b, double* work);
   void (*backward)(const FrontTree&, const double* panels, double* b, double* work);
-  void (*forward_lanes)(const FrontTree&, const double* panels, double* b, double* work);     // (n+1) x 3 x 8
+  void (*forward_lanes)(const FrontTree&, const double* panels, double* b, double* work);  // (n+1) x 3 x 8
   void (*backward_lanes)(const FrontTree&, const double* panels, double* b, double* work);
   // Eight vectors of `rows` entries side by side: out = a . b, and y += factor x, each lane with its own factor.
   void (*dot_lanes)(std::int64_t rows, const double* a, const double* b, double* out);

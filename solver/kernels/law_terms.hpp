@@ -20,14 +20,20 @@ using LaneBits = long long __attribute__((vector_size(64)));
 
 #define FOREFEEL_INLINE __attribute__((always_inline)) inline
 
-FOREFEEL_INLINE double least(double a, double b) { return b < a ? b : a; }
-FOREFEEL_INLINE Lanes least(Lanes a, Lanes b) { return b < a ? b : a; }
+FOREFEEL_INLINE double least(double a, double b) {
+  return b < a ? b : a;
+}
+FOREFEEL_INLINE Lanes least(Lanes a, Lanes b) {
+  return b < a ? b : a;
+}
 template <class T>
 FOREFEEL_INLINE T spread(double value) {
   return value - T{};
 }
 
-FOREFEEL_INLINE double logarithm(double x) { return __builtin_log(x); }
+FOREFEEL_INLINE double logarithm(double x) {
+  return __builtin_log(x);
+}
 
 // ln x for eight positive normal numbers, within 2 ulp: x = 2^k m, m in [sqrt(1/2), sqrt(2)),
 // ln m = 2 artanh s = 2 s (1 + s^2/3 + s^4/5 + ...), s = (m - 1)/(m + 1), |s| < 0.1716: twelve terms suffice.
@@ -67,7 +73,8 @@ struct Terms {
 };
 
 struct NeoHookean {
-  static constexpr bool linear = false, uses_i2 = false, uses_j = true, uses_11 = false, needs_positive_j = true;
+  static constexpr bool linear = false, uses_i2 = false, uses_j = true, uses_11 = false,
+                        needs_positive_j = true;
   template <class T>
   static FOREFEEL_INLINE Terms<T> terms(const LawConstants& c, T i1, T, T j) {
     const T log_j = logarithm(j), inverse = 1.0 / j;
@@ -81,7 +88,8 @@ struct NeoHookean {
 };
 
 struct StableNeoHookean {
-  static constexpr bool linear = false, uses_i2 = false, uses_j = true, uses_11 = true, needs_positive_j = false;
+  static constexpr bool linear = false, uses_i2 = false, uses_j = true, uses_11 = true,
+                        needs_positive_j = false;
   template <class T>
   static FOREFEEL_INLINE Terms<T> terms(const LawConstants& c, T i1, T, T j) {
     const T inverse = 1.0 / (i1 + 1.0);
@@ -99,7 +107,8 @@ struct StableNeoHookean {
 };
 
 struct MooneyRivlin {
-  static constexpr bool linear = false, uses_i2 = true, uses_j = true, uses_11 = false, needs_positive_j = true;
+  static constexpr bool linear = false, uses_i2 = true, uses_j = true, uses_11 = false,
+                        needs_positive_j = true;
   template <class T>
   static FOREFEEL_INLINE Terms<T> terms(const LawConstants& c, T i1, T i2, T j) {
     const double pull = 2 * (c.c1 + 2 * c.c2);
@@ -116,7 +125,8 @@ struct MooneyRivlin {
 
 // tr G = (I1 - 3)/2 and G:G = (I1^2 - 2 I2 - 2 I1 + 3)/4.
 struct StVenantKirchhoff {
-  static constexpr bool linear = false, uses_i2 = true, uses_j = false, uses_11 = true, needs_positive_j = false;
+  static constexpr bool linear = false, uses_i2 = true, uses_j = false, uses_11 = true,
+                        needs_positive_j = false;
   template <class T>
   static FOREFEEL_INLINE Terms<T> terms(const LawConstants& c, T i1, T i2, T) {
     const T g = i1 - 3.0;
@@ -130,16 +140,17 @@ struct StVenantKirchhoff {
 };
 
 struct Linear {
-  static constexpr bool linear = true, uses_i2 = false, uses_j = false, uses_11 = false, needs_positive_j = false;
+  static constexpr bool linear = true, uses_i2 = false, uses_j = false, uses_11 = false,
+                        needs_positive_j = false;
 };
 
 // One point of the material: F and what the derivatives of the invariants need.
 template <class T>
 struct Point {
-  T f[9];        // F row by row
-  T cof[9];      // cofactor of F = dJ/dF
-  T c[9];        // C = F^T F     (laws with I2)
-  T b[9];        // B = F F^T     (laws with I2)
+  T f[9];    // F row by row
+  T cof[9];  // cofactor of F = dJ/dF
+  T c[9];    // C = F^T F     (laws with I2)
+  T b[9];    // B = F F^T     (laws with I2)
   T i1, i2, j;
   Terms<T> t;
 };
@@ -195,7 +206,8 @@ FOREFEEL_INLINE void stress(const LawConstants& c, const Point<T>& p, T* out) {
     const T pressure = c.lambda * ((f[0] - 1.0) + (f[4] - 1.0) + (f[8] - 1.0));
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) {
-        out[3 * i + k] = i == k ? (2 * c.mu) * (f[4 * i] - 1.0) + pressure : c.mu * (f[3 * i + k] + f[3 * k + i]);
+        out[3 * i + k] =
+            i == k ? (2 * c.mu) * (f[4 * i] - 1.0) + pressure : c.mu * (f[3 * i + k] + f[3 * k + i]);
       }
     return;
   } else {
@@ -206,7 +218,8 @@ FOREFEEL_INLINE void stress(const LawConstants& c, const Point<T>& p, T* out) {
       const T twice = 2.0 * p.t.d2;
       for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)
-          out[3 * i + k] -= twice * (f[3 * i] * p.c[k] + f[3 * i + 1] * p.c[3 + k] + f[3 * i + 2] * p.c[6 + k]);
+          out[3 * i + k] -=
+              twice * (f[3 * i] * p.c[k] + f[3 * i + 1] * p.c[3 + k] + f[3 * i + 2] * p.c[6 + k]);
     }
     if constexpr (Law::uses_j)
       for (int i = 0; i < 9; ++i) out[i] += p.t.dj * p.cof[i];

@@ -4,6 +4,8 @@
 
 namespace forefeel {
 
-std::string solver_revision() { return std::string(FOREFEEL_SOLVER_SOURCES) + " " + instruction_set(); }
+std::string solver_revision() {
+  return std::string(FOREFEEL_SOLVER_SOURCES) + " " + instruction_set();
+}
 
 }  // namespace forefeel

@@ -16,18 +16,24 @@ namespace {
 
 LatticeIndex index_of(const Vec3& x, double spacing) {
   LatticeIndex k{};
-  for (std::size_t i = 0; i < 3; ++i) k[i] = static_cast<int>(std::lround(x[static_cast<Eigen::Index>(i)] / spacing));
+  for (std::size_t i = 0; i < 3; ++i)
+    k[i] = static_cast<int>(std::lround(x[static_cast<Eigen::Index>(i)] / spacing));
   return k;
 }
 
-Vec3 position_of(const LatticeIndex& k, double spacing) { return spacing * Vec3(k[0], k[1], k[2]); }
+Vec3 position_of(const LatticeIndex& k, double spacing) {
+  return spacing * Vec3(k[0], k[1], k[2]);
+}
 
-int level(const LatticeIndex& k) { return std::abs(k[0]) + std::abs(k[1]) + std::abs(k[2]); }
+int level(const LatticeIndex& k) {
+  return std::abs(k[0]) + std::abs(k[1]) + std::abs(k[2]);
+}
 
 // One step towards rest along an axis; the axes are tried from the longest component down.
 std::vector<LatticeIndex> towards_rest(const LatticeIndex& k) {
   std::array<std::size_t, 3> axes{0, 1, 2};
-  std::stable_sort(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) { return std::abs(k[a]) > std::abs(k[b]); });
+  std::stable_sort(axes.begin(), axes.end(),
+                   [&](std::size_t a, std::size_t b) { return std::abs(k[a]) > std::abs(k[b]); });
   std::vector<LatticeIndex> parents;
   for (const std::size_t axis : axes) {
     if (k[axis] == 0) continue;
@@ -38,7 +44,9 @@ std::vector<LatticeIndex> towards_rest(const LatticeIndex& k) {
   return parents;
 }
 
-bool is_coarse(const LatticeIndex& k) { return k[0] % 2 == 0 && k[1] % 2 == 0 && k[2] % 2 == 0; }
+bool is_coarse(const LatticeIndex& k) {
+  return k[0] % 2 == 0 && k[1] % 2 == 0 && k[2] % 2 == 0;
+}
 
 // The coarse cell that a fine index lies in, named by its lowest corner.
 LatticeIndex cell_of(const LatticeIndex& k) {
@@ -135,7 +143,7 @@ class Sweep {
         need(cell_of(k));
         continue;
       }
-      for (int m = 0; m < 8; ++m) {     // a cell is solved as a whole, so all its corners are
+      for (int m = 0; m < 8; ++m) {  // a cell is solved as a whole, so all its corners are
         LatticeIndex c = cell_of(k);
         for (std::size_t axis = 0; axis < 3; ++axis) c[axis] += (m >> axis) & 1;
         need(c);
@@ -208,8 +216,9 @@ class Sweep {
         corners.emplace_back();
         for (const LatticeIndex& c : corners_of(k))
           if (const SweepNode* corner = solved(c)) corners.back().push_back(corner);
-        std::stable_sort(corners.back().begin(), corners.back().end(),
-                         [](const SweepNode* a, const SweepNode* b) { return level(a->index) < level(b->index); });
+        std::stable_sort(
+            corners.back().begin(), corners.back().end(),
+            [](const SweepNode* a, const SweepNode* b) { return level(a->index) < level(b->index); });
         nodes.push_back(std::move(node));
       }
       worker.solve_cell(nodes, corners);
@@ -239,7 +248,9 @@ class Sweep {
     }
   }
 
-  bool stopped() const { return options_.stop.stop_requested() || broken_.load(); }
+  bool stopped() const {
+    return options_.stop.stop_requested() || broken_.load();
+  }
 
   void emit(const SweepNode& node) {
     if (node.state.status == SolveStatus::cancelled) return;
@@ -269,7 +280,7 @@ class Sweep {
   const std::function<void(State)>& sink_;
   const std::function<void(std::size_t, std::size_t)>& progress_;
   std::set<LatticeIndex> all_, wanted_;
-  std::vector<LatticeIndex> missing_;        // outward from rest
+  std::vector<LatticeIndex> missing_;  // outward from rest
   std::vector<SweepNode> coarse_;
   std::map<LatticeIndex, std::size_t> place_;
   std::vector<std::unique_ptr<SweepWorker>> workers_;

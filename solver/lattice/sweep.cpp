@@ -15,16 +15,16 @@ using SteadyClock = std::chrono::steady_clock;
 // element turned inside out, one that differs by this share from the cubic through the corners of its cell.
 constexpr double suspicious = 0.1, suspicious_inverted = 1e-2;
 constexpr double coarse_tolerance = 1e-7;
-constexpr int prediction_iterations = 12;     // of Newton from a prediction, before the straight way is gone
+constexpr int prediction_iterations = 12;  // of Newton from a prediction, before the straight way is gone
 constexpr double fallback_tolerance = 1e-8;
 constexpr int fallback_iterations = 60;
 
 // One corner's part in predict_hermite.
-FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v, double share,
-                                const double* move, const double* slope, const double* keep, double* __restrict to,
-                                double* __restrict tangent) {
-  const double *__restrict va = v, *__restrict vb = v + size, *__restrict vc = v + 2 * size;
-  double *__restrict ta = tangent, *__restrict tb = tangent + size, *__restrict tc = tangent + 2 * size;
+FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v,
+                                double share, const double* move, const double* slope, const double* keep,
+                                double* __restrict to, double* __restrict tangent) {
+  const double* __restrict va = v, * __restrict vb = v + size, * __restrict vc = v + 2 * size;
+  double* __restrict ta = tangent, * __restrict tb = tangent + size, * __restrict tc = tangent + 2 * size;
   const double ma = 0.5 * move[0], mb = 0.5 * move[1], mc = 0.5 * move[2];
   const double sa = slope[0], sb = slope[1], sc = slope[2], ka = keep[0], kb = keep[1], kc = keep[2];
   for (std::size_t i = 0; i < size; ++i) {
@@ -61,7 +61,7 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
   const SweepNode& start = *starts.front();
   path_.begin_at(start.state.at, start.field);
   const NewtonReport report = path_.advance(s.at, 0, fallback_tolerance, fallback_iterations, options_.stop);
-  if (report.status != SolveStatus::converged) return;      // the straight way's status stays: it is the reason
+  if (report.status != SolveStatus::converged) return;  // the straight way's status stays: it is the reason
   s.parent = start.state.at;
   s.multivalued = true;
   take(node, report);
@@ -71,7 +71,8 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
 // to fourth. Where they do not fit, or where a neighbour is known to have another branch, the straight way from rest in
 // steps of h decides. With an element turned inside out there is mostly another way to settle, so a coarse state with one
 // (which the fine ones are predicted from) always goes it.
-bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const {
+bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours,
+                           bool coarse) const {
   const State& s = node.state;
   const bool inverted = s.min_jacobian <= 0;
   if (inverted && (coarse || neighbours.empty())) return true;
@@ -81,7 +82,8 @@ bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepN
     mean += (o.force - 0.5 * o.stiffness * (s.at - o.at)) / static_cast<double>(neighbours.size());
   }
   if (jumps(node, neighbours)) return true;
-  return inverted && !((mean - s.force).norm() <= suspicious_inverted * std::max(s.force.norm(), d_->force_floor));
+  return inverted &&
+         !((mean - s.force).norm() <= suspicious_inverted * std::max(s.force.norm(), d_->force_floor));
 }
 
 bool SweepWorker::jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const {
@@ -89,7 +91,8 @@ bool SweepWorker::jumps(const SweepNode& node, const std::vector<const SweepNode
   return std::any_of(neighbours.begin(), neighbours.end(), [&](const SweepNode* other) {
     const State& o = other->state;
     const Vec3 foretold = o.force - 0.5 * (o.stiffness + s.stiffness) * (s.at - o.at);
-    return !((foretold - s.force).norm() <= suspicious * std::max({s.force.norm(), o.force.norm(), d_->force_floor}));
+    return !((foretold - s.force).norm() <=
+             suspicious * std::max({s.force.norm(), o.force.norm(), d_->force_floor}));
   });
 }
 
@@ -107,7 +110,8 @@ void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
 
 void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
   std::vector<double> middle(static_cast<std::size_t>(d_->local_size()), 0.0);
-  for (const SweepNode* node : nodes) scale_into(node->field.u, 1.0 / static_cast<double>(nodes.size()), middle);
+  for (const SweepNode* node : nodes)
+    scale_into(node->field.u, 1.0 / static_cast<double>(nodes.size()), middle);
   if (!path_.newton().factorise(middle)) return;
   std::vector<LocalField*> fields;
   for (SweepNode* node : nodes) fields.push_back(&node->field);
@@ -115,12 +119,14 @@ void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
   lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!results[i].converged) continue;
-    if (!results[i].stiffness_settled && !condense_alone(path_.newton(), nodes[i]->field, results[i])) continue;
+    if (!results[i].stiffness_settled && !condense_alone(path_.newton(), nodes[i]->field, results[i]))
+      continue;
     forefeel::take(nodes[i]->state, results[i]);
   }
 }
 
-void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond) {
+void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents,
+                               const SweepNode* beyond) {
   const auto start = SteadyClock::now();
   node.state.status = SolveStatus::stalled;
   // beside a state with an element turned inside out a prediction leads anywhere
@@ -129,7 +135,7 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
     node.state.parent = parent.state.at;
     const Vec3 move = node.state.at - parent.state.at;
     LocalField slope = parent.field;
-    if (beyond) {   // V changes evenly along the three nodes
+    if (beyond) {  // V changes evenly along the three nodes
       scale_into(parent.field.tangent, 0.5, slope.tangent);
       scale_into(beyond->field.tangent, -0.5, slope.tangent);
     }
@@ -168,8 +174,8 @@ bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const Sweep
       slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
       keep[j] = (mid ? -0.5 : 1.0) * share;
     }
-    add_corner(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(), slope.data(), keep.data(),
-               f.u.data(), f.tangent.data());
+    add_corner(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(), slope.data(),
+               keep.data(), f.u.data(), f.tangent.data());
   }
   return true;
 }
@@ -180,10 +186,12 @@ void SweepWorker::predict_fine(SweepNode& node, const std::vector<const SweepNod
     node.field.tangent = corner.field.tangent;
     predict(*d_, corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
   }
-  for (int i = 0; i < 3; ++i) node.field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];
+  for (int i = 0; i < 3; ++i)
+    node.field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];
 }
 
-void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners) {
+void SweepWorker::solve_cell(std::vector<SweepNode>& nodes,
+                             const std::vector<std::vector<const SweepNode*>>& corners) {
   const auto start = SteadyClock::now();
   std::vector<SweepNode*> together;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -208,7 +216,8 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes, const std::vector<st
     if (nodes[i].solved() && jumps(nodes[i], corners[i])) nodes[i].state.multivalued = true;
   }
   for (SweepNode* node : walking)
-    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() / static_cast<double>(walking.size());
+    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() /
+                           static_cast<double>(walking.size());
 }
 
 }  // namespace forefeel

@@ -18,17 +18,17 @@
 
 namespace forefeel {
 
-using LatticeIndex = std::array<int, 3>;     // x = h k, or 2h k on the coarse lattice
+using LatticeIndex = std::array<int, 3>;  // x = h k, or 2h k on the coarse lattice
 
 struct SweepNode {
   LatticeIndex index{};
   State state;
-  LocalField field;          // empty unless converged
+  LocalField field;  // empty unless converged
   bool solved() const { return state.status == SolveStatus::converged; }
 };
 
 struct SweepOptions {
-  double spacing = 0.006;            // h [m]
+  double spacing = 0.006;  // h [m]
   // Of the lanes, |r_f|/|f|. The force is corrected by V^T r_f afterwards and far better than that.
   double residual_tolerance = 1e-5;
   std::stop_token stop;
@@ -51,7 +51,7 @@ class SweepWorker {
  private:
   void predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
   bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
-  void take(SweepNode& node, const NewtonReport& report);      // of path_
+  void take(SweepNode& node, const NewtonReport& report);  // of path_
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void correct_alone(SweepNode& node);
   bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;

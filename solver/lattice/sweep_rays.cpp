@@ -14,13 +14,14 @@
 namespace forefeel {
 namespace {
 
-constexpr double between_tolerance = 1e-4;    // on the way
+constexpr double between_tolerance = 1e-4;  // on the way
 constexpr double arrival_tolerance = 1e-7;
 constexpr int most_iterations = 60;
-constexpr double other_branch = 1e-4;         // values on two branches differ by more than this share
-constexpr double sheet_thickness = 0.2;       // [h] an anchor lies no further from its prediction
-constexpr double smooth_move = 0.08;          // [h] no node is further from where a smooth step leads it
-constexpr double snap = 0.3;                  // a kink of the way where an element has snapped through: two equilibria are near
+constexpr double other_branch = 1e-4;    // values on two branches differ by more than this share
+constexpr double sheet_thickness = 0.2;  // [h] an anchor lies no further from its prediction
+constexpr double smooth_move = 0.08;     // [h] no node is further from where a smooth step leads it
+constexpr double snap =
+    0.3;  // a kink of the way where an element has snapped through: two equilibria are near
 constexpr int last_steps = 4;
 
 double distance(const std::vector<double>& a, const std::vector<double>& b, std::size_t rows) {
@@ -32,7 +33,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b, std:
 }  // namespace
 
 // The least det F over the corners, or nothing where not all of them are known.
-std::optional<double> SweepWorker::predict_between(const SweepNode& node, const Vec3& x, LocalField& field) const {
+std::optional<double> SweepWorker::predict_between(const SweepNode& node, const Vec3& x,
+                                                   LocalField& field) const {
   const double spacing = 2 * options_.spacing;
   const std::size_t size = static_cast<std::size_t>(d_->local_size());
   field.u.assign(size, 0.0);
@@ -55,7 +57,8 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
       weight *= high ? share[static_cast<int>(axis)] : 1 - share[static_cast<int>(axis)];
     }
     if (weight == 0) continue;
-    if ((spacing * Vec3(c[0], c[1], c[2]) - node.state.at).norm() < 1e-6 * spacing) return std::nullopt;   // itself
+    if ((spacing * Vec3(c[0], c[1], c[2]) - node.state.at).norm() < 1e-6 * spacing)
+      return std::nullopt;  // itself
     const SweepNode* known = options_.coarse ? options_.coarse(c) : nullptr;
     if (!known) return std::nullopt;
     least = std::min(least, known->state.min_jacobian);
@@ -86,10 +89,12 @@ std::vector<SweepWorker::Anchor> SweepWorker::candidates_of(const SweepNode& nod
 std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<SweepNode*>& nodes) {
   const std::size_t rows = static_cast<std::size_t>(3 * d_->free_nodes);
   std::vector<Anchor> anchors(nodes.size());
-  std::vector<std::pair<std::size_t, Anchor>> candidates;     // with the node's place in nodes
+  std::vector<std::pair<std::size_t, Anchor>> candidates;  // with the node's place in nodes
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    anchors[i].steps = std::max(1, static_cast<int>(std::ceil(nodes[i]->state.at.norm() / options_.spacing * (1 - 1e-12))));
-    for (Anchor& candidate : candidates_of(*nodes[i], anchors[i].steps)) candidates.emplace_back(i, std::move(candidate));
+    anchors[i].steps =
+        std::max(1, static_cast<int>(std::ceil(nodes[i]->state.at.norm() / options_.spacing * (1 - 1e-12))));
+    for (Anchor& candidate : candidates_of(*nodes[i], anchors[i].steps))
+      candidates.emplace_back(i, std::move(candidate));
   }
   // those that share a factor are equally far out
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
@@ -102,14 +107,15 @@ std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<Swe
     std::vector<std::size_t> taken;
     for (; first < candidates.size() && fields.size() < lane_count; ++first) {
       auto& [node, candidate] = candidates[first];
-      if (candidate.step <= anchors[node].step) continue;      // has one further out
+      if (candidate.step <= anchors[node].step) continue;  // has one further out
       taken.push_back(first);
       predicted.push_back({candidate.field.u, {}});
       fields.push_back(&candidate.field);
     }
     if (fields.empty()) break;
     for (const LocalField* field : fields)
-      for (std::size_t i = 0; i < middle.size(); ++i) middle[i] += field->u[i] / static_cast<double>(fields.size());
+      for (std::size_t i = 0; i < middle.size(); ++i)
+        middle[i] += field->u[i] / static_cast<double>(fields.size());
     if (!path_.newton().factorise(middle)) continue;
     std::array<LaneResult, lane_count> results;
     lanes_.solve(path_.newton().factor(), fields, between_tolerance, results, 1);
@@ -131,7 +137,8 @@ bool SweepWorker::linked(const Anchor& anchor, const SweepNode& node) const {
   double largest = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     double left = node.field.u[i] - anchor.field.u[i];
-    for (std::size_t c = 0; c < 3; ++c) left -= half[static_cast<int>(c)] * (va[c * size + i] + vb[c * size + i]);
+    for (std::size_t c = 0; c < 3; ++c)
+      left -= half[static_cast<int>(c)] * (va[c * size + i] + vb[c * size + i]);
     largest = std::max(largest, std::abs(left));
   }
   return largest <= smooth_move * options_.spacing;
@@ -148,7 +155,8 @@ void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {
     else
       path_.begin_at_rest();
     const double step = x.norm() / anchor.steps;
-    settle(*nodes[i], path_.advance(x, step, arrival_tolerance, most_iterations, options_.stop, between_tolerance));
+    settle(*nodes[i],
+           path_.advance(x, step, arrival_tolerance, most_iterations, options_.stop, between_tolerance));
     if (path_.kink() > snap) nodes[i]->state.multivalued = true;
   }
 }

@@ -22,8 +22,9 @@ std::vector<std::int32_t> connect(const Body& body, std::vector<std::array<NodeI
     nodes.insert(nodes.end(), tet.begin(), tet.end());
     if (!quadratic) continue;
     for (const auto& [a, b] : tet_edges) {
-      const std::array<NodeIndex, 2> edge{std::min(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)]),
-                                          std::max(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)])};
+      const std::array<NodeIndex, 2> edge{
+          std::min(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)]),
+          std::max(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)])};
       const auto fresh = static_cast<std::int32_t>(body.mesh.nodes.size() + edges.size());
       const auto [at, added] = known.emplace(edge, fresh);
       if (added) edges.push_back(edge);
@@ -39,7 +40,8 @@ std::vector<char> members(const std::vector<NodeIndex>& set, const Discretisatio
   for (const NodeIndex node : set) in[static_cast<std::size_t>(node)] = 1;
   const std::size_t first = in.size() - d.edges.size();
   for (std::size_t e = 0; e < d.edges.size(); ++e)
-    in[first + e] = in[static_cast<std::size_t>(d.edges[e][0])] && in[static_cast<std::size_t>(d.edges[e][1])];
+    in[first + e] =
+        in[static_cast<std::size_t>(d.edges[e][0])] && in[static_cast<std::size_t>(d.edges[e][1])];
   return in;
 }
 
@@ -54,10 +56,10 @@ void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, D
     if (!used[node] || clamped[node] || touched[node]) continue;
     number[node] = static_cast<std::int32_t>(positions.size());
     const std::size_t corners = body.mesh.nodes.size();
-    positions.push_back(node < corners
-                            ? body.mesh.nodes[node]
-                            : Vec3(0.5 * (body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][0])] +
-                                          body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][1])])));
+    positions.push_back(
+        node < corners ? body.mesh.nodes[node]
+                       : Vec3(0.5 * (body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][0])] +
+                                     body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][1])])));
   }
   std::vector<std::vector<std::int32_t>> adjacency(positions.size());
   for (std::size_t first = 0; first < elements.size(); first += per_element)
@@ -73,7 +75,8 @@ void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, D
   }
   const std::vector<std::int32_t> order = elimination_order(adjacency, positions);
   std::vector<std::int32_t> rank(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rank[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    rank[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
   d.free_nodes = static_cast<std::int64_t>(order.size());
   d.local.resize(number.size());
   for (std::size_t node = 0; node < number.size(); ++node) {
@@ -84,7 +87,8 @@ void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, D
 }
 
 void fill_groups(const Body& body, const std::vector<std::int32_t>& elements, Discretisation& d) {
-  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element), count = body.mesh.tets.size();
+  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element),
+                    count = body.mesh.tets.size();
   const std::size_t groups = (count + lane_count - 1) / lane_count;
   d.element_node.assign(groups * per_element * lane_count, static_cast<std::int32_t>(d.free_nodes + 1));
   d.element_gradient.assign(groups * 12 * lane_count, 0.0);
@@ -99,20 +103,22 @@ void fill_groups(const Body& body, const std::vector<std::int32_t>& elements, Di
     for (int i = 0; i < 3; ++i)
       sides.col(i) = body.mesh.nodes[static_cast<std::size_t>(tet[static_cast<std::size_t>(i + 1)])] -
                      body.mesh.nodes[static_cast<std::size_t>(tet[0])];
-    const Mat3 inverse = sides.inverse();      // rows: gradients of barycentric coordinates 1 to 3
+    const Mat3 inverse = sides.inverse();  // rows: gradients of barycentric coordinates 1 to 3
     Eigen::Matrix<double, 4, 3> gradients;
     gradients.row(0) = -inverse.colwise().sum();
     gradients.bottomRows<3>() = inverse;
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i)
-        d.element_gradient[(group * 12 + static_cast<std::size_t>(3 * a + i)) * lane_count + lane] = gradients(a, i);
+        d.element_gradient[(group * 12 + static_cast<std::size_t>(3 * a + i)) * lane_count + lane] =
+            gradients(a, i);
     d.element_volume[group * lane_count + lane] = sides.determinant() / 6;
   }
 }
 
 void fill_pattern(Discretisation& d) {
   const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element);
-  const std::size_t groups = d.element_volume.size() / lane_count, pairs = per_element * (per_element + 1) / 2;
+  const std::size_t groups = d.element_volume.size() / lane_count,
+                    pairs = per_element * (per_element + 1) / 2;
   const auto clamp = static_cast<std::int32_t>(d.free_nodes + 1);
   std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(d.free_nodes + 1));
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(static_cast<std::int32_t>(i));
@@ -124,7 +130,8 @@ void fill_pattern(Discretisation& d) {
       for (std::size_t b = 0; b < per_element; ++b)
         for (std::size_t a = 0; a <= b; ++a) {
           const std::int32_t i = at(group, a, lane), j = at(group, b, lane);
-          if (i != clamp && j != clamp) rows[static_cast<std::size_t>(std::min(i, j))].push_back(std::max(i, j));
+          if (i != clamp && j != clamp)
+            rows[static_cast<std::size_t>(std::min(i, j))].push_back(std::max(i, j));
         }
   d.pattern.row_start.assign(1, 0);
   for (auto& row : rows) {
@@ -145,8 +152,8 @@ void fill_pattern(Discretisation& d) {
           const auto first = d.pattern.column.begin() + d.pattern.row_start[row];
           const auto last = d.pattern.column.begin() + d.pattern.row_start[row + 1];
           const std::size_t slot = (group * pairs + b * (b + 1) / 2 + a) * lane_count + lane;
-          d.element_block[slot] =
-              static_cast<std::int32_t>(std::lower_bound(first, last, std::max(i, j)) - d.pattern.column.begin());
+          d.element_block[slot] = static_cast<std::int32_t>(std::lower_bound(first, last, std::max(i, j)) -
+                                                            d.pattern.column.begin());
           d.element_block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
         }
 }
@@ -170,7 +177,8 @@ void Discretisation::to_local(const std::vector<double>& by_node, double* u) con
   std::fill(u, u + local_size(), 0.0);
   const auto clamp = static_cast<std::int32_t>(free_nodes + 1);
   for (std::size_t node = 0; node < local.size(); ++node)
-    if (local[node] != clamp) std::copy_n(&by_node[3 * node], 3, u + 3 * static_cast<std::int64_t>(local[node]));
+    if (local[node] != clamp)
+      std::copy_n(&by_node[3 * node], 3, u + 3 * static_cast<std::int64_t>(local[node]));
 }
 
 std::vector<double> Discretisation::to_nodes(const double* u) const {

@@ -16,19 +16,19 @@ namespace forefeel {
 // Upper triangle of d2W/du2 in 3 x 3 blocks, over the free nodes and the contact: row i holds columns j >= i, ascending,
 // its diagonal first. Block `size` of a value array is a dummy that takes what the clamp would get.
 struct BlockPattern {
-  std::vector<std::int64_t> row_start;   // n + 2
+  std::vector<std::int64_t> row_start;  // n + 2
   std::vector<std::int32_t> column;
   std::int64_t size() const { return static_cast<std::int64_t>(column.size()); }
 };
 
 struct Discretisation {
-  std::int64_t free_nodes = 0;                          // n
-  std::int64_t nodes = 0;                               // of the elements: mesh nodes, then mid-edge nodes
-  std::vector<std::array<NodeIndex, 2>> edges;          // of the mid-edge nodes (quadratic elements)
-  std::vector<std::int32_t> local;                      // node -> local node
+  std::int64_t free_nodes = 0;                  // n
+  std::int64_t nodes = 0;                       // of the elements: mesh nodes, then mid-edge nodes
+  std::vector<std::array<NodeIndex, 2>> edges;  // of the mid-edge nodes (quadratic elements)
+  std::vector<std::int32_t> local;              // node -> local node
   BlockPattern pattern;
-  double force_floor = 0;                               // 1e-12 E L^2 [N]
-  double round_off = 0;                                 // no residual can be told from zero below this [N]
+  double force_floor = 0;  // 1e-12 E L^2 [N]
+  double round_off = 0;    // no residual can be told from zero below this [N]
   bool needs_positive_jacobian = false;
   const ElementKernels* kernels = nullptr;
 

@@ -9,7 +9,7 @@ namespace {
 // A supernode before layout: nodes first .. first + pivots - 1 with these later nodes in common.
 struct Supernode {
   std::int32_t first = 0, pivots = 0;
-  std::vector<std::int32_t> rest;      // sorted; the contact, numbered n, is last where present
+  std::vector<std::int32_t> rest;  // sorted; the contact, numbered n, is last where present
 };
 
 double elimination_flops(double pivots, double rest) {
@@ -45,7 +45,8 @@ std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free
     // Joined with the supernode before it while that is a child and the joint front is the cheaper.
     while (!result.empty()) {
       const Supernode& last = result.back();
-      const bool child = !last.rest.empty() && last.rest[0] >= fresh.first && last.rest[0] < fresh.first + fresh.pivots;
+      const bool child =
+          !last.rest.empty() && last.rest[0] >= fresh.first && last.rest[0] < fresh.first + fresh.pivots;
       if (!child) break;
       Supernode joint{last.first, last.pivots + fresh.pivots, fresh.rest};
       const bool same = last.rest.size() == fresh.rest.size() + static_cast<std::size_t>(fresh.pivots);
@@ -54,12 +55,15 @@ std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free
       fresh = std::move(joint);
     }
     result.push_back(std::move(fresh));
-    for (const std::int32_t child : children[j]) std::vector<std::int32_t>().swap(column[static_cast<std::size_t>(child)]);
+    for (const std::int32_t child : children[j])
+      std::vector<std::int32_t>().swap(column[static_cast<std::size_t>(child)]);
   }
   return result;
 }
 
-std::int64_t padded(std::int64_t count) { return (count + lane_count - 1) / lane_count * lane_count; }
+std::int64_t padded(std::int64_t count) {
+  return (count + lane_count - 1) / lane_count * lane_count;
+}
 
 }  // namespace
 
@@ -123,7 +127,8 @@ struct FactorLayout {
     }
     std::vector<std::vector<std::int32_t>> of(fronts.size());
     for (std::size_t s = 0; s < fronts.size(); ++s)
-      if (fronts[s].parent >= 0) of[static_cast<std::size_t>(fronts[s].parent)].push_back(static_cast<std::int32_t>(s));
+      if (fronts[s].parent >= 0)
+        of[static_cast<std::size_t>(fronts[s].parent)].push_back(static_cast<std::int32_t>(s));
     for (std::size_t s = 0; s < fronts.size(); ++s) {
       fronts[s].children = static_cast<std::int64_t>(children.size());
       fronts[s].child_count = static_cast<std::int64_t>(of[s].size());
@@ -148,7 +153,8 @@ struct FactorLayout {
     place.resize(pattern.column.size());
     for (const Front& f : fronts)
       for (std::int32_t i = f.first; i < f.first + f.pivots; ++i)
-        for (std::int64_t s = row_start[static_cast<std::size_t>(i)]; s < row_start[static_cast<std::size_t>(i) + 1]; ++s)
+        for (std::int64_t s = row_start[static_cast<std::size_t>(i)];
+             s < row_start[static_cast<std::size_t>(i) + 1]; ++s)
           place[static_cast<std::size_t>(s)] = position(f, pattern.column[static_cast<std::size_t>(s)]);
   }
 
@@ -165,7 +171,8 @@ struct FactorLayout {
       f.update = top[mine];
       size[mine] = std::max(size[mine], f.update + 3 * f.rest * f.update_ld);
       if (f.child_count > 0)
-        top[1 - mine] = fronts[static_cast<std::size_t>(children[static_cast<std::size_t>(f.children)])].update;
+        top[1 - mine] =
+            fronts[static_cast<std::size_t>(children[static_cast<std::size_t>(f.children)])].update;
       if (f.parent >= 0) top[mine] = f.update + 3 * f.rest * f.update_ld;
     }
     for (std::size_t s = 0; s < fronts.size(); ++s)
@@ -190,7 +197,8 @@ struct Factorisation::Impl {
   }
 };
 
-Factorisation::Factorisation(const Discretisation& discretisation) : impl_(std::make_unique<Impl>(discretisation)) {}
+Factorisation::Factorisation(const Discretisation& discretisation)
+    : impl_(std::make_unique<Impl>(discretisation)) {}
 Factorisation::~Factorisation() = default;
 Factorisation::Factorisation(Factorisation&&) noexcept = default;
 
@@ -217,7 +225,9 @@ void Factorisation::solve_lanes(double* b) const {
   f.kernels.backward_lanes(tree, f.panels.data(), b, f.work.data());
 }
 
-Mat3 Factorisation::stiffness() const { return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(impl_->corner); }
+Mat3 Factorisation::stiffness() const {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(impl_->corner);
+}
 
 void Factorisation::tangent(double* v) const {
   const Impl& f = *impl_;
@@ -226,13 +236,15 @@ void Factorisation::tangent(double* v) const {
   for (int c = 0; c < 3; ++c) lanes[static_cast<std::size_t>((n + c) * lane_count + c)] = 1;
   f.kernels.backward_lanes(f.layout->tree(), f.panels.data(), lanes.data(), f.work.data());
   for (int c = 0; c < 3; ++c)
-    for (std::int64_t i = 0; i < n + 6; ++i) v[c * (n + 6) + i] = lanes[static_cast<std::size_t>(i * lane_count + c)];
+    for (std::int64_t i = 0; i < n + 6; ++i)
+      v[c * (n + 6) + i] = lanes[static_cast<std::size_t>(i * lane_count + c)];
 }
 
 FactorCost Factorisation::cost() const {
   const FactorLayout& l = *impl_->layout;
   return {static_cast<std::int64_t>(l.fronts.size()), l.flops,
-          8 * static_cast<std::int64_t>(impl_->panels.size()), 8 * static_cast<std::int64_t>(impl_->stack.size())};
+          8 * static_cast<std::int64_t>(impl_->panels.size()),
+          8 * static_cast<std::int64_t>(impl_->stack.size())};
 }
 
 }  // namespace forefeel

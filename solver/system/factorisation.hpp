@@ -12,22 +12,23 @@ namespace forefeel {
 
 struct FactorCost {
   std::int64_t fronts = 0;
-  double flops = 0;                          // multiplications of one factorisation
+  double flops = 0;  // multiplications of one factorisation
   std::int64_t factor_bytes = 0, stack_bytes = 0;
 };
 
 class Factorisation {
  public:
-  explicit Factorisation(const Discretisation& discretisation);   // must outlive this; the analysis is done here
+  explicit Factorisation(
+      const Discretisation& discretisation);  // must outlive this; the analysis is done here
   ~Factorisation();
   Factorisation(Factorisation&&) noexcept;
 
   // blocks as in Discretisation::pattern. False unless H_ff is positive definite (then nothing below may be called).
   bool compute(const double* blocks);
-  void solve(double* b) const;              // b, a local vector: its free part becomes H_ff^{-1} b, the contact's 0
-  void solve_lanes(double* b) const;        // the same for eight right-hand sides side by side
-  Mat3 stiffness() const;                   // K [N/m]
-  void tangent(double* v) const;            // three local vectors du/dx_c one after the other; contact = I, clamp = 0
+  void solve(double* b) const;        // b, a local vector: its free part becomes H_ff^{-1} b, the contact's 0
+  void solve_lanes(double* b) const;  // the same for eight right-hand sides side by side
+  Mat3 stiffness() const;             // K [N/m]
+  void tangent(double* v) const;  // three local vectors du/dx_c one after the other; contact = I, clamp = 0
   FactorCost cost() const;
 
  private:

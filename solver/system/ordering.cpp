@@ -27,8 +27,8 @@ std::vector<std::int32_t> minimum_degree(const Graph& adjacency) {
 
 // Columns of the factor below the diagonal and the elimination tree, for nodes eliminated in `order`.
 struct Elimination {
-  std::vector<std::int32_t> parent;       // by rank, -1: root
-  std::vector<std::int64_t> count;        // entries below the diagonal
+  std::vector<std::int32_t> parent;  // by rank, -1: root
+  std::vector<std::int64_t> count;   // entries below the diagonal
   double flops = 0;
 };
 
@@ -45,7 +45,8 @@ Elimination eliminate(const Graph& adjacency, const std::vector<std::int32_t>& o
       mark[static_cast<std::size_t>(i)] = j;
       column[j].push_back(i);
     };
-    for (const std::int32_t node : adjacency[static_cast<std::size_t>(order[j])]) take(rank[static_cast<std::size_t>(node)]);
+    for (const std::int32_t node : adjacency[static_cast<std::size_t>(order[j])])
+      take(rank[static_cast<std::size_t>(node)]);
     for (const std::int32_t child : children[j]) {
       for (const std::int32_t i : column[static_cast<std::size_t>(child)]) take(i);
       std::vector<std::int32_t>().swap(column[static_cast<std::size_t>(child)]);
@@ -64,7 +65,8 @@ std::vector<std::int32_t> postorder(const Elimination& e, const std::vector<std:
   const std::size_t n = order.size();
   std::vector<std::vector<std::int32_t>> children(n + 1);
   for (std::size_t j = 0; j < n; ++j)
-    children[e.parent[j] < 0 ? n : static_cast<std::size_t>(e.parent[j])].push_back(static_cast<std::int32_t>(j));
+    children[e.parent[j] < 0 ? n : static_cast<std::size_t>(e.parent[j])].push_back(
+        static_cast<std::int32_t>(j));
   for (auto& list : children)
     std::stable_sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) {
       return e.count[static_cast<std::size_t>(a)] < e.count[static_cast<std::size_t>(b)];
@@ -121,7 +123,8 @@ class Dissection {
   // The part is small: minimum degree within it.
   void eliminate_leaf(const std::vector<std::int32_t>& nodes) {
     Graph inner(nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i) side_[static_cast<std::size_t>(nodes[i])] = static_cast<std::int32_t>(i);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      side_[static_cast<std::size_t>(nodes[i])] = static_cast<std::int32_t>(i);
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (const std::int32_t j : graph_[static_cast<std::size_t>(nodes[i])])
         if (side_[static_cast<std::size_t>(j)] >= 0) inner[i].push_back(side_[static_cast<std::size_t>(j)]);
@@ -136,7 +139,8 @@ class Dissection {
       return xa != xb ? xa < xb : a < b;
     });
     const auto middle = static_cast<std::size_t>(share * static_cast<double>(nodes.size()));
-    for (std::size_t i = 0; i < nodes.size(); ++i) side_[static_cast<std::size_t>(nodes[i])] = i < middle ? 0 : 1;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      side_[static_cast<std::size_t>(nodes[i])] = i < middle ? 0 : 1;
     // Koenig: the smallest set of nodes that covers all edges of the cut, by a maximum matching.
     cover_cut(nodes);
     std::vector<std::int32_t> parts[3];
@@ -152,7 +156,8 @@ class Dissection {
       if (side_[static_cast<std::size_t>(other)] != 1 || seen[static_cast<std::size_t>(other)]) continue;
       seen[static_cast<std::size_t>(other)] = 1;
       touched_.push_back(other);
-      if (match[static_cast<std::size_t>(other)] < 0 || augment(match[static_cast<std::size_t>(other)], match, seen)) {
+      if (match[static_cast<std::size_t>(other)] < 0 ||
+          augment(match[static_cast<std::size_t>(other)], match, seen)) {
         match[static_cast<std::size_t>(other)] = node;
         match[static_cast<std::size_t>(node)] = other;
         return true;
@@ -168,7 +173,8 @@ class Dissection {
     for (const std::int32_t node : nodes) {
       match_[static_cast<std::size_t>(node)] = -1;
       if (side_[static_cast<std::size_t>(node)] == 0 &&
-          std::any_of(graph_[static_cast<std::size_t>(node)].begin(), graph_[static_cast<std::size_t>(node)].end(),
+          std::any_of(graph_[static_cast<std::size_t>(node)].begin(),
+                      graph_[static_cast<std::size_t>(node)].end(),
                       [&](std::int32_t j) { return side_[static_cast<std::size_t>(j)] == 1; }))
         left.push_back(node);
     }
@@ -185,7 +191,8 @@ class Dissection {
     for (const std::int32_t node : left)
       if (match_[static_cast<std::size_t>(node)] < 0) open.push_back(node);
     std::vector<std::int32_t> reached = open;
-    for (const std::int32_t node : reached) seen_[static_cast<std::size_t>(node)] = 1, touched_.push_back(node);
+    for (const std::int32_t node : reached)
+      seen_[static_cast<std::size_t>(node)] = 1, touched_.push_back(node);
     std::vector<std::int32_t> cover;
     while (!open.empty()) {
       const std::int32_t node = open.back();

@@ -35,8 +35,8 @@ std::vector<NodeIndex> nodes_of(const std::string& scene, const std::string& sec
 struct Ground {
   bool real = false;
   double h = 0.006, front = -0.012;
-  std::vector<State> states;                  // x <= front
-  std::vector<std::vector<State>> outside;    // 1, 2, 3, 4 spacings out
+  std::vector<State> states;                // x <= front
+  std::vector<std::vector<State>> outside;  // 1, 2, 3, 4 spacings out
 };
 
 const Ground& ground() {
@@ -59,7 +59,11 @@ const Ground& ground() {
     generate.spacing = g.h;
     generate.box = {Vec3(-0.036, -0.036, -0.024), Vec3(g.front, 0.036, 0.036)};
     generate.threads = 1;
-    generate_lattice(body, generate, {}, [&](State s) { if (s.usable()) g.states.push_back(std::move(s)); }, {});
+    generate_lattice(body, generate, {},
+                     [&](State s) {
+                       if (s.usable()) g.states.push_back(std::move(s));
+                     },
+                     {});
     Solver solver(body);
     for (int out = 1; out <= 4; ++out) {
       g.outside.emplace_back();
@@ -116,7 +120,8 @@ TEST_CASE("A liver's flat front: one and two spacings out no worse than was meas
       std::vector<double> errors;
       for (const State& s : g.outside[out]) {
         updater.forget();
-        errors.push_back((updater.model_at(s.at).force(s.at) - s.force).norm() / std::max(s.force.norm(), 0.05));
+        errors.push_back((updater.model_at(s.at).force(s.at) - s.force).norm() /
+                         std::max(s.force.norm(), 0.05));
       }
       REQUIRE(errors.size() >= 48);
       std::ranges::sort(errors);
@@ -130,8 +135,10 @@ TEST_CASE("A liver's flat front: one and two spacings out no worse than was meas
 TEST_CASE("A liver's flat front: however far out, with whatever set, finite and below the bound", "[liver]") {
   const Ground& g = ground();
   const StateSpace space = space_of(g);
-  for (const auto& [kernel, data] : {std::pair{Kernel::linear, Data::force}, {Kernel::cubic, Data::force},
-                                     {Kernel::quintic, Data::force}, {Kernel::cubic, Data::force_and_stiffness},
+  for (const auto& [kernel, data] : {std::pair{Kernel::linear, Data::force},
+                                     {Kernel::cubic, Data::force},
+                                     {Kernel::quintic, Data::force},
+                                     {Kernel::cubic, Data::force_and_stiffness},
                                      {Kernel::quintic, Data::force_and_stiffness}})
     for (const Select select : {Select::label, Select::nearest})
       for (const std::size_t n : {4, 8, 25, 50, 100, 300}) {
@@ -150,7 +157,8 @@ TEST_CASE("A liver's flat front: however far out, with whatever set, finite and 
             }
             CHECK(model.force_bound() <= 1.25 * (force + stiffness * model.hold_distance()) * (1 + 1e-12));
             for (const double by : {-0.02, 0.0, 0.003, 0.02, 0.3})
-              CHECK(model.force(hip + Vec3(by, 0.3 * by, -0.2 * by)).norm() <= model.force_bound());  // false for NaN
+              CHECK(model.force(hip + Vec3(by, 0.3 * by, -0.2 * by)).norm() <=
+                    model.force_bound());  // false for NaN
           }
       }
 }

@@ -42,11 +42,20 @@ class RandomSet {
         break;
       default:
         for (unsigned c = 0, count = 2 + below(3); c < count; ++c) switch (below(5)) {
-            case 0: block(anywhere(0.06), 1 + below(6), 1 + below(6), 1); break;
-            case 1: line(anywhere(0.06)); break;
-            case 2: block(anywhere(0.06), 1 + below(6), 1 + below(6), 1 + below(6)); break;
-            case 3: cluster(anywhere(0.06), 0.02 * part()); break;
-            default: points_.push_back(anywhere(0.08));
+            case 0:
+              block(anywhere(0.06), 1 + below(6), 1 + below(6), 1);
+              break;
+            case 1:
+              line(anywhere(0.06));
+              break;
+            case 2:
+              block(anywhere(0.06), 1 + below(6), 1 + below(6), 1 + below(6));
+              break;
+            case 3:
+              cluster(anywhere(0.06), 0.02 * part());
+              break;
+            default:
+              points_.push_back(anywhere(0.08));
           }
     }
   }
@@ -92,9 +101,9 @@ TEST_CASE("By label: the force is continuous on states anywhere, and bounded") {
   std::iota(seeds.begin(), seeds.end(), 0u);
   // Each was a jump once: far states that come in at once, a side that crowds out the nearest state, steps down of
   // the kernel, rows dropped, two states equally far.
-  for (const unsigned seed : {153u, 198u, 303u, 310u, 320u, 440u, 793u, 875u, 1185u, 1223u, 1345u, 1403u, 1687u,
-                              1892u, 1985u, 2173u, 2783u, 2867u, 2879u, 2928u, 3283u, 3527u, 3537u, 3918u, 4092u,
-                              4277u, 4658u, 4697u, 4739u, 4742u, 4913u, 4963u})
+  for (const unsigned seed : {153u,  198u,  303u,  310u,  320u,  440u,  793u,  875u,  1185u, 1223u, 1345u,
+                              1403u, 1687u, 1892u, 1985u, 2173u, 2783u, 2867u, 2879u, 2928u, 3283u, 3527u,
+                              3537u, 3918u, 4092u, 4277u, 4658u, 4697u, 4739u, 4742u, 4913u, 4963u})
     seeds.push_back(seed);
   for (const unsigned seed : seeds) {
     RandomSet set(seed);

@@ -6,8 +6,8 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 
-#include "approx/switch/force_switch.hpp"
 #include "approx/fit/rbf_fit.hpp"
+#include "approx/switch/force_switch.hpp"
 #include "tests/approx/sets.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -192,11 +192,13 @@ TEST_CASE("Many of n states are replaced by a refit, few by an update") {
     std::size_t n, k;
     bool refit;
   };
-  const std::vector<Choice> choices = {
-      {Data::force_and_stiffness, 75, 20, true},  {Data::force_and_stiffness, 75, 10, false},
-      {Data::force_and_stiffness, 25, 12, true},  {Data::force_and_stiffness, 25, 6, false},
-      {Data::force_and_stiffness, 8, 2, false},   {Data::force, 100, 50, true},
-      {Data::force, 100, 10, false}};
+  const std::vector<Choice> choices = {{Data::force_and_stiffness, 75, 20, true},
+                                       {Data::force_and_stiffness, 75, 10, false},
+                                       {Data::force_and_stiffness, 25, 12, true},
+                                       {Data::force_and_stiffness, 25, 6, false},
+                                       {Data::force_and_stiffness, 8, 2, false},
+                                       {Data::force, 100, 50, true},
+                                       {Data::force, 100, 10, false}};
   for (const Choice& choice : choices) {
     CAPTURE(choice.n, choice.k);
     const ModelOptions options{.kernel = Kernel::cubic, .data = choice.data, .neighbours = choice.n};

@@ -131,7 +131,8 @@ TEST_CASE("By label: a lone state has its force, and what is beside it no other"
           CAPTURE(far, name(options.kernel), name(options.data), n, apart);
           ModelUpdater updater(space, few);
           const Vec3 x = lone.at + apart * Vec3(0.3, -1, 0.5);
-          CHECK((updater.model_at(x).force(x) - lone.force).norm() <= 1e-9 * (1 + lone.force.norm()) + 2000 * apart);
+          CHECK((updater.model_at(x).force(x) - lone.force).norm() <=
+                1e-9 * (1 + lone.force.norm()) + 2000 * apart);
         }
       }
   }

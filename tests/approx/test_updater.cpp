@@ -177,7 +177,8 @@ TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with howe
     for (const int side : {-1, 1})
       for (int i = 0; i <= 4; ++i)
         for (int j = -3; j <= 3; ++j)
-          for (int k = -3; k <= 3; ++k) space.insert(field_state(Vec3(side * (0.5 * gap + i * h), j * h, k * h)));
+          for (int k = -3; k <= 3; ++k)
+            space.insert(field_state(Vec3(side * (0.5 * gap + i * h), j * h, k * h)));
     for (ModelOptions options : models)
       for (const std::size_t n : {20, 25}) {
         options.neighbours = n;
@@ -213,7 +214,8 @@ TEST_CASE("By label: of however few neighbours, moving before a flat face shows 
           CHECK(now.states().size() <= most_neighbours(options));
           const Vec3 fresh = now.force(hip);
           if (before.serial() > 0)
-            worst = std::max(worst, (fresh - before.force(hip)).norm() / std::max(0.07 * fresh.norm(), 0.010));
+            worst =
+                std::max(worst, (fresh - before.force(hip)).norm() / std::max(0.07 * fresh.norm(), 0.010));
           std::swap(before, now);
         }
       }

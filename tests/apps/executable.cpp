@@ -79,7 +79,8 @@ std::string Workshop::files() const {
   return text;
 }
 
-void check_refused(const Workshop& shop, const std::string& arguments, const std::vector<std::string>& mentions) {
+void check_refused(const Workshop& shop, const std::string& arguments,
+                   const std::vector<std::string>& mentions) {
   const std::string before = shop.files();
   const Workshop::Outcome outcome = shop.forefeel(arguments);
   INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);

@@ -33,7 +33,8 @@ class Workshop {
 };
 
 // One clear line that mentions every word, exit code 2, and no file made, changed in name or left.
-void check_refused(const Workshop& shop, const std::string& arguments, const std::vector<std::string>& mentions);
+void check_refused(const Workshop& shop, const std::string& arguments,
+                   const std::vector<std::string>& mentions);
 
 // A beam of 10 x 2 x 2 cm with few elements, clamped at one end, touched at the other.
 std::string beam_scene(const std::string& more = "");

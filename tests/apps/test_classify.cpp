@@ -29,7 +29,9 @@ std::string csv(const std::vector<Vec3>& states) {
   return text;
 }
 
-std::string setup_csv(std::string_view name) { return csv(make_setup(name, {.depth = 3, .half_width = 4}).states); }
+std::string setup_csv(std::string_view name) {
+  return csv(make_setup(name, {.depth = 3, .half_width = 4}).states);
+}
 
 std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -65,7 +67,8 @@ TEST_CASE("classify reports volumes, gaps with sides and safe parts, fill distan
   shop.write("gap.csv", setup_csv("gap"));
   for (const std::string index : {"delaunay", "octree"}) {
     INFO(index);
-    const auto outcome = shop.forefeel("classify gap.csv --spacing 0.006 --json --agreement --index " + index);
+    const auto outcome =
+        shop.forefeel("classify gap.csv --spacing 0.006 --json --agreement --index " + index);
     REQUIRE(outcome.code == 0);
     const json report = outcome.json();
     double all = 0;
@@ -82,7 +85,8 @@ TEST_CASE("classify reports volumes, gaps with sides and safe parts, fill distan
     CHECK(report["fill_distance"].get<double>() == Approx(1e-3 * std::sqrt(24.0 * 24 + 18)).epsilon(2e-3));
     CHECK(report["fill_distance"].get<double>() <= report["fill_distance_bound"].get<double>());
     CHECK(report["fill_distance_bound"].get<double>() <= report["fill_distance"].get<double>() + 0.1 * h);
-    CHECK(report["largest_hole"]["radius"].get<double>() == Approx(1e-3 * std::sqrt(24.0 * 24 + 18)).epsilon(1e-3));
+    CHECK(report["largest_hole"]["radius"].get<double>() ==
+          Approx(1e-3 * std::sqrt(24.0 * 24 + 18)).epsilon(1e-3));
     CHECK(report["agreement"]["share"].get<double>() >= 0.95);
     CHECK(report["peak_bytes"].get<double>() > 1e6);
   }
@@ -98,7 +102,10 @@ TEST_CASE("classify labels points, lines and grids", "[classify]") {
   CHECK(points["gamma_deg"][2].get<double>() < 85);
   CHECK(points["delta"][2].get<double>() == Approx(1e-3 * std::hypot(24.0, 1.0, 1.0)));
   CHECK(points["spread"][3].is_null());
-  const json line = shop.forefeel("classify gap.csv --spacing 0.006 --line -0.01,0.0017,0.0023:0.05,0.0017,0.0023:61 --json").json();
+  const json line =
+      shop.forefeel(
+              "classify gap.csv --spacing 0.006 --line -0.01,0.0017,0.0023:0.05,0.0017,0.0023:61 --json")
+          .json();
   REQUIRE(line["labels"].size() == 61);
   CHECK(line["labels"][10] == "safe");
   CHECK(line["labels"][11] == "sparse");
@@ -106,7 +113,8 @@ TEST_CASE("classify labels points, lines and grids", "[classify]") {
   const std::string rows = text_of(shop.path() / "grid.csv");
   CHECK(static_cast<std::size_t>(std::count(rows.begin(), rows.end(), '\n')) == grid["labels"].size() + 1);
   // Thresholds: with a wider reach the sparse rim swallows the gap.
-  const json wide = shop.forefeel("classify gap.csv --spacing 0.006 --sparse-distance 5 --points q.csv --json").json();
+  const json wide =
+      shop.forefeel("classify gap.csv --spacing 0.006 --sparse-distance 5 --points q.csv --json").json();
   CHECK(wide["labels"][2] == "sparse");
   CHECK(wide["volume"]["gap"] == 0);
 }
@@ -122,7 +130,8 @@ TEST_CASE("the files of classify open in VTK, with labels whose volumes are thos
   CHECK(regions["cells"] == report["leaves"]);
   const char* labels[] = {"safe", "sparse", "gap", "blank"};
   for (std::size_t i = 0; i < 4; ++i)
-    CHECK(regions["volume"].value(std::to_string(i), 0.0) == Approx(report["volume"][labels[i]].get<double>()).margin(1e-15));
+    CHECK(regions["volume"].value(std::to_string(i), 0.0) ==
+          Approx(report["volume"][labels[i]].get<double>()).margin(1e-15));
   CHECK(regions["cell_data"]["component"]["size"] == report["leaves"]);
   CHECK(regions["cell_data"]["safe_components"]["max"] == 2);
   CHECK(regions["cell_data"]["bridge_sides"]["max"] == 2);
@@ -139,8 +148,8 @@ TEST_CASE("pictures hold three slices, four classes of their own hatching and a 
   shop.write("gap.csv", setup_csv("gap"));
   REQUIRE(shop.forefeel("classify gap.csv --spacing 0.006 -o out.svg --through 0.01,0,0").code == 0);
   const std::string svg = text_of(shop.path() / "out.svg");
-  for (const char* part : {"x = 10 mm", "y = 0 mm", "z = 0 mm", "class=\"safe\"", "class=\"sparse\"", "class=\"gap\"",
-                           "safe: ", "blank: ", "states", "pattern id=\"gap\"", "</svg>"})
+  for (const char* part : {"x = 10 mm", "y = 0 mm", "z = 0 mm", "class=\"safe\"", "class=\"sparse\"",
+                           "class=\"gap\"", "safe: ", "blank: ", "states", "pattern id=\"gap\"", "</svg>"})
     CHECK(svg.find(part) != std::string::npos);
   REQUIRE(shop.forefeel("classify gap.csv --spacing 0.006 --index octree -o out.csv").code == 0);
   CHECK(text_of(shop.path() / "out.csv").starts_with("x,y,z,dx,dy,dz,label,component\n"));
@@ -162,7 +171,7 @@ TEST_CASE("--diff says from which label to which, in volumes and in a file", "[c
   const auto outcome = shop.forefeel("classify --diff blank.csv gap.csv --spacing 0.006 -o diff.vtu --json");
   REQUIRE(outcome.code == 0);
   const json diff = outcome.json()["diff"];
-  CHECK(diff["worse"].get<double>() == Approx(0).margin(1e-15));   // only states were added
+  CHECK(diff["worse"].get<double>() == Approx(0).margin(1e-15));  // only states were added
   CHECK(diff["from_to"]["blank"]["gap"].get<double>() > 1e-6);
   CHECK(diff["better"].get<double>() == Approx(diff["changed"].get<double>()));
   const json back = shop.forefeel("classify --diff gap.csv blank.csv --spacing 0.006 --json").json()["diff"];
@@ -179,12 +188,16 @@ TEST_CASE("a run becomes a series over time that grows with its states", "[class
   const Workshop shop;
   const Setup setup = make_setup("full", {.depth = 2, .half_width = 2, .width = 0.012});
   std::filesystem::create_directories(shop.path() / "run");
-  std::string frames = "t,x,y,z,fx,fy,fz,label,model,known\n", dispatch = "id,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent\n";
-  for (int i = 0; i <= 100; ++i) frames += std::to_string(0.01 * i) + "," + std::to_string(1e-4 * i) + ",0,0,0,0,0,blank,0,0\n";
+  std::string frames = "t,x,y,z,fx,fy,fz,label,model,known\n",
+              dispatch =
+                  "id,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent\n";
+  for (int i = 0; i <= 100; ++i)
+    frames += std::to_string(0.01 * i) + "," + std::to_string(1e-4 * i) + ",0,0,0,0,0,blank,0,0\n";
   for (std::size_t i = 0; i < setup.states.size(); ++i) {
     const Vec3& p = setup.states[i];
-    dispatch += std::to_string(i) + "," + std::to_string(p.x()) + "," + std::to_string(p.y()) + "," + std::to_string(p.z()) +
-                ",blank,1,0,0," + std::to_string(0.9 * double(i) / double(setup.states.size())) + ",,solved,0,\n";
+    dispatch += std::to_string(i) + "," + std::to_string(p.x()) + "," + std::to_string(p.y()) + "," +
+                std::to_string(p.z()) + ",blank,1,0,0," +
+                std::to_string(0.9 * double(i) / double(setup.states.size())) + ",,solved,0,\n";
   }
   shop.write("run/frames.csv", frames);
   shop.write("run/dispatch.csv", dispatch);
@@ -204,34 +217,43 @@ TEST_CASE("a run becomes a series over time that grows with its states", "[class
     CHECK(series.find(part) != std::string::npos);
     CHECK(std::filesystem::exists(shop.path() / "run/coverage_series" / part));
   }
-  const json seen = read_by_vtk(shop, "run/coverage_series/regions_00004.vtu run/coverage_series/states_00004.vtu");
+  const json seen =
+      read_by_vtk(shop, "run/coverage_series/regions_00004.vtu run/coverage_series/states_00004.vtu");
   if (!seen.is_null()) CHECK(seen[1]["points"] == setup.states.size());
 }
 
-TEST_CASE("a series carries forces of states and HIP, and its end is what the run's states give", "[classify]") {
+TEST_CASE("a series carries forces of states and HIP, and its end is what the run's states give",
+          "[classify]") {
   const Workshop shop;
-  REQUIRE(shop.forefeel("session " FOREFEEL_SOURCE_DIR "/apps/scenes/liver.toml --clock virtual --cost constant:0.02 --seconds 1 "
-                        "--set state_space.spacing=0.012 --quiet -o run").code == 0);
+  REQUIRE(shop.forefeel("session " FOREFEEL_SOURCE_DIR
+                        "/apps/scenes/liver.toml --clock virtual --cost constant:0.02 --seconds 1 "
+                        "--set state_space.spacing=0.012 --quiet -o run")
+              .code == 0);
   const auto outcome = shop.forefeel("classify run --snapshots 3 --json");
   REQUIRE(outcome.code == 0);
   const json report = outcome.json();
   CHECK(report["spacing"] == 0.012);
   const json once = shop.forefeel("classify run/session.states --json --box " +
                                   [&] {
-                                    const json box = shop.forefeel("classify run/session.states --json").json()["box"];
+                                    const json box =
+                                        shop.forefeel("classify run/session.states --json").json()["box"];
                                     std::string text;
                                     for (const auto& corner : box)
-                                      text += (text.empty() ? "" : ":") + corner[0].dump() + "," + corner[1].dump() + "," + corner[2].dump();
+                                      text += (text.empty() ? "" : ":") + corner[0].dump() + "," +
+                                              corner[1].dump() + "," + corner[2].dump();
                                     return text;
-                                  }()).json();
+                                  }())
+                        .json();
   for (const char* label : {"safe", "sparse", "gap", "blank"})
     CHECK(report["volume"][label].get<double>() == Approx(once["volume"][label].get<double>()).margin(1e-15));
-  const json seen = read_by_vtk(shop, "run/coverage_series/states_00002.vtu run/coverage_series/hip_00002.vtu");
+  const json seen =
+      read_by_vtk(shop, "run/coverage_series/states_00002.vtu run/coverage_series/hip_00002.vtu");
   if (seen.is_null()) return;
   for (const json& file : seen) CHECK(file["point_data"]["force"]["max"].is_number());
 }
 
-TEST_CASE("built-in sets bring their boxes: blank is blank beyond its slab, holes may have blank middles", "[classify]") {
+TEST_CASE("built-in sets bring their boxes: blank is blank beyond its slab, holes may have blank middles",
+          "[classify]") {
   const Workshop shop;
   const json blank = shop.forefeel("classify setup:blank --json").json();
   CHECK(blank["volume"]["blank"].get<double>() > 4e-4);
@@ -241,7 +263,8 @@ TEST_CASE("built-in sets bring their boxes: blank is blank beyond its slab, hole
   for (const std::string index : {"delaunay", "octree"}) {
     const json wide = shop.forefeel("classify wide.csv --spacing 0.006 --json --index " + index).json();
     CHECK(wide["volume"]["blank"].get<double>() > 1e-5);
-    CHECK(wide["largest_hole"]["radius"].get<double>() == Approx(1e-3 * std::sqrt(60.0 * 60 + 18)).epsilon(1e-3));
+    CHECK(wide["largest_hole"]["radius"].get<double>() ==
+          Approx(1e-3 * std::sqrt(60.0 * 60 + 18)).epsilon(1e-3));
   }
 }
 
@@ -260,24 +283,33 @@ TEST_CASE("the agreement is that of both regions, and nothing is worst where not
       CHECK(octree == Approx(other["volume"][d].get<double>()).margin(1e-12));
     }
     CHECK(report["agreement"]["worst"].is_null() == (name == "full"));
-    if (const json& worst = report["agreement"]["worst"]; !worst.is_null()) CHECK(worst["delaunay"] != worst["octree"]);
+    if (const json& worst = report["agreement"]["worst"]; !worst.is_null())
+      CHECK(worst["delaunay"] != worst["octree"]);
     CHECK(report["largest_hole"] == other["largest_hole"]);
     CHECK(report["fill_distance"] == other["fill_distance"]);
     CHECK(report["agreement"]["share"].get<double>() >= 0.95);
-    CHECK(report["gaps"].size() + report["gaps_left_out"].get<std::size_t>() == report["components"]["gap"].get<std::size_t>());
+    CHECK(report["gaps"].size() + report["gaps_left_out"].get<std::size_t>() ==
+          report["components"]["gap"].get<std::size_t>());
     // Small gaps in a thinned area meet the safe parts beside them, not all there are.
-    for (const json& gap : report["gaps"]) CHECK(gap["safe_components"].size() < report["components"]["safe"].get<std::size_t>());
+    for (const json& gap : report["gaps"])
+      CHECK(gap["safe_components"].size() < report["components"]["safe"].get<std::size_t>());
   }
 }
 
 TEST_CASE("states of another body, or of another spacing, are not compared silently", "[classify]") {
   const Workshop shop;
   const std::string scene = FOREFEEL_SOURCE_DIR "/apps/scenes/liver.toml";
-  REQUIRE(shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o run").code == 0);
+  REQUIRE(
+      shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o run")
+          .code == 0);
   CHECK(shop.forefeel("classify run/session.states --scene " + scene + " --quiet").code == 0);
-  refused(shop, "run/session.states --scene " + scene + " --set material.young=6000", {"session.states", "another body", "material"});
+  refused(shop, "run/session.states --scene " + scene + " --set material.young=6000",
+          {"session.states", "another body", "material"});
   refused(shop, "run --scene " + scene + " --set material.young=6000", {"run", "another body", "material"});
-  CHECK(shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o wide --set state_space.spacing=0.012").code == 0);
+  CHECK(shop.forefeel("session " + scene +
+                      " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o wide --set "
+                      "state_space.spacing=0.012")
+            .code == 0);
   refused(shop, "--diff run/session.states wide/session.states", {"--diff", "--spacing"});
   refused(shop, "run --known wide/session.states", {"--known", "--spacing"});
 }
@@ -307,7 +339,8 @@ TEST_CASE("states with spacings of their own are labelled by them", "[classify]"
       for (int i = -4; i <= 4; ++i) {
         const bool fine = i >= 0 && j >= 0 && k >= 0, coarse = i % 2 == 0 && j % 2 == 0 && k % 2 == 0;
         if (fine || coarse)
-          text += std::to_string(h * i) + "," + std::to_string(h * j) + "," + std::to_string(h * k) + ",0,0,0," + (fine ? "0.006" : "0.012") + "\n";
+          text += std::to_string(h * i) + "," + std::to_string(h * j) + "," + std::to_string(h * k) +
+                  ",0,0,0," + (fine ? "0.006" : "0.012") + "\n";
       }
   shop.write("adaptive.csv", text);
   shop.write("q.csv", "x,y,z\n-0.013,-0.014,-0.015\n0.0131,0.0142,0.0153\n");
@@ -324,13 +357,15 @@ TEST_CASE("strange states are labelled or refused in one line", "[classify]") {
   const Workshop shop;
   shop.write("one.csv", csv({Vec3(0.01, 0, 0)}));
   shop.write("row.csv", csv({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0.012, 0, 0), Vec3(0.018, 0, 0)}));
-  shop.write("sheet.csv", csv({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0, 0.006, 0), Vec3(0.006, 0.006, 0), Vec3(0.012, 0, 0)}));
+  shop.write("sheet.csv", csv({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0, 0.006, 0), Vec3(0.006, 0.006, 0),
+                               Vec3(0.012, 0, 0)}));
   shop.write("twice.csv", csv({Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0.006, 0, 0)}));
   for (const std::string index : {"delaunay", "octree"})
     for (const char* file : {"one.csv", "row.csv", "sheet.csv", "twice.csv"}) {
       INFO(file << " " << index);
-      const auto outcome = shop.forefeel(std::string("classify ") + file + " --spacing 0.006 --json --index " + index +
-                                         " --box=-0.02,-0.02,-0.02:0.03,0.02,0.02 --agreement");
+      const auto outcome =
+          shop.forefeel(std::string("classify ") + file + " --spacing 0.006 --json --index " + index +
+                        " --box=-0.02,-0.02,-0.02:0.03,0.02,0.02 --agreement");
       REQUIRE(outcome.code == 0);
       const json report = outcome.json();
       CHECK(report["volume"]["safe"] == 0);
@@ -343,7 +378,8 @@ TEST_CASE("strange states are labelled or refused in one line", "[classify]") {
   }();
   for (Vec3& p : far) p += Vec3(1000, -1000, 1000);
   shop.write("far.csv", csv(far));
-  CHECK(shop.forefeel("classify far.csv --spacing 0.006 --json").json()["volume"]["safe"].get<double>() == Approx(near_volume).epsilon(1e-6));
+  CHECK(shop.forefeel("classify far.csv --spacing 0.006 --json").json()["volume"]["safe"].get<double>() ==
+        Approx(near_volume).epsilon(1e-6));
 
   shop.write("empty.csv", "x,y,z,fx,fy,fz\n");
   shop.write("nan.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\nnan,0,0,0,0,0\n");

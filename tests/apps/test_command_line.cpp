@@ -53,19 +53,23 @@ TEST_CASE("an instruction set that is none is refused at the start", "[command-l
     INFO(outcome.err);
     CHECK(outcome.code == 2);
     CHECK(outcome.error_lines() == 1);
-    for (const std::string& word : {std::string("FOREFEEL_ISA"), "'" + wrong + "'", std::string("portable, avx2 or avx512")})
+    for (const std::string& word :
+         {std::string("FOREFEEL_ISA"), "'" + wrong + "'", std::string("portable, avx2 or avx512")})
       CHECK_THAT(outcome.err, Catch::Contains(word));
   }
   for (const std::string right : {"", "portable", "avx2", "avx512"})
     CHECK(shop.shell("FOREFEEL_ISA='" + right + "' " + program + "--version").code == 0);
 }
 
-TEST_CASE("--set is refused where there is no scene, and is that of the built-in scene where that serves", "[command-line]") {
+TEST_CASE("--set is refused where there is no scene, and is that of the built-in scene where that serves",
+          "[command-line]") {
   const Workshop shop;
   for (const std::string bench : {"coverage", "solver hard-cases", "solver elements"})
-    check_refused(shop, "bench " + bench + " --set material.poisson=0.4", {"--set", "material.poisson=0.4", bench});
+    check_refused(shop, "bench " + bench + " --set material.poisson=0.4",
+                  {"--set", "material.poisson=0.4", bench});
   for (const std::string bench : {"approx", "solver", "switch"})
-    check_refused(shop, "bench " + bench + " --set material.poison=0.4", {"--set material.poison", "material.poisson"});
+    check_refused(shop, "bench " + bench + " --set material.poison=0.4",
+                  {"--set material.poison", "material.poisson"});
   check_refused(shop, "reproduce timing --set state_space.spacings=0.01 -o out", {"state_space.spacings"});
 }
 
@@ -205,14 +209,17 @@ TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
   shop.write("beam.toml", beam_scene());
   check_refused(shop, "session beam.toml --seconds -1 -o run", {"seconds"});
   check_refused(shop, "session beam.toml --policy wisest -o run", {"wisest"});
-  check_refused(shop, "session beam.toml --seed 99999999999999999999 -o run", {"--seed", "99999999999999999999"});
+  check_refused(shop, "session beam.toml --seed 99999999999999999999 -o run",
+                {"--seed", "99999999999999999999"});
   check_refused(shop, "session beam.toml --latency 1e300 -o run", {"latency", "86400"});
   check_refused(shop, "session beam.toml --latency 86401 -o run", {"latency", "86400"});
   check_refused(shop, "session beam.toml --latency -0.1 -o run", {"latency", "-0.1"});
   check_refused(shop, "session beam.toml --set session.latency=1e9 -o run", {"latency", "86400"});
   for (const std::string method : {"trilinear", "tricubic"})
     for (const std::string placement : {"adaptive", "path"})
-      check_refused(shop, "session beam.toml --set session.method=" + method + " --set session.placement=" + placement + " -o run",
+      check_refused(shop,
+                    "session beam.toml --set session.method=" + method +
+                        " --set session.placement=" + placement + " -o run",
                     {"session.placement", "lattice", method});
   check_refused(shop, "session beam.toml --set session.visit_cell=1e-300 -o run", {"visit_cell", "1e-9 m"});
   check_refused(shop, "session beam.toml -o ''", {"--output", "empty"});
@@ -225,7 +232,8 @@ TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
   shop.write("short.csv", "t,x,y,z\n0,0,0,0\n0.2,0,0\n");
   check_refused(shop, "session beam.toml --device trace:short.csv -o run", {"short.csv:3"});
   shop.write("mm.csv", "t,x,y,z\n0,0,0,0\n1,0,0,-20\n");
-  check_refused(shop, "session beam.toml --seconds 1 --device trace:mm.csv -o run", {"mm.csv", "expected metres"});
+  check_refused(shop, "session beam.toml --seconds 1 --device trace:mm.csv -o run",
+                {"mm.csv", "expected metres"});
   shop.write("spiral.toml", beam_scene("[session]\ndevice = \"path:spiral\"\n"));
   check_refused(shop, "session spiral.toml -o run", {"spiral.toml", "session", "'spiral'"});
   check_refused(shop, "session beam.toml --clock wooden -o run", {"wooden"});

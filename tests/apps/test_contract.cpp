@@ -34,11 +34,12 @@ json run_json(const Workshop& shop, const std::string& arguments) {
 
 // The command, sent SIGINT `seconds` after the shell's test `begun` holds; it ends with 1 and says so. As timeout(1)
 // does, twice at once: one wish, not two.
-Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& arguments, const std::string& begun,
-                                  double seconds) {
-  const Workshop::Outcome outcome = shop.shell(
-      FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments + " --json & p=$!; while ! [ " + begun +
-      " ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep " + std::to_string(seconds) + "; kill -INT $p; kill -INT $p; wait $p");
+Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& arguments,
+                                  const std::string& begun, double seconds) {
+  const Workshop::Outcome outcome =
+      shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments + " --json & p=$!; while ! [ " + begun +
+                 " ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep " + std::to_string(seconds) +
+                 "; kill -INT $p; kill -INT $p; wait $p");
   INFO("forefeel " << arguments << " --json\n" << outcome.err);
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["interrupted"] == true);
@@ -51,8 +52,10 @@ TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[co
   const Workshop shop;
   // Solves that take long, so that the spacing is being measured when the signal comes.
   shop.write("beam.toml", beam_scene());
-  const std::string automatic = " --set state_space.spacing=auto --set session.error_floor=1e-6 --set state_space.tolerance=1e-9";
-  const Workshop::Outcome measured = run_interrupted(shop, "generate beam.toml -o s.states" + automatic, "0 = 0", 0.2);
+  const std::string automatic =
+      " --set state_space.spacing=auto --set session.error_floor=1e-6 --set state_space.tolerance=1e-9";
+  const Workshop::Outcome measured =
+      run_interrupted(shop, "generate beam.toml -o s.states" + automatic, "0 = 0", 0.2);
   CHECK(measured.error_lines() == 1);
   CHECK_THAT(measured.err, Catch::Contains("interrupted") && Catch::Contains("nothing was written"));
   CHECK_FALSE(std::filesystem::exists(shop.path() / "s.states"));
@@ -83,9 +86,10 @@ TEST_CASE("solve", "[contract]") {
 TEST_CASE("generate that was killed goes on from what is on disk and ends with the states of a whole run") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const std::string fine = " --set state_space.spacing=0.0004 --threads 1";      // 9261 states
+  const std::string fine = " --set state_space.spacing=0.0004 --threads 1";  // 9261 states
   shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel generate beam.toml -o cut.states --quiet" + fine +
-             " & p=$!; while [ ! -s cut.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.2; kill -9 $p");
+             " & p=$!; while [ ! -s cut.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep "
+             "0.2; kill -9 $p");
   const json resumed = run_json(shop, "generate beam.toml -o cut.states" + fine);
   CHECK(resumed["resumed"].get<int>() > 0);
   CHECK(resumed["solved"].get<int>() > 0);
@@ -101,25 +105,37 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
 TEST_CASE("generate: a box without a position of the lattice is refused", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  forefeel::test::check_refused(shop, "generate beam.toml -o s.states --set 'state_space.box=[[0.001,0.001,0.001],[0.003,0.003,0.003]]'",
-                                {"--set state_space.box: holds no position of the lattice of 0.004 m", "a smaller state_space.spacing"});
-  forefeel::test::check_refused(shop, "generate beam.toml -o s.states --set 'state_space.box=[[0.001,-0.01,-0.01],[0.003,0.01,0.01]]'", {"holds no position"});
-  CHECK(shop.forefeel("generate beam.toml -o s.states --quiet --set 'state_space.box=[[0.001,0.001,0.001],[0.004,0.004,0.004]]'").code == 0);
+  forefeel::test::check_refused(
+      shop,
+      "generate beam.toml -o s.states --set 'state_space.box=[[0.001,0.001,0.001],[0.003,0.003,0.003]]'",
+      {"--set state_space.box: holds no position of the lattice of 0.004 m",
+       "a smaller state_space.spacing"});
+  forefeel::test::check_refused(
+      shop, "generate beam.toml -o s.states --set 'state_space.box=[[0.001,-0.01,-0.01],[0.003,0.01,0.01]]'",
+      {"holds no position"});
+  CHECK(shop.forefeel("generate beam.toml -o s.states --quiet --set "
+                      "'state_space.box=[[0.001,0.001,0.001],[0.004,0.004,0.004]]'")
+            .code == 0);
 }
 
 TEST_CASE("generate --error says where the spacing is the limit", "[contract]") {
   const Workshop shop;
-  shop.write("beam.toml", beam_scene());   // 27 lattice states
+  shop.write("beam.toml", beam_scene());  // 27 lattice states
   const Workshop::Outcome outcome = shop.forefeel("generate beam.toml --error 1e-7 -o s.states --json");
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["states"] == 27);
   CHECK(outcome.json()["most_states"] == 27);
-  CHECK(outcome.error_lines() == 3);   // what was done, what is estimated, the warning
-  CHECK_THAT(outcome.err, Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") && Catch::Contains("the spacing is the limit"));
+  CHECK(outcome.error_lines() == 3);  // what was done, what is estimated, the warning
+  CHECK_THAT(outcome.err,
+             Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") &&
+                 Catch::Contains("the spacing is the limit"));
   // Fewer than nine are never tried, whatever the lattice holds.
-  const Workshop::Outcome coarse = shop.forefeel("generate beam.toml --error 1e-9 -o c.states --quiet --set state_space.spacing=0.05");
+  const Workshop::Outcome coarse =
+      shop.forefeel("generate beam.toml --error 1e-9 -o c.states --quiet --set state_space.spacing=0.05");
   CHECK(coarse.code == 1);
-  CHECK_THAT(coarse.err, Catch::Contains("9 states, the fewest that are tried, for the lattice of 0.05 m has 1 position in the box"));
+  CHECK_THAT(coarse.err,
+             Catch::Contains(
+                 "9 states, the fewest that are tried, for the lattice of 0.05 m has 1 position in the box"));
 }
 
 TEST_CASE("mesh", "[contract]") {
@@ -256,16 +272,20 @@ TEST_CASE("a virtual session is the same bits again, whatever the threads", "[co
     CHECK(shop.shell(std::string("cmp one/") + file + " two/" + file).code == 0);
 }
 
-TEST_CASE("a run is not written over the one it replays, and states that arrive have the label of their place", "[contract]") {
+TEST_CASE(
+    "a run is not written over the one it replays, and states that arrive have the label of their place",
+    "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  shop.write("arrivals.csv", "t,x,y,z\n0.1,0,0,0.006\n0.05,0,0,0\n");   // in any order
+  shop.write("arrivals.csv", "t,x,y,z\n0.1,0,0,0.006\n0.05,0,0,0\n");  // in any order
   REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 "
-                        "--arrivals arrivals.csv -o run --quiet").code == 0);
+                        "--arrivals arrivals.csv -o run --quiet")
+              .code == 0);
   const std::string frames = shop.shell("cat run/frames.csv").out;
   const std::string dispatch = shop.shell("cut -d, -f2-5,11 run/dispatch.csv").out;
   CHECK_THAT(dispatch, Catch::Contains("0,0,0,blank,arrived") && Catch::Contains("0,0,0.006,sparse,arrived"));
-  const Workshop::Outcome again = shop.forefeel("session beam.toml --clock virtual --seconds 0.1 --replay run -o ./run");
+  const Workshop::Outcome again =
+      shop.forefeel("session beam.toml --clock virtual --seconds 0.1 --replay run -o ./run");
   CHECK(again.code == 2);
   CHECK_THAT(again.err, Catch::Contains("expected another folder"));
   CHECK(shop.shell("cat run/frames.csv").out == frames);
@@ -274,13 +294,17 @@ TEST_CASE("a run is not written over the one it replays, and states that arrive 
 TEST_CASE("a replay names the run as its device, and ends where that ended", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 -o run --quiet").code == 0);
+  REQUIRE(
+      shop.forefeel(
+              "session beam.toml --clock virtual --seconds 0.3 --device path:press,speed=0.02 -o run --quiet")
+          .code == 0);
   const json replayed = run_json(shop, "session beam.toml --clock virtual --replay run -o again");
   CHECK(replayed["device"] == "replay:run");
   CHECK(replayed["interrupted"] == false);
   CHECK(replayed["frames_asked"] == 300);
   CHECK(replayed["frames"] == 300);
-  CHECK(shop.shell("cut -d, -f1-4 run/frames.csv > a; cut -d, -f1-4 again/frames.csv > b; cmp a b").code == 0);
+  CHECK(shop.shell("cut -d, -f1-4 run/frames.csv > a; cut -d, -f1-4 again/frames.csv > b; cmp a b").code ==
+        0);
 }
 
 TEST_CASE("an empty value does not pass for an option that is not there", "[contract]") {
@@ -288,7 +312,8 @@ TEST_CASE("an empty value does not pass for an option that is not there", "[cont
   shop.write("beam.toml", beam_scene());
   using forefeel::test::check_refused;
   check_refused(shop, "generate beam.toml --error '' -o s.states", {"--error", "is empty"});
-  for (const char* option : {"--seconds", "--workers", "--latency", "--policy", "--device", "--states", "--seed", "--threads"})
+  for (const char* option :
+       {"--seconds", "--workers", "--latency", "--policy", "--device", "--states", "--seed", "--threads"})
     check_refused(shop, std::string("session beam.toml --clock virtual -o run ") + option + " ''", {option});
 }
 
@@ -299,12 +324,17 @@ TEST_CASE("what a session cannot run with is named with its place", "[contract]"
   const std::string session = "session beam.toml --clock virtual --seconds 0.1 -o run ";
   forefeel::test::check_refused(shop, session, {"beam.toml: session.latency: is 1000000000"});
   forefeel::test::check_refused(shop, session + "--latency 1e8", {"--latency: is 100000000"});
-  forefeel::test::check_refused(shop, session + "--set session.latency=1e7", {"--set session.latency: is 10000000"});
+  forefeel::test::check_refused(shop, session + "--set session.latency=1e7",
+                                {"--set session.latency: is 10000000"});
   shop.write("plain.toml", beam_scene());
-  forefeel::test::check_refused(shop, "session plain.toml --clock virtual --seconds 0.1 -o run --arrivals far.csv", {"far.csv:3: is 0.7 m from rest"});
+  forefeel::test::check_refused(shop,
+                                "session plain.toml --clock virtual --seconds 0.1 -o run --arrivals far.csv",
+                                {"far.csv:3: is 0.7 m from rest"});
   const std::string many = "--set model.neighbours=100000 --set state_space.spacing=0.0002 ";
-  forefeel::test::check_refused(shop, session + "--latency 0 " + many, {"--set model.neighbours: is 100000", "GB"});
-  forefeel::test::check_refused(shop, "generate beam.toml --error 0.1 -o s.states " + many, {"model.neighbours: is 100000", "GB"});
+  forefeel::test::check_refused(shop, session + "--latency 0 " + many,
+                                {"--set model.neighbours: is 100000", "GB"});
+  forefeel::test::check_refused(shop, "generate beam.toml --error 0.1 -o s.states " + many,
+                                {"model.neighbours: is 100000", "GB"});
 }
 
 TEST_CASE("what is said of solving is said to be in vain where states arrive at given times", "[contract]") {
@@ -323,16 +353,24 @@ TEST_CASE("what is said of solving is said to be in vain where states arrive at 
   shop.write("others.toml", beam_scene("[session]\nworkers = 3\npreempt = false\n"));
   shop.write("both.toml", beam_scene("[session]\nrest_first = true\narrivals = \"good.csv\"\n"));
   shop.write("alone.toml", beam_scene("[session]\narrivals = \"good.csv\"\n"));
-  const std::string more = " --clock virtual --seconds 0.1 --quiet -o ", given = "session beam.toml --arrivals good.csv" + more;
-  for (const char* option : {"--workers 2", "--cost paper", "--latency 0.1", "--policy fifo", "--predictor kalman"})
-    said(given + "run " + option, {std::string(option).substr(0, std::string(option).find(' ')) + ": without effect", "--arrivals"});
-  for (const char* key : {"preempt=true", "placement=path", "rest_first=false", "first_guess=false", "batch=4"})
-    said(given + "run --set session." + key, {"--set session." + std::string(key).substr(0, std::string(key).find('=')) + ": without effect"});
-  said("session both.toml" + more + "run", {"both.toml:12: session.rest_first: without effect", "both.toml:13: session.arrivals"});
-  said("session alone.toml --workers 3" + more + "run", {"--workers: without effect", "alone.toml:12: session.arrivals"});
+  const std::string more = " --clock virtual --seconds 0.1 --quiet -o ",
+                    given = "session beam.toml --arrivals good.csv" + more;
+  for (const char* option :
+       {"--workers 2", "--cost paper", "--latency 0.1", "--policy fifo", "--predictor kalman"})
+    said(given + "run " + option,
+         {std::string(option).substr(0, std::string(option).find(' ')) + ": without effect", "--arrivals"});
+  for (const char* key :
+       {"preempt=true", "placement=path", "rest_first=false", "first_guess=false", "batch=4"})
+    said(given + "run --set session." + key,
+         {"--set session." + std::string(key).substr(0, std::string(key).find('=')) + ": without effect"});
+  said("session both.toml" + more + "run",
+       {"both.toml:12: session.rest_first: without effect", "both.toml:13: session.arrivals"});
+  said("session alone.toml --workers 3" + more + "run",
+       {"--workers: without effect", "alone.toml:12: session.arrivals"});
   said("session others.toml --arrivals good.csv" + more + "run",
        {"others.toml:12: session.workers, others.toml:13: session.preempt: without effect", "--arrivals"});
-  const Workshop::Outcome plain = shop.forefeel(given + "plain --switch none --set session.update_travel=0.5");
+  const Workshop::Outcome plain =
+      shop.forefeel(given + "plain --switch none --set session.update_travel=0.5");
   CHECK(plain.code == 0);
   CHECK(plain.err.empty());
 }
@@ -340,32 +378,42 @@ TEST_CASE("what is said of solving is said to be in vain where states arrive at 
 TEST_CASE("a replay says which options it leaves without effect", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --device path:press,speed=0.02 -o run --quiet").code == 0);
+  REQUIRE(
+      shop.forefeel(
+              "session beam.toml --clock virtual --seconds 0.2 --device path:press,speed=0.02 -o run --quiet")
+          .code == 0);
   const std::string replay = "session beam.toml --clock virtual --replay run --quiet -o ";
   const Workshop::Outcome plain = shop.forefeel(replay + "plain");
   CHECK(plain.code == 0);
   CHECK(plain.err.empty());
-  const Workshop::Outcome said = shop.forefeel(replay + "vain --policy nearest --workers 5 --cost constant:0.5 --latency 0.2");
+  const Workshop::Outcome said =
+      shop.forefeel(replay + "vain --policy nearest --workers 5 --cost constant:0.5 --latency 0.2");
   CHECK(said.code == 0);
   CHECK(said.error_lines() == 1);
-  CHECK_THAT(said.err, Catch::Contains("--policy, --workers, --cost, --latency: without effect with --replay"));
+  CHECK_THAT(said.err,
+             Catch::Contains("--policy, --workers, --cost, --latency: without effect with --replay"));
   CHECK(shop.shell("cmp plain/frames.csv vain/frames.csv").code == 0);
   const Workshop::Outcome set = shop.forefeel(replay + "set --set session.preempt=false");
   CHECK_THAT(set.err, Catch::Contains("--set session.preempt: without effect with --replay"));
-  const Workshop::Outcome moved = shop.forefeel(replay + "moved --device path:circle --predictor constant-velocity --switch none");
-  CHECK_THAT(moved.err, Catch::Contains("--device, --predictor: without effect") && !Catch::Contains("--switch"));
+  const Workshop::Outcome moved =
+      shop.forefeel(replay + "moved --device path:circle --predictor constant-velocity --switch none");
+  CHECK_THAT(moved.err,
+             Catch::Contains("--device, --predictor: without effect") && !Catch::Contains("--switch"));
 }
 
 TEST_CASE("two commands on one cache: both give what one gives, and what they solved is kept", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const std::string session = FOREFEEL_BINARY_DIR "/apps/forefeel session beam.toml --clock virtual --device "
-                              "path:circle,speed=0.03 --quiet --seconds ";
+  const std::string session = FOREFEEL_BINARY_DIR
+      "/apps/forefeel session beam.toml --clock virtual --device "
+      "path:circle,speed=0.03 --quiet --seconds ";
   const auto same = [&](const std::string& a, const std::string& b) {
     for (const char* file : {"frames.csv", "dispatch.csv", "states.csv"})
       CHECK(shop.shell("cmp " + a + "/" + file + " " + b + "/" + file).code == 0);
   };
-  REQUIRE(shop.shell(session + "0.5 -o one & p=$!; " + session + "0.5 -o two; r=$?; wait $p && exit $r").code == 0);
+  REQUIRE(
+      shop.shell(session + "0.5 -o one & p=$!; " + session + "0.5 -o two; r=$?; wait $p && exit $r").code ==
+      0);
   same("one", "two");
 
   // Held for the whole of a command: what the cache lacks is solved for this command alone.
@@ -378,7 +426,9 @@ TEST_CASE("two commands on one cache: both give what one gives, and what they so
     return json::parse(shop.shell("cat " + run + "/summary.json").out)["notes"].dump();
   };
   CHECK_THAT(notes_of("begun"), !Catch::Contains("only read"));
-  REQUIRE(shop.shell("flock -n $(find ../cache -name '*.states')-lock -c '" + session + "0.5 -o held'").code == 0);
+  REQUIRE(
+      shop.shell("flock -n $(find ../cache -name '*.states')-lock -c '" + session + "0.5 -o held'").code ==
+      0);
   CHECK_THAT(notes_of("held"), Catch::Contains("only read"));
   same("one", "held");
   REQUIRE(shop.shell(session + "0.5 -o after").code == 0);
@@ -390,8 +440,9 @@ TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   // When its first states are on disk.
-  const Workshop::Outcome outcome = run_interrupted(
-      shop, "session beam.toml --clock real --seconds 600 --device path:circle -o run", "-s run/session.states-wal", 0.5);
+  const Workshop::Outcome outcome =
+      run_interrupted(shop, "session beam.toml --clock real --seconds 600 --device path:circle -o run",
+                      "-s run/session.states-wal", 0.5);
   const auto frames = outcome.json()["frames"].get<std::size_t>();
   CHECK(frames > 0);
   CHECK(frames < 600000);
@@ -399,7 +450,8 @@ TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   CHECK(outcome.json()["frames_asked"] == 600000);
   CHECK(outcome.json()["seconds"] == Approx(1e-3 * double(frames)));
   CHECK(outcome.error_lines() == 1);
-  CHECK_THAT(outcome.err, Catch::Contains("interrupted after " + std::to_string(frames) + " of 600000 frames"));
+  CHECK_THAT(outcome.err,
+             Catch::Contains("interrupted after " + std::to_string(frames) + " of 600000 frames"));
   CHECK_THAT(shop.files(), Catch::Contains("run/frames.csv") && Catch::Contains("run/report.html"));
 }
 
@@ -419,9 +471,10 @@ TEST_CASE("a fill that is interrupted says so, with what it has", "[contract]") 
 TEST_CASE("a session that is interrupted while it rehearses says so and writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome = run_interrupted(
-      shop, "session beam.toml --clock virtual --policy clairvoyant --seconds 300 --device path:circle,speed=0.01 -o run",
-      "-d run", 0.5);
+  const Workshop::Outcome outcome = run_interrupted(shop,
+                                                    "session beam.toml --clock virtual --policy clairvoyant "
+                                                    "--seconds 300 --device path:circle,speed=0.01 -o run",
+                                                    "-d run", 0.5);
   // A rehearsal is never taken for the session.
   CHECK(outcome.json()["frames"] == 0);
   CHECK(outcome.json()["frames_asked"] == 300000);
@@ -430,10 +483,11 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
   CHECK(outcome.json()["policy"] == "clairvoyant");
   CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted while it rehearses"));
   CHECK(outcome.error_lines() == 1);
-  CHECK_THAT(outcome.err, Catch::Contains("interrupted while it rehearses") && Catch::Contains("0 of 300000 frames"));
+  CHECK_THAT(outcome.err,
+             Catch::Contains("interrupted while it rehearses") && Catch::Contains("0 of 300000 frames"));
   CHECK(outcome.json()["prediction"].contains("kalman"));
   CHECK_THAT(shop.files(), Catch::Contains("run/report.html"));
-  CHECK(shop.shell("wc -l < run/frames.csv").out == "1\n");   // the head
+  CHECK(shop.shell("wc -l < run/frames.csv").out == "1\n");  // the head
   CHECK(shop.shell("wc -l < run/dispatch.csv").out == "1\n");
   CHECK(run_json(shop, "info run/session.states")["states"] == 0);
 }
@@ -490,7 +544,8 @@ TEST_CASE("--quiet says nothing and --json keeps stdout to itself", "[contract]"
   CHECK(quiet.code == 0);
   CHECK(quiet.out.empty());
   CHECK(quiet.err.empty());
-  CHECK_THAT(shop.forefeel("solve beam.toml --at=0,0,0.002 --quiet").out, Catch::Contains("0.002"));   // results are shown
+  CHECK_THAT(shop.forefeel("solve beam.toml --at=0,0,0.002 --quiet").out,
+             Catch::Contains("0.002"));  // results are shown
   const Workshop::Outcome overridden = shop.forefeel(
       "solve beam.toml --at=0,0,0.002 --json --set material.young=10000 --set body.elements=240");
   const Workshop::Outcome plain = shop.forefeel("solve beam.toml --at=0,0,0.002 --json");
@@ -499,7 +554,8 @@ TEST_CASE("--quiet says nothing and --json keeps stdout to itself", "[contract]"
   CHECK(twice == Approx(2 * once).epsilon(1e-8));  // the force is proportional to Young's modulus
 }
 
-TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers find the same force", "[contract]") {
+TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers find the same force",
+          "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const json few = run_json(shop, "bench solver beam.toml --set state_space.spacing=0.002 --states 30");
@@ -511,7 +567,8 @@ TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers 
   const json one = run_json(shop, "bench solver beam.toml --states 1");
   REQUIRE(one["rows"].size() == 2);
   for (const json& row : one["rows"]) {
-    check_keys(row, {"name", "baseline", "ratio", "ours_us", "baseline_us", "error.max", "ours_bytes", "baseline_bytes"});
+    check_keys(row, {"name", "baseline", "ratio", "ours_us", "baseline_us", "error.max", "ours_bytes",
+                     "baseline_bytes"});
     CHECK(row["error"]["max"] < 1e-5);
     CHECK(row["ours_bytes"] > 0);
   }

@@ -1,7 +1,7 @@
 // forefeel evaluate: against SciPy through the whole chain, hostile sets of states, options that cannot be.
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 #include <filesystem>
@@ -153,16 +153,19 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
   check_refused(shop, all + "-o absent/out.csv", {"absent"});
   check_refused(shop, all + "--neighbours 99999999999999999999", {"--neighbours"});
   check_refused(shop, all + "--neighbours 100001", {"--neighbours", "from 1 to 100000"});
-  std::string many = "x,y,z,fx,fy,fz\n";   // more than a model in memory holds
-  for (int i = 0; i < 12'000; ++i) many += fmt::format("{},{},{},1,2,3\n", 0.001 * (i % 23), 0.001 * (i / 23 % 23), 0.001 * (i / 529));
+  std::string many = "x,y,z,fx,fy,fz\n";  // more than a model in memory holds
+  for (int i = 0; i < 12'000; ++i)
+    many += fmt::format("{},{},{},1,2,3\n", 0.001 * (i % 23), 0.001 * (i / 23 % 23), 0.001 * (i / 529));
   shop.write("many.csv", many);
-  check_refused(shop, "evaluate many.csv --points points.csv --neighbours 12000", {"--neighbours: is 12000", "GB"});
+  check_refused(shop, "evaluate many.csv --points points.csv --neighbours 12000",
+                {"--neighbours: is 12000", "GB"});
   for (const std::string file : {"states.csv", "points.csv", "./states.csv"})  // read for it
     check_refused(shop, all + "-o " + file, {file, "would replace"});
   check_refused(shop, "classify states.csv --spacing 0.006 -o states.csv", {"states.csv", "would replace"});
   CHECK(shop.forefeel(all + "-o out.csv").code == 0);  // all are what they were
   CHECK_THAT(shop.forefeel(all + "--set material.poisson=0.3").err, Catch::Contains("--set: without effect"));
-  CHECK_THAT(shop.forefeel(all + "--method two-force --select nearest").err, Catch::Contains("--select: without effect"));
+  CHECK_THAT(shop.forefeel(all + "--method two-force --select nearest").err,
+             Catch::Contains("--select: without effect"));
 }
 
 TEST_CASE("evaluate and info say that states contradict each other, and the first one counts", "[evaluate]") {
@@ -178,7 +181,8 @@ TEST_CASE("evaluate and info say that states contradict each other, and the firs
       const auto outcome = shop.forefeel(command + " --json --quiet");
       INFO(command << "\n" << outcome.err);
       REQUIRE(outcome.code == 0);
-      const std::string warning = states + ": 2 states contradict another at the same position; the first one counts\n";
+      const std::string warning =
+          states + ": 2 states contradict another at the same position; the first one counts\n";
       const auto at = outcome.err.find("warning: ");
       if (states == "other.csv")
         CHECK(outcome.err.substr(std::min(at, outcome.err.size())).starts_with("warning: " + warning));
@@ -202,7 +206,8 @@ TEST_CASE("the time of a fit is that of models that were made, and their number 
   for (const int i : {0, 1, 2, 3, 4, 5})
     for (const int j : {0, 1, 2, 3, 4, 5})
       for (const int k : {0, 1, 2, 3, 4, 5})
-        states += fmt::format("{},{},{},{},{},{}\n", 0.01 * i, 0.01 * j, 0.01 * k, i + 0.3 * j * k, j - 0.2 * i * i, k);
+        states += fmt::format("{},{},{},{},{},{}\n", 0.01 * i, 0.01 * j, 0.01 * k, i + 0.3 * j * k,
+                              j - 0.2 * i * i, k);
   for (int p = 0; p < 9; ++p) points += fmt::format("{},0.024,0.026\n", 0.012 + 0.004 * p);
   shop.write("states.csv", states);
   shop.write("points.csv", points);
@@ -220,8 +225,11 @@ TEST_CASE("the time of a fit is that of models that were made, and their number 
   const nlohmann::json lattice = run(shop, all + "points.csv --method trilinear");
   CHECK(lattice["fitted"] == 1);
   CHECK(lattice["reused"] == 8);
-  CHECK_THAT(shop.forefeel("evaluate states.csv --points points.csv --kernel cubic --neighbours 216 --select nearest").out,
-             Catch::Contains("models: 1 fitted, 8 reused, median fit"));
+  CHECK_THAT(
+      shop.forefeel(
+              "evaluate states.csv --points points.csv --kernel cubic --neighbours 216 --select nearest")
+          .out,
+      Catch::Contains("models: 1 fitted, 8 reused, median fit"));
 }
 
 TEST_CASE("evaluate says of every method what it uses, and keeps it below its bound", "[evaluate]") {
@@ -230,7 +238,8 @@ TEST_CASE("evaluate says of every method what it uses, and keeps it below its bo
   for (const int i : {0, 1})
     for (const int j : {0, 1})
       for (const int k : {0, 1})
-        states += fmt::format("{},{},{},{},{},{}\n", 0.01 * i, 0.01 * j, 0.01 * k, i + 0.3 * j * k, j - 0.2 * i * i, k);
+        states += fmt::format("{},{},{},{},{},{}\n", 0.01 * i, 0.01 * j, 0.01 * k, i + 0.3 * j * k,
+                              j - 0.2 * i * i, k);
   shop.write("states.csv", states);
   shop.write("points.csv", "x,y,z\n0.004,0.005,0.006\n0.14,0.1,-0.03\n-3,2,1\n");
   const std::string all = "evaluate states.csv --points points.csv --json --method ";
@@ -251,18 +260,21 @@ TEST_CASE("evaluate says of every method what it uses, and keeps it below its bo
   CHECK(uses("rbf-network --neighbours 5") == R"("cubic" "force" - 5 - -)");
   for (const std::string method : {"trilinear", "tricubic", "deflection", "two-force"})
     CHECK(uses(method) == R"(- "force" - - - -)");
-  CHECK(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err.find("--kernel, --ridge") != std::string::npos);
+  CHECK(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err.find("--kernel, --ridge") !=
+        std::string::npos);
 }
 
 TEST_CASE("evaluate says where the kernel stepped down", "[evaluate]") {
   const Workshop shop;
   std::string plane = "x,y,z,fx,fy,fz\n";
-  for (int i = 0; i < 25; ++i) plane += fmt::format("{},{},0,{},{},{}\n", 0.006 * (i % 5), 0.006 * (i / 5), i, i * i, 1);
+  for (int i = 0; i < 25; ++i)
+    plane += fmt::format("{},{},0,{},{},{}\n", 0.006 * (i % 5), 0.006 * (i / 5), i, i * i, 1);
   shop.write("plane.csv", plane);
   shop.write("block.csv", plane + "0.01,0.01,0.006,1,2,3\n0.02,0.01,0.006,1,2,4\n0.01,0.02,-0.006,2,2,3\n");
   shop.write("points.csv", "x,y,z\n0.01,0.01,0.001\n0.004,0.005,0\n");
   const std::string cubic = " --points points.csv --kernel cubic --data force --json";
-  const nlohmann::json flat = run(shop, "evaluate plane.csv" + cubic), whole = run(shop, "evaluate block.csv" + cubic);
+  const nlohmann::json flat = run(shop, "evaluate plane.csv" + cubic),
+                       whole = run(shop, "evaluate block.csv" + cubic);
   CHECK(flat["kernels"] == nlohmann::json{"linear with constant", "linear with constant"});
   CHECK(flat["stepped_down"] == 2);
   CHECK(whole["kernels"] == nlohmann::json{"cubic", "cubic"});

@@ -6,9 +6,11 @@ using namespace forefeel;
 
 TEST_CASE("a policy of one's own is built and picked up by a study") {
   const test::Workshop shop;
-  shop.write("scene.toml", test::beam_scene("[session]\nseconds = 0.4\ndevice = \"path:circle,speed=0.05\"\n"));
-  shop.write("study.toml", "scene = \"scene.toml\"\nseeds = [1]\n[vary]\npolicy = [\"ahead\", \"nearest\"]\n");
-  CHECK(shop.forefeel("study study.toml -o out").code == 2);   // the plain command line does not know it
+  shop.write("scene.toml",
+             test::beam_scene("[session]\nseconds = 0.4\ndevice = \"path:circle,speed=0.05\"\n"));
+  shop.write("study.toml",
+             "scene = \"scene.toml\"\nseeds = [1]\n[vary]\npolicy = [\"ahead\", \"nearest\"]\n");
+  CHECK(shop.forefeel("study study.toml -o out").code == 2);  // the plain command line does not know it
   const auto ran = shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel_example study study.toml -o out --json");
   REQUIRE(ran.code == 0);
   CHECK(ran.json()["cells"] == 2);

@@ -1,7 +1,7 @@
 // reproduce, bench switch, calibration of labels, spacing = "auto".
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <array>
 #include <cmath>
@@ -42,14 +42,15 @@ State field_state(const Vec3& x) {
 TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome =
-      shop.forefeel("reproduce all beam.toml --depth 9 --interval 0.4 --rounds 2 --travel 0.1 --workers 2,3 --json --quiet -o out");
+  const Workshop::Outcome outcome = shop.forefeel(
+      "reproduce all beam.toml --depth 9 --interval 0.4 --rounds 2 --travel 0.1 --workers 2,3 --json --quiet "
+      "-o out");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const nlohmann::json found = outcome.json();
   const std::string files = shop.files();
-  for (const char* file :
-       {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "speed.csv", "report.html", "summary.json"})
+  for (const char* file : {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "speed.csv",
+                           "report.html", "summary.json"})
     CHECK_THAT(files, Catch::Contains(std::string("out/") + file));
   const std::string page = read(shop.path() / "out/report.html");
   CHECK_THAT(page, Catch::Contains("The paper found") && Catch::Contains("We found"));
@@ -65,7 +66,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   double paper_gap = 0, our_gap = 1e9;
   for (const auto& curve : curves) {
     CHECK(curve["error_tight"]["max"].is_number());
-    CHECK(curve["largest_jump_newton"]["newton"].get<double>() >= curve["largest_jump"]["newton"].get<double>());
+    CHECK(curve["largest_jump_newton"]["newton"].get<double>() >=
+          curve["largest_jump"]["newton"].get<double>());
     CHECK(curve["largest_jump"]["jnd"].get<double>() >= curve["largest_jump_newton"]["jnd"].get<double>());
     if (curve["setup"] != "gap") continue;
     const bool ours = curve["method"].get<std::string>().find("Hermite") != std::string::npos;
@@ -121,7 +123,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
     if (row["method"] == "energy interpolant, n 25") CHECK(row["max"].get<double>() < 1e-6);
     offline = offline || row["method"] == "offline-rbf";
     // Spacing 4 mm.
-    const bool moves = row["set"] != "fixed", older = row["method"].get<std::string>().find("n ") == std::string::npos;
+    const bool moves = row["set"] != "fixed",
+               older = row["method"].get<std::string>().find("n ") == std::string::npos;
     CHECK(row["half_axes"][0].get<double>() == Approx(moves || older ? 0.010 : 0.0048));
     CHECK(row["half_axes"][1].get<double>() == Approx(0.8 * row["half_axes"][0].get<double>()));
   }
@@ -130,8 +133,9 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   const auto& times = found["experiments"]["timing"]["rows"];
   if (times[0]["n"] == 100 && times[1]["n"] == 100) {
     CHECK(times[0]["kernel"] == "linear");
-    CHECK_THAT(page, Catch::Contains(fmt::format("With 100 states r takes {:.2f} times as long as r3 to refit",
-                                                 times[0]["refit_us"].get<double>() / times[1]["refit_us"].get<double>())));
+    CHECK_THAT(page, Catch::Contains(fmt::format(
+                         "With 100 states r takes {:.2f} times as long as r3 to refit",
+                         times[0]["refit_us"].get<double>() / times[1]["refit_us"].get<double>())));
   }
   for (const auto& row : found["experiments"]["timing"]["rows"]) CHECK(row["evaluate_us"].get<double>() > 0);
 
@@ -144,8 +148,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
 
 TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
   const Workshop shop;
-  const Workshop::Outcome outcome =
-      shop.forefeel("reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --seeds 2 --json --quiet -o out");
+  const Workshop::Outcome outcome = shop.forefeel(
+      "reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --seeds 2 --json --quiet -o out");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const nlohmann::json speed = outcome.json()["experiments"]["speed"];
@@ -157,8 +161,9 @@ TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
   CHECK(row["rest_known_before"].is_number());
   CHECK(row["our_start_for_all"]["seed_paper"].is_number());
   const std::string csv = read(shop.path() / "out/speed.csv");
-  for (const char* step : {"predecessor, tricubic 18 mm", "seed paper: r3 n=100, 6 mm", "default, motion known (clairvoyant)",
-                           "+ rest first", "+ first guess (default)", "seed paper, 12 mm + our start"})
+  for (const char* step :
+       {"predecessor, tricubic 18 mm", "seed paper: r3 n=100, 6 mm", "default, motion known (clairvoyant)",
+        "+ rest first", "+ first guess (default)", "seed paper, 12 mm + our start"})
     CHECK_THAT(csv, Catch::Contains(step));
 }
 
@@ -167,7 +172,8 @@ TEST_CASE("what should vanish and does not is exit 1, with all that was found", 
   shop.write("beam.toml", beam_scene());
   // A hand that feels everything: no jump is below what it can tell.
   const Workshop::Outcome outcome = shop.forefeel(
-      "reproduce extrapolation beam.toml --depth 9 --json --set session.jnd.share=1e-12 --set session.jnd.floor=1e-12 -o out");
+      "reproduce extrapolation beam.toml --depth 9 --json --set session.jnd.share=1e-12 --set "
+      "session.jnd.floor=1e-12 -o out");
   INFO(outcome.err);
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["experiments"]["extrapolation"]["curves"].size() == 9);
@@ -180,14 +186,18 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   shop.write("beam.toml", beam_scene());
   check_refused(shop, "reproduce", {"WHAT"});
   check_refused(shop, "reproduce timming beam.toml -o out", {"did you mean 'timing'"});
-  check_refused(shop, "reproduce speed --set state_space.spacing=0.012 -o out", {"state_space.spacing", "predecessor"});
+  check_refused(shop, "reproduce speed --set state_space.spacing=0.012 -o out",
+                {"state_space.spacing", "predecessor"});
   check_refused(shop, "reproduce speed --travel nan -o out", {"--travel"});
   check_refused(shop, "reproduce speed --workers 2 4 4 -o out", {"--workers", "4 twice"});
   check_refused(shop, "reproduce speed --set session.workers=3 -o out", {"session.workers"});
   check_refused(shop, "reproduce speed --set session.cost=bogus -o out", {"cost bogus"});
-  check_refused(shop, "reproduce speed --set session.device=hand:touch -o out/deep/", {"no speed to set", "hand:touch"});
-  check_refused(shop, "reproduce speed beam.toml --set session.device=path:line,speed=0.1 -o out", {"names its speed already"});
-  check_refused(shop, "reproduce all beam.toml --set session.arrivals=beam.toml -o out", {"reproduce speed: sustained: has no effect", "arrivals"});
+  check_refused(shop, "reproduce speed --set session.device=hand:touch -o out/deep/",
+                {"no speed to set", "hand:touch"});
+  check_refused(shop, "reproduce speed beam.toml --set session.device=path:line,speed=0.1 -o out",
+                {"names its speed already"});
+  check_refused(shop, "reproduce all beam.toml --set session.arrivals=beam.toml -o out",
+                {"reproduce speed: sustained: has no effect", "arrivals"});
   check_refused(shop, "reproduce speed --set session.latency=1e9 -o out", {"--set session.latency"});
   const auto kept = shop.write("kept/speed.toml", "of an earlier run");
   check_refused(shop, "reproduce speed --set session.device=hand:touch -o kept", {"no speed to set"});
@@ -262,8 +272,11 @@ TEST_CASE("bench approx: inside is inside the lattice, and what is left out is s
     }
   CHECK(scalar == std::vector<int>{8});  // 25 + 20 are more than the 36 states
   const std::string notes = found["notes"].dump();
-  CHECK_THAT(notes, Catch::Contains("r, r3, r5 with n = 100: needs 120 states (20 to replace), the lattice has 36, left out") &&
-                        Catch::Contains("no multiple of the spacing") && Catch::Contains("hermite-r3, hermite-r5 with n = 25"));
+  CHECK_THAT(notes,
+             Catch::Contains(
+                 "r, r3, r5 with n = 100: needs 120 states (20 to replace), the lattice has 36, left out") &&
+                 Catch::Contains("no multiple of the spacing") &&
+                 Catch::Contains("hermite-r3, hermite-r5 with n = 25"));
   CHECK_THAT(outcome.err, Catch::Contains("needs 120 states") && !Catch::Contains("gives another force"));
   CHECK_THAT(shop.files(), Catch::Contains("out/approx.csv"));
   // No model can be measured on eight states: all else is there, and the answer is incomplete.
@@ -388,10 +401,12 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
             .json()["spacing_auto"] == a["spacing_auto"]);
   // What is kept is checked.
   CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
-  REQUIRE(shop.shell("sed -i 's/\"spacing\": 0.0/\"spacing\": 0.1/' ../cache/forefeel/*.spacing.json").code == 0);
+  REQUIRE(shop.shell("sed -i 's/\"spacing\": 0.0/\"spacing\": 0.1/' ../cache/forefeel/*.spacing.json").code ==
+          0);
   const Workshop::Outcome anew = shop.forefeel("generate beam.toml --json -o b.states");
   CHECK(anew.json()["spacing"] == a["spacing"]);
-  CHECK_THAT(anew.err, Catch::Contains(".spacing.json: has a wrong checksum") && !Catch::Contains("kept from before"));
+  CHECK_THAT(anew.err,
+             Catch::Contains(".spacing.json: has a wrong checksum") && !Catch::Contains("kept from before"));
   CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
   // A finer tolerance never takes a coarser lattice.
   const nlohmann::json fine =
@@ -401,15 +416,19 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   // What is claimed, at positions of another draw: of the safe ones no more than a twentieth is above.
   std::string points = "x,y,z\n";
   for (int i = 1; i <= 400; ++i)
-    points += fmt::format("{},{},{}\n", 0.016 * std::sin(2.1 * i), 0.016 * std::sin(3.7 * i + 1), 0.016 * std::sin(5.3 * i + 2));
+    points += fmt::format("{},{},{}\n", 0.016 * std::sin(2.1 * i), 0.016 * std::sin(3.7 * i + 1),
+                          0.016 * std::sin(5.3 * i + 2));
   shop.write("points.csv", points);
   const nlohmann::json labels = shop.forefeel("evaluate d.states --points points.csv --json").json();
-  const nlohmann::json truth = shop.forefeel("solve beam.toml --points points.csv --json --quiet --set state_space.spacing=0.004").json();
+  const nlohmann::json truth =
+      shop.forefeel("solve beam.toml --points points.csv --json --quiet --set state_space.spacing=0.004")
+          .json();
   std::size_t safe = 0, above = 0;
   for (std::size_t i = 0; i < 400; ++i) {
     if (labels["labels"][i] != "safe") continue;
     const std::vector<double> f = labels["forces"][i], t = truth["states"][i]["force"];
-    const double error = std::hypot(f[0] - t[0], f[1] - t[1], f[2] - t[2]) / std::max(std::hypot(t[0], t[1], t[2]), 0.05);
+    const double error =
+        std::hypot(f[0] - t[0], f[1] - t[1], f[2] - t[2]) / std::max(std::hypot(t[0], t[1], t[2]), 0.05);
     ++safe;
     above += error > 0.0005 ? 1 : 0;
   }
@@ -417,7 +436,8 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK(static_cast<double>(above) <= 0.05 * static_cast<double>(safe));
   // Below what any spacing gives: the states are written, the answer is negative.
   const Workshop::Outcome never = shop.forefeel(
-      "generate beam.toml --json --set state_space.tolerance=1e-9 --set 'state_space.box=[[-0.016,-0.016,-0.016],[0.016,0,0]]' -o never.states");
+      "generate beam.toml --json --set state_space.tolerance=1e-9 --set "
+      "'state_space.box=[[-0.016,-0.016,-0.016],[0.016,0,0]]' -o never.states");
   INFO(never.err);
   CHECK(never.code == 1);
   CHECK(never.json()["spacing_auto"]["holds"] == false);

@@ -12,8 +12,9 @@ using forefeel::test::Workshop;
 namespace {
 
 Workshop::Outcome ranks(const Workshop& shop, int count, const std::string& arguments) {
-  return shop.shell("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun --oversubscribe -n " + std::to_string(count) +
-                    " " FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments);
+  return shop.shell(
+      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun --oversubscribe -n " +
+      std::to_string(count) + " " FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments);
 }
 
 }  // namespace
@@ -30,7 +31,8 @@ TEST_CASE("a session with its workers in other processes") {
   }
   CHECK(alone.err.find("one rank") != std::string::npos);
 
-  const Workshop::Outcome run = ranks(shop, 3, "session beam.toml --mpi --clock real --seconds 1.5 -o run --json --quiet");
+  const Workshop::Outcome run =
+      ranks(shop, 3, "session beam.toml --mpi --clock real --seconds 1.5 -o run --json --quiet");
   INFO(run.err);
   REQUIRE(run.code == 0);
   const nlohmann::json summary = run.json();
@@ -39,7 +41,8 @@ TEST_CASE("a session with its workers in other processes") {
   CHECK(summary["error"]["within_jnd"] > 0.5);
 
   // What the ranks solved, against the tight solve of one process.
-  const auto solved = shop.shell("awk -F, 'NR > 1 && NR < 12 {print $1\",\"$2\",\"$3}' run/states.csv | (echo x,y,z; cat) > points.csv");
+  const auto solved = shop.shell(
+      "awk -F, 'NR > 1 && NR < 12 {print $1\",\"$2\",\"$3}' run/states.csv | (echo x,y,z; cat) > points.csv");
   REQUIRE(solved.code == 0);
   const nlohmann::json tight = shop.forefeel("solve beam.toml --points points.csv --json").json();
   std::istringstream rows(shop.shell("tail -n +2 run/states.csv").out);
@@ -61,8 +64,11 @@ TEST_CASE("a session with its workers in other processes") {
   }
   CHECK(compared == 10);
 
-  CHECK(ranks(shop, 3, "session beam.toml --mpi --clock virtual -o other").err.find("no use under the virtual clock") != std::string::npos);
+  CHECK(ranks(shop, 3, "session beam.toml --mpi --clock virtual -o other")
+            .err.find("no use under the virtual clock") != std::string::npos);
   CHECK(ranks(shop, 2, "session nothing.toml --mpi -o other").err.find("no such file") != std::string::npos);
-  CHECK(ranks(shop, 3, "session beam.toml --mpi --clock real --workers 7 -o other").err.find("2 other ranks") != std::string::npos);
+  CHECK(
+      ranks(shop, 3, "session beam.toml --mpi --clock real --workers 7 -o other").err.find("2 other ranks") !=
+      std::string::npos);
   CHECK(shop.shell("test -e other").code != 0);
 }

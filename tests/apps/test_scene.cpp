@@ -76,14 +76,17 @@ TEST_CASE("meshes of phantoms are kept: the same bits, and damaged ones are made
   };
   CHECK(made.groups.size() == 2);
   CHECK(same(mesh_of_bytes(bytes)));
-  for (const std::size_t cut : {std::size_t{0}, std::size_t{5}, std::size_t{40}, bytes.size() / 2, bytes.size() - 1})
+  for (const std::size_t cut :
+       {std::size_t{0}, std::size_t{5}, std::size_t{40}, bytes.size() / 2, bytes.size() - 1})
     CHECK_FALSE(mesh_of_bytes(std::string_view(bytes).substr(0, cut)));
   std::string changed = bytes;
   changed[bytes.size() / 3] ^= 1;
   CHECK_FALSE(mesh_of_bytes(changed));
 
   shop.write("beam.toml", beam_scene());
-  const auto force = [&] { return shop.forefeel("solve beam.toml --at=0,0,-0.003 --json --quiet").json()["states"][0]["force"]; };
+  const auto force = [&] {
+    return shop.forefeel("solve beam.toml --at=0,0,-0.003 --json --quiet").json()["states"][0]["force"];
+  };
   const auto first = force();
   const std::string kept = shop.shell("cat ../cache/forefeel/*.mesh").out;
   CHECK(same(mesh_of_bytes(kept)));

@@ -1,11 +1,11 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "apps/console/command.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/classify/run_table.hpp"
-#include "apps/scene_input/sha256.hpp"
+#include "apps/console/command.hpp"
 #include "apps/console/suggest.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/scene_input/sha256.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/apps/executable.hpp"
 

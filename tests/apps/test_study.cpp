@@ -11,9 +11,9 @@
 #include <set>
 #include <sstream>
 
+#include "apps/picture/study_report.hpp"
 #include "apps/study/study_plan.hpp"
 #include "apps/study/study_ranking.hpp"
-#include "apps/picture/study_report.hpp"
 #include "apps/study/study_run.hpp"
 #include "apps/study/study_speed.hpp"
 #include "apps/study/study_table.hpp"
@@ -187,7 +187,8 @@ TEST_CASE("whatever contradicts itself or cannot run is one line that names the 
       {"seeds = [1]\n[vary]\n\"session.clock\" = [\"virtual\", \"real\"]\n", {"study.toml:4", "virtual"}},
       {"seeds = [1]\n[session]\nclock = \"real\"\n", {"study.toml:4: session.clock", "'virtual'"}},
       {"seeds = [1]\n[vary]\ntarget_load = [1, 0]\n", {"study.toml:4: vary.target_load", "above 0"}},
-      {"seeds = [1]\n[vary]\ntarget_load = [1, 1e9]\n", {"study.toml:4: vary.target_load", "1000000000", "at most"}},
+      {"seeds = [1]\n[vary]\ntarget_load = [1, 1e9]\n",
+       {"study.toml:4: vary.target_load", "1000000000", "at most"}},
       {"seeds = [1]\n[session]\nlatency = 10.0\n[vary]\ntarget_load = [1]\n",
        {"study.toml:6: vary.target_load", "message of 10 s"}},
       {"seeds = [1]\n[vary]\ntarget_load = [1]\ncost = [\"paper\"]\n",
@@ -226,20 +227,28 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
   folder.write("good.csv", "t,x,y,z\n0.1,0,0,0\n");
   folder.write("bad.csv", "t,x,y,z\n0.1,0,0,0\n0.2,nan,0,0\n");
   folder.write("distant.csv", "t,x,y,z\n0.1,0,0,0\n0.2,0,0,7\n");
-  const std::string vary = "seeds = [1]\n[session]\nseconds = 1.0\n[vary]\n", arrivals = "\"session.arrivals\" = ";
+  const std::string vary = "seeds = [1]\n[session]\nseconds = 1.0\n[vary]\n",
+                    arrivals = "\"session.arrivals\" = ";
   const std::vector<Bad> all{
       {vary + "policy = [\"nearest\", \"clairvoyant\"]\ndevice = [\"hand:touch,target=circle\"]\n",
        {"study.toml:6: vary.policy: ", "knows the motion"}},
-      {vary + "device = [\"path:circle\", \"trace:far.csv\"]\n", {"study.toml:6: vary.device: ", "far.csv", "from rest"}},
-      {vary + "device = [\"path:circle,amplitude=10,speed=2\"]\n", {"study.toml:6: vary.device: ", "from rest"}},
-      {vary + arrivals + "[\"good.csv\", \"bad.csv\"]\n", {"study.toml:6: vary.session.arrivals: ", "bad.csv:3", "'nan'"}},
-      {vary + arrivals + "[\"good.csv\", \"distant.csv\"]\n", {"study.toml:6: vary.session.arrivals: ", "distant.csv:3", "7 m from rest"}},
+      {vary + "device = [\"path:circle\", \"trace:far.csv\"]\n",
+       {"study.toml:6: vary.device: ", "far.csv", "from rest"}},
+      {vary + "device = [\"path:circle,amplitude=10,speed=2\"]\n",
+       {"study.toml:6: vary.device: ", "from rest"}},
+      {vary + arrivals + "[\"good.csv\", \"bad.csv\"]\n",
+       {"study.toml:6: vary.session.arrivals: ", "bad.csv:3", "'nan'"}},
+      {vary + arrivals + "[\"good.csv\", \"distant.csv\"]\n",
+       {"study.toml:6: vary.session.arrivals: ", "distant.csv:3", "7 m from rest"}},
       {vary + "\"session.latency\" = [0.0, 1e9]\n", {"study.toml:6: vary.session.latency: is 1000000000"}},
-      {"seeds = [1]\n[session]\nseconds = 1e9\n[vary]\npolicy = [\"nearest\"]\n", {"study.toml:4: session.seconds: is 1000000000"}},
-      {"seeds = [1]\n[session]\nseconds = 1e-5\n[vary]\npolicy = [\"nearest\"]\n", {"study.toml:4: session.seconds: is shorter"}},
+      {"seeds = [1]\n[session]\nseconds = 1e9\n[vary]\npolicy = [\"nearest\"]\n",
+       {"study.toml:4: session.seconds: is 1000000000"}},
+      {"seeds = [1]\n[session]\nseconds = 1e-5\n[vary]\npolicy = [\"nearest\"]\n",
+       {"study.toml:4: session.seconds: is shorter"}},
       {vary + "\"session.placement\" = [\"lattice\", \"path\"]\n\"model.neighbours\" = [25, 100000]\n",
        {"study.toml:7: vary.model.neighbours: is 100000", "GB"}},
-      {"seeds = [1]\n[session]\ndevice = \"path:circle\"\n[sustained]\ntravel = 1e6\n[vary]\npolicy = [\"nearest\"]\n",
+      {"seeds = [1]\n[session]\ndevice = \"path:circle\"\n[sustained]\ntravel = 1e6\n[vary]\npolicy = "
+       "[\"nearest\"]\n",
        {"study.toml:5: sustained: session.seconds is 2"}},
       {"seeds = [1]\n[session]\narrivals = \"good.csv\"\n[vary]\ntarget_load = [1.0]\n",
        {"study.toml:6: vary.target_load: has no effect", "study.toml:4: session.arrivals"}},
@@ -249,30 +258,42 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
        {"study.toml:6: vary.policy: has no effect", "study.toml:4: session.arrivals"}},
       {"seeds = [1]\n[session]\narrivals = \"good.csv\"\npreempt = false\n",
        {"study.toml:5: session.preempt: has no effect", "study.toml:4: session.arrivals"}},
-      {"seeds = [1]\n[session]\nrest_first = true\n[[step]]\nname = \"a\"\n\"session.arrivals\" = \"good.csv\"\n",
+      {"seeds = [1]\n[session]\nrest_first = true\n[[step]]\nname = \"a\"\n\"session.arrivals\" = "
+       "\"good.csv\"\n",
        {"study.toml:4: session.rest_first: has no effect", "study.toml:7: step.session.arrivals"}},
-      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\ndevice = \"path:press\"\n[sustained]\ntravel = 0.05\n",
+      {"seeds = [1]\n[session]\narrivals = \"good.csv\"\ndevice = \"path:press\"\n[sustained]\ntravel = "
+       "0.05\n",
        {"study.toml:6: sustained: has no effect", "study.toml:4: session.arrivals"}},
       {vary + arrivals + "[\"\"]\n", {"study.toml:6: vary.session.arrivals: is ''"}},
-      {vary + arrivals + "[\"good.csv\", \"./good.csv\"]\n", {"study.toml:6: vary.session.arrivals: ", "the same as 'good.csv'"}},
-      {vary + "device = [\"trace:good.csv,scale=0.5\", \"trace:../" + folder.path.filename().string() + "/good.csv,scale=0.5\"]\n",
+      {vary + arrivals + "[\"good.csv\", \"./good.csv\"]\n",
+       {"study.toml:6: vary.session.arrivals: ", "the same as 'good.csv'"}},
+      {vary + "device = [\"trace:good.csv,scale=0.5\", \"trace:../" + folder.path.filename().string() +
+           "/good.csv,scale=0.5\"]\n",
        {"study.toml:6: vary.device: ", "the same as 'trace:good.csv,scale=0.5'"}},
       {vary + "workers = [2, 0x2]\n", {"study.toml:6: vary.workers: holds '2' twice"}},
-      {vary + "target_load = [1, 1.0]\n", {"study.toml:6: vary.target_load: holds '1.0', which is the same as '1'"}},
+      {vary + "target_load = [1, 1.0]\n",
+       {"study.toml:6: vary.target_load: holds '1.0', which is the same as '1'"}},
       {"seeds = [1]\n[sustained]\ntravel = 0.05\n", {"study.toml:3: sustained: ", "names its speed already"}},
-      {"seeds = [1]\n[session]\ndevice = \"trace:good.csv\"\n[sustained]\n", {"study.toml:5: sustained: ", "no speed to set"}},
-      {"seeds = [1]\n[session]\ndevice = \"hand:touch,target=circle\"\n[sustained]\n", {"study.toml:5: sustained: ", "no speed to set"}},
+      {"seeds = [1]\n[session]\ndevice = \"trace:good.csv\"\n[sustained]\n",
+       {"study.toml:5: sustained: ", "no speed to set"}},
+      {"seeds = [1]\n[session]\ndevice = \"hand:touch,target=circle\"\n[sustained]\n",
+       {"study.toml:5: sustained: ", "no speed to set"}},
       {"seeds = [1]\n[session]\ndevice = \"path:press\"\n[vary]\ntarget_load = [1]\n[sustained]\n",
        {"study.toml:7: sustained: ", "study.toml:6: vary.target_load"}},
-      {"seeds = [1]\n[session]\ndevice = \"path:press\"\n[vary]\nspeed = [0.1, 1e9]\n", {"study.toml:6: vary.speed: ", "at most 1000"}},
-      {vary + "\"contact.group\" = [\"contact\", \"clamp\"]\n", {"study.toml:6: vary.contact.group: node ", "is clamped"}},
-      {"seeds = [1]\n[contact]\ngroup = \"contact\"\nnode = 3\n", {"study.toml:5: contact.node: ", "study.toml:4", "one of the two"}},
-      {"seeds = [1]\n[contact]\nradius = 0.01\n", {"study.toml:4: contact.radius: none given", "exactly one of"}},
+      {"seeds = [1]\n[session]\ndevice = \"path:press\"\n[vary]\nspeed = [0.1, 1e9]\n",
+       {"study.toml:6: vary.speed: ", "at most 1000"}},
+      {vary + "\"contact.group\" = [\"contact\", \"clamp\"]\n",
+       {"study.toml:6: vary.contact.group: node ", "is clamped"}},
+      {"seeds = [1]\n[contact]\ngroup = \"contact\"\nnode = 3\n",
+       {"study.toml:5: contact.node: ", "study.toml:4", "one of the two"}},
+      {"seeds = [1]\n[contact]\nradius = 0.01\n",
+       {"study.toml:4: contact.radius: none given", "exactly one of"}},
       {vary + "\"clamp.nodes\" = [[1]]\n", {"study.toml:6: vary.clamp.nodes: ", "on one line"}},
       {vary + "\"body.elements\" = [5]\n", {"study.toml:6: vary.body.elements: ", "cannot be met"}},
       {vary + "\"body.length\" = [0.1, 1e-300]\n", {"study.toml:6: vary.body.length: is 1e-300"}},
       {vary + "\"body.length\" = [0.1, 0.001]\n", {"study.toml:6: vary.body.length: ", "from rest"}},
-      {vary + "\"state_space.box\" = [[[0.1, 0, 0], [0, 1, 1]]]\n", {"study.toml:6: vary.state_space.box: is inverted", "[0.1, 0, 0]"}},
+      {vary + "\"state_space.box\" = [[[0.1, 0, 0], [0, 1, 1]]]\n",
+       {"study.toml:6: vary.state_space.box: is inverted", "[0.1, 0, 0]"}},
   };
   for (const Bad& bad : all) check_refused(folder, bad);
   // What the scene says is said with the scene's place.
@@ -281,46 +302,58 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
     std::string scene((std::istreambuf_iterator<char>(in)), {});
     return scene.replace(scene.find("path:press,speed=0.06"), 21, "path:circle,amplitude=9,speed=50");
   }());
-  CHECK(refusal([&] { plan_study(read_study(folder.study("seeds = [1]\n[vary]\npolicy = [\"fifo\"]\n"), {})); })
-            .find("scene.toml:12: session.device: ") != std::string::npos);
+  CHECK(refusal([&] {
+          plan_study(read_study(folder.study("seeds = [1]\n[vary]\npolicy = [\"fifo\"]\n"), {}));
+        }).find("scene.toml:12: session.device: ") != std::string::npos);
 }
 
-TEST_CASE("what a scene holds for its own runs is passed over with a warning where a study brings the arrivals") {
+TEST_CASE(
+    "what a scene holds for its own runs is passed over with a warning where a study brings the arrivals") {
   const Folder folder;
   folder.write("good.csv", "t,x,y,z\n0.1,0,0,0\n");
   const auto scene = [&](const std::string& more) {
     std::ifstream in(folder.path / "scene.toml");
     folder.write("more.toml", std::string(std::istreambuf_iterator<char>(in), {}) + more);
-    return plan_study(read_study(folder.write("s.toml", "scene = \"more.toml\"\nseeds = [1, 2]\n[vary]\n\"session.arrivals\" = [\"good.csv\"]\n"), {}));
+    return plan_study(read_study(
+        folder.write(
+            "s.toml",
+            "scene = \"more.toml\"\nseeds = [1, 2]\n[vary]\n\"session.arrivals\" = [\"good.csv\"]\n"),
+        {}));
   };
   const auto said = [](const StudyPlan& plan) {
-    return std::ranges::count_if(plan.warnings, [](const std::string& w) { return w.find("without effect") != std::string::npos; });
+    return std::ranges::count_if(
+        plan.warnings, [](const std::string& w) { return w.find("without effect") != std::string::npos; });
   };
   CHECK(said(scene("")) == 0);
   const StudyPlan plan = scene("workers = 3\npolicy = \"fifo\"\n");
   REQUIRE(said(plan) == 1);
-  CHECK_THAT(plan.warnings.back(), Catch::Contains("more.toml:14: session.workers") && Catch::Contains("more.toml:15: session.policy") &&
+  CHECK_THAT(plan.warnings.back(), Catch::Contains("more.toml:14: session.workers") &&
+                                       Catch::Contains("more.toml:15: session.policy") &&
                                        Catch::Contains("s.toml:4: vary.session.arrivals"));
 }
 
 TEST_CASE("steps that take turns among contacts keep the last one given") {
   const Folder folder;
-  const Study study = read_study(folder.study("seeds = [1]\n[[step]]\nname = \"a\"\n\"contact.node\" = 40\n[[step]]\nname = \"b\"\n"
-                                              "\"contact.group\" = \"contact\"\n"), {});
+  const Study study = read_study(
+      folder.study("seeds = [1]\n[[step]]\nname = \"a\"\n\"contact.node\" = 40\n[[step]]\nname = \"b\"\n"
+                   "\"contact.group\" = \"contact\"\n"),
+      {});
   CHECK(study.axes[0].values[0].overrides == std::vector<std::string>{"contact.node=40"});
   CHECK(study.axes[0].values[1].overrides == std::vector<std::string>{"contact.group=\"contact\""});
 }
 
 TEST_CASE("a target load is met by a hand too, whose motion answers the force") {
   const Folder folder;
-  const StudyPlan plan = plan_study(read_study(
-      folder.study("seeds = [1, 2]\n[material]\nlaw = \"linear\"\nyoung = 20000.0\n[session]\nseconds = 6.0\ndevice = \"hand:touch,target=circle\"\n"
-                   "[vary]\ntarget_load = [0.5, 1.0]\n"), {}));
+  const StudyPlan plan = plan_study(
+      read_study(folder.study("seeds = [1, 2]\n[material]\nlaw = \"linear\"\nyoung = "
+                              "20000.0\n[session]\nseconds = 6.0\ndevice = \"hand:touch,target=circle\"\n"
+                              "[vary]\ntarget_load = [0.5, 1.0]\n"),
+                 {}));
   std::vector<CellColumns> cells = run(plan, folder.path / "out", 2);
   REQUIRE(cells.size() == 4);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     CHECK(cell_number(cells[i], "load") == Approx(i < 2 ? 0.5 : 1.0).epsilon(0.05));
-    CHECK(cells[i]["cost"] != plan.cells[i].options.cost);   // that of a hand which nothing holds back
+    CHECK(cells[i]["cost"] != plan.cells[i].options.cost);  // that of a hand which nothing holds back
   }
   CHECK_FALSE(loads_missed(plan, cells));
   cells[3]["load"] = 1.2;
@@ -330,14 +363,17 @@ TEST_CASE("a target load is met by a hand too, whose motion answers the force") 
 
 TEST_CASE("values of a study stand as they were written") {
   const Folder folder;
-  const Study study = read_study(folder.study("seeds = [1]\n[vary]\n\"state_space.spacing\" = [\"auto\", 0.006, 2.0, 1e-7]\n"
-                                              "\"state_space.box\" = [[[-0.03, 0, 0], [0.1, 1, 1]]]\n"), {});
+  const Study study =
+      read_study(folder.study("seeds = [1]\n[vary]\n\"state_space.spacing\" = [\"auto\", 0.006, 2.0, 1e-7]\n"
+                              "\"state_space.box\" = [[[-0.03, 0, 0], [0.1, 1, 1]]]\n"),
+                 {});
   std::vector<std::string> shown;
   for (const StudyValue& value : study.axes[0].values) shown.push_back(value.text);
   CHECK(shown == std::vector<std::string>{"auto", "0.006", "2.0", "1e-07"});
   CHECK(study.axes[1].values[0].text == "[ [ -0.03, 0, 0 ], [ 0.1, 1, 1 ] ]");
   // A whole number by its value.
-  const Study hexadecimal = read_study(folder.study("seeds = [1]\n[vary]\nworkers = [0x2, 0b11, 1_000]\n"), {});
+  const Study hexadecimal =
+      read_study(folder.study("seeds = [1]\n[vary]\nworkers = [0x2, 0b11, 1_000]\n"), {});
   CHECK(hexadecimal.axes[0].values[0].text == "2");
   CHECK(hexadecimal.axes[0].values[0].overrides == std::vector<std::string>{"session.workers=2"});
   CHECK(hexadecimal.axes[0].values[1].text == "3");
@@ -385,7 +421,8 @@ TEST_CASE("cells share a body and differ in their keys") {
 
 TEST_CASE("--set gives what a study fixes another value, and is refused for what varies") {
   const Folder folder;
-  const auto file = folder.study("seeds = [3]\n[session]\nworkers = 3\n[vary]\npolicy = [\"fifo\", \"nearest\"]\n");
+  const auto file =
+      folder.study("seeds = [3]\n[session]\nworkers = 3\n[vary]\npolicy = [\"fifo\", \"nearest\"]\n");
   const std::vector<std::string> five{"session.workers=5"}, policy{"session.policy=\"fifo\""};
   for (const StudyCell& cell : plan_study(read_study(file, five)).cells) CHECK(cell.options.workers == 5);
   CHECK(refusal([&] { read_study(file, policy); }).find("varied") != std::string::npos);
@@ -394,21 +431,25 @@ TEST_CASE("--set gives what a study fixes another value, and is refused for what
 TEST_CASE("a target load is the load that the session measures") {
   const Folder folder;
   const StudyPlan plan = plan_study(read_study(
-      folder.study("seeds = [3]\n[session]\nseconds = 1.0\nrest_known = true\n[vary]\n"
-                   "\"session.latency\" = [0.0, 0.001]\n\"session.batch\" = [1, 3]\ntarget_load = [0.5, 2.0]\n"), {}));
+      folder.study(
+          "seeds = [3]\n[session]\nseconds = 1.0\nrest_known = true\n[vary]\n"
+          "\"session.latency\" = [0.0, 0.001]\n\"session.batch\" = [1, 3]\ntarget_load = [0.5, 2.0]\n"),
+      {}));
   REQUIRE(plan.cells.size() == 8);
   for (std::size_t i = 0; i < 8; ++i) {
     StudyCell cell = plan.cells[i];
     CHECK(cell.options.cost.starts_with("lognormal:"));
     // A fixed cost of the same mean: what is measured is then exactly what was asked for.
-    const double demand = states_needed_per_second(plan.scenes[i], cell.options), target = i % 2 == 0 ? 0.5 : 2.0;
+    const double demand = states_needed_per_second(plan.scenes[i], cell.options),
+                 target = i % 2 == 0 ? 0.5 : 2.0;
     const double b = cell.options.batch, share = cell.options.batch_share;
-    if (b > 1 && i % 2 == 1) continue;   // so few jobs that the last, cut short, counts
+    if (b > 1 && i % 2 == 1) continue;  // so few jobs that the last, cut short, counts
     const double job = target * cell.options.workers * b / demand - 2 * cell.options.latency;
     cell.options.cost = "constant:" + std::to_string(job / (1 + (b - 1) * share));
     const SessionInput input = session_input(plan.scenes[i]);
     const CellColumns columns = cell_columns(run_cell(plan, cell, input, {}), input, cell.options);
-    CHECK(cell_number(columns, "load") == Approx(target).epsilon(b > 1 ? 0.05 : 0.01));   // a batch may be cut short
+    CHECK(cell_number(columns, "load") ==
+          Approx(target).epsilon(b > 1 ? 0.05 : 0.01));  // a batch may be cut short
   }
 }
 
@@ -540,7 +581,8 @@ TEST_CASE("rankings average settings within a trace and seed, and pair") {
   // Where less is better who has less has won.
   const std::vector<Contrast> errors = contrasts(study, cells, second_metric(study));
   CHECK(errors[0].comparison.student.mean == Approx(-0.06).margin(0.003));
-  for (const auto& told : {ranking_json(study, ranked, compared)["contrasts"][0], ranking_json(study, ranked, errors)["contrasts"][0]}) {
+  for (const auto& told : {ranking_json(study, ranked, compared)["contrasts"][0],
+                           ranking_json(study, ranked, errors)["contrasts"][0]}) {
     CHECK(told["value"] == "coverage");
     CHECK(told["won"] == told["pairs"]);
     CHECK(told["lost"] == 0);
@@ -587,7 +629,8 @@ TEST_CASE(
   CHECK(document["provenance"].contains("commit"));
   const auto table = shop.shell("cat out/cells.csv");
   CHECK(std::ranges::count(table.out, '\n') == 5);
-  CHECK_THAT(shop.shell("cat out/report.html").out, Catch::Contains("logit scale") && Catch::Contains("Brown, Cai, DasGupta"));
+  CHECK_THAT(shop.shell("cat out/report.html").out,
+             Catch::Contains("logit scale") && Catch::Contains("Brown, Cai, DasGupta"));
   CHECK(shop.forefeel("study study.toml -o out --json").json()["ran"] == 0);
   CHECK(shop.shell("cat out/cells.csv").out == table.out);
 
@@ -602,13 +645,18 @@ TEST_CASE(
   CHECK(shop.forefeel("study study.toml -o out --gantt 9").code == 2);
 }
 
-TEST_CASE("forefeel study: the terminal shows the intervals of the document, and none where one pair gives none") {
+TEST_CASE(
+    "forefeel study: the terminal shows the intervals of the document, and none where one pair gives none") {
   const test::Workshop shop;
   shop.write("scene.toml", test::beam_scene("[session]\nseconds = 0.8\nrest_first = false\n"));
-  const std::string varied = "baseline = \"constant:0.02\"\n[vary]\ncost = [\"constant:0.02\", \"constant:0.3\"]\n";
-  shop.write("three.toml", "scene = \"scene.toml\"\nseeds = [1]\n" + varied +
-                               "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.03\", \"path:line,speed=0.02\"]\n");
-  shop.write("one.toml", "scene = \"scene.toml\"\nseeds = [1]\n" + varied + "device = [\"path:circle,speed=0.03\"]\n");
+  const std::string varied =
+      "baseline = \"constant:0.02\"\n[vary]\ncost = [\"constant:0.02\", \"constant:0.3\"]\n";
+  shop.write(
+      "three.toml",
+      "scene = \"scene.toml\"\nseeds = [1]\n" + varied +
+          "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.03\", \"path:line,speed=0.02\"]\n");
+  shop.write("one.toml",
+             "scene = \"scene.toml\"\nseeds = [1]\n" + varied + "device = [\"path:circle,speed=0.03\"]\n");
   const auto told = shop.forefeel("study three.toml -o three --json");
   REQUIRE(told.code == 0);
   const auto contrast = told.json()["contrasts"][0];
@@ -623,9 +671,12 @@ TEST_CASE("forefeel study: the terminal shows the intervals of the document, and
     text << std::setprecision(3) << 100 * value.get<double>();
     return text.str();
   };
-  const auto interval = [&](const char* kind) { return "[" + points(contrast[kind][0]) + ", " + points(contrast[kind][1]) + "]"; };
-  CHECK_THAT(said.out, Catch::Contains("constant:0.3 against constant:0.02: " + points(contrast["mean"]) + ", bootstrap " + interval("bootstrap") +
-                                       ", Student's " + interval("student")));
+  const auto interval = [&](const char* kind) {
+    return "[" + points(contrast[kind][0]) + ", " + points(contrast[kind][1]) + "]";
+  };
+  CHECK_THAT(said.out,
+             Catch::Contains("constant:0.3 against constant:0.02: " + points(contrast["mean"]) +
+                             ", bootstrap " + interval("bootstrap") + ", Student's " + interval("student")));
   const auto single = shop.forefeel("study one.toml -o one");
   REQUIRE(single.code == 0);
   CHECK_THAT(single.out, Catch::Contains("bootstrap none, Student's none: not shown"));
@@ -633,8 +684,10 @@ TEST_CASE("forefeel study: the terminal shows the intervals of the document, and
 
 TEST_CASE("sustained speeds: the report says what counts where not even the lowest holds") {
   const Folder folder;
-  const StudyPlan plan = plan_study(read_study(
-      folder.study("seeds = [1, 2]\n[session]\ndevice = \"path:press\"\n[vary]\npolicy = [\"nearest\", \"fifo\"]\n[sustained]\nlow = 0.02\n"), {}));
+  const StudyPlan plan =
+      plan_study(read_study(folder.study("seeds = [1, 2]\n[session]\ndevice = \"path:press\"\n[vary]\npolicy "
+                                         "= [\"nearest\", \"fifo\"]\n[sustained]\nlow = 0.02\n"),
+                            {}));
   StudyResult result;
   for (const double speed : {0.0, 0.08, 0.16, 0.16}) {
     CellColumns cell = CellColumns::object();
@@ -642,12 +695,14 @@ TEST_CASE("sustained speeds: the report says what counts where not even the lowe
     result.cells.push_back(cell);
   }
   const auto page = [&] {
-    return study_page(plan, result, rankings(plan.study, result.cells), contrasts(plan.study, result.cells, primary_metric(plan.study)));
+    return study_page(plan, result, rankings(plan.study, result.cells),
+                      contrasts(plan.study, result.cells, primary_metric(plan.study)));
   };
   const std::vector<std::string> notes = sustained_notes(plan.study, result.cells);
   REQUIRE(notes.size() == 2);
   CHECK_THAT(notes[0], Catch::Contains("at its own sustained speed"));
-  CHECK_THAT(notes[1], Catch::Contains("In 1 of 4 cells") && Catch::Contains("20 mm/s") && Catch::Contains("lower bounds"));
+  CHECK_THAT(notes[1], Catch::Contains("In 1 of 4 cells") && Catch::Contains("20 mm/s") &&
+                           Catch::Contains("lower bounds"));
   for (const std::string& note : notes) CHECK_THAT(page(), Catch::Contains(note));
   // It counts as the lowest: seed 1 is 0.16 over 0.02, seed 2 0.16 over 0.08.
   const std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
@@ -656,7 +711,8 @@ TEST_CASE("sustained speeds: the report says what counts where not even the lowe
   result.cells[0]["sustained.speed"] = 0.02;
   CHECK(sustained_notes(plan.study, result.cells).size() == 1);
   CHECK_THAT(page(), !Catch::Contains("not even the lowest"));
-  CHECK(sustained_notes(plan_study(read_study(folder.study("seeds = [1]\n"), {})).study, result.cells).empty());
+  CHECK(
+      sustained_notes(plan_study(read_study(folder.study("seeds = [1]\n"), {})).study, result.cells).empty());
 }
 
 TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {
@@ -681,9 +737,10 @@ TEST_CASE("a study that is interrupted keeps what is done, says so, and goes on 
              "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
              "\"fifo\"]\n");
   const auto cut_at = [&](int cells, const std::string& option) {
-    return shop.shell("mkdir -p out; " FOREFEEL_BINARY_DIR "/apps/forefeel study study.toml -o out --threads 1 " + option +
-                      " & p=$!; while [ $(ls out/cells 2>/dev/null | grep -c json) -lt " + std::to_string(cells) +
-                      " ] && kill -0 $p 2>/dev/null; do sleep 0.02; done; kill -INT $p; wait $p");
+    return shop.shell(
+        "mkdir -p out; " FOREFEEL_BINARY_DIR "/apps/forefeel study study.toml -o out --threads 1 " + option +
+        " & p=$!; while [ $(ls out/cells 2>/dev/null | grep -c json) -lt " + std::to_string(cells) +
+        " ] && kill -0 $p 2>/dev/null; do sleep 0.02; done; kill -INT $p; wait $p");
   };
   const auto done = [&] { return std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out); };
   const auto cut = cut_at(2, "--quiet");
@@ -693,7 +750,8 @@ TEST_CASE("a study that is interrupted keeps what is done, says so, and goes on 
   const auto first = done();
   CHECK(first >= 2);
   CHECK(first < 12);
-  CHECK_THAT(cut.err, Catch::Contains("interrupted after " + std::to_string(first) + " of 12 cells, " + std::to_string(12 - first) + " left"));
+  CHECK_THAT(cut.err, Catch::Contains("interrupted after " + std::to_string(first) + " of 12 cells, " +
+                                      std::to_string(12 - first) + " left"));
   const auto told = cut_at(static_cast<int>(first) + 2, "--json");
   CHECK(told.code == 1);
   const auto count = done();

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <random>
 
-#include "geometry/index/cone.hpp"
-#include "geometry/index/delaunay_index.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/cone.hpp"
+#include "geometry/index/delaunay_index.hpp"
 
 using namespace forefeel;
 
@@ -56,7 +56,7 @@ double brute_gamma_deg(const std::vector<Vec3>& states, const Vec3& q, double ra
         if (bottom >= offset - 1e-12) lowest = std::min(lowest, -offset);
       }
   if (lowest > 0 && lowest <= 1) return std::acos(lowest) * 180 / std::numbers::pi;
-  return 180;   // not enclosed: the exact angle is not needed
+  return 180;  // not enclosed: the exact angle is not needed
 }
 
 std::vector<Vec3> random_set(std::mt19937_64& random, int kind, std::size_t n) {
@@ -65,10 +65,11 @@ std::vector<Vec3> random_set(std::mt19937_64& random, int kind, std::size_t n) {
   std::vector<Vec3> set;
   for (std::size_t i = 0; i < n; ++i) {
     Vec3 p(uniform(random), uniform(random), uniform(random));
-    if (kind == 1) p = h * Vec3(cell(random), cell(random), cell(random));                    // lattice
-    if (kind == 2) p = h * Vec3(cell(random), cell(random), cell(random)) + 1e-4 * p;         // jittered lattice
-    if (kind == 3) p.z() = i < n / 2 ? 0.0 : p.z();                                           // a sheet and more
-    if (kind == 4) p = i % 2 ? Vec3(0.5 * h * std::round(p.x() / (0.5 * h)), p.y(), p.z()) : p;   // near cell faces
+    if (kind == 1) p = h * Vec3(cell(random), cell(random), cell(random));             // lattice
+    if (kind == 2) p = h * Vec3(cell(random), cell(random), cell(random)) + 1e-4 * p;  // jittered lattice
+    if (kind == 3) p.z() = i < n / 2 ? 0.0 : p.z();                                    // a sheet and more
+    if (kind == 4)
+      p = i % 2 ? Vec3(0.5 * h * std::round(p.x() / (0.5 * h)), p.y(), p.z()) : p;  // near cell faces
     set.push_back(p);
   }
   return set;
@@ -79,15 +80,22 @@ Vec3 random_query(std::mt19937_64& random, const std::vector<Vec3>& set) {
   std::uniform_int_distribution<std::size_t> pick(0, set.size() - 1);
   const Vec3 far = 4 * h * Vec3(uniform(random), uniform(random), uniform(random));
   switch (std::uniform_int_distribution<int>(0, 4)(random)) {
-    case 0: return set[pick(random)];                                        // at a state
-    case 1: return 0.5 * (set[pick(random)] + set[pick(random)]);            // on an edge of something
-    case 2: return (set[pick(random)] + set[pick(random)] + set[pick(random)]) / 3;
-    case 3: return set[pick(random)] + 1e-7 * far;
-    default: return far;
+    case 0:
+      return set[pick(random)];  // at a state
+    case 1:
+      return 0.5 * (set[pick(random)] + set[pick(random)]);  // on an edge of something
+    case 2:
+      return (set[pick(random)] + set[pick(random)] + set[pick(random)]) / 3;
+    case 3:
+      return set[pick(random)] + 1e-7 * far;
+    default:
+      return far;
   }
 }
 
-int rank(Label label) { return static_cast<int>(label); }
+int rank(Label label) {
+  return static_cast<int>(label);
+}
 
 }  // namespace
 
@@ -141,7 +149,7 @@ TEST_CASE("named places have the labels of the definitions") {
     const Coverage here = space.coverage(Vec3::Zero());
     CHECK(here.label == Label::sparse);
     CHECK(here.spread == Approx(h));
-    CHECK(space.label({0.4 * h, 0.1 * h, 0.1 * h}) == Label::safe);   // pi^2 = h^2 (1 - 0.18)
+    CHECK(space.label({0.4 * h, 0.1 * h, 0.1 * h}) == Label::safe);  // pi^2 = h^2 (1 - 0.18)
   }
   SECTION("one missing layer is sparse between its neighbours") {
     const StateSpace space = without([](int, int, int k) { return k == 0; });
@@ -149,8 +157,9 @@ TEST_CASE("named places have the labels of the definitions") {
     CHECK(space.label({0.3 * h, 0.2 * h, 1.4 * h}) == Label::safe);
   }
   SECTION("a 3 x 3 x 3 hole is a gap at its centre") {
-    const StateSpace space =
-        without([](int i, int j, int k) { return std::max({std::abs(i), std::abs(j), std::abs(k)}) <= 1; });
+    const StateSpace space = without([](int i, int j, int k) {
+      return std::max({std::abs(i), std::abs(j), std::abs(k)}) <= 1;
+    });
     const Coverage here = space.coverage(Vec3::Zero());
     CHECK(here.label == Label::gap);
     CHECK(here.delta == Approx(2 * h));
@@ -195,7 +204,8 @@ TEST_CASE("degenerate sets are never safe") {
   }
   SECTION("collinear rows and coplanar sheets, along the axes and oblique") {
     for (const bool oblique : {false, true}) {
-      const Mat3 turn = oblique ? Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix() : Mat3::Identity();
+      const Mat3 turn =
+          oblique ? Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix() : Mat3::Identity();
       for (const int sheet : {0, 1}) {
         std::vector<Vec3> set;
         for (int i = -4; i <= 4; ++i)
@@ -323,7 +333,8 @@ TEST_CASE("nearest and within are exact, ties by id") {
       for (std::uint32_t id = 0; id < space.size(); ++id) all.push_back(space[{id}].at);
       const Vec3 q = random_query(random, all);
       std::vector<std::pair<double, std::uint32_t>> sorted;
-      for (std::uint32_t id = 0; id < space.size(); ++id) sorted.emplace_back((all[id] - q).squaredNorm(), id);
+      for (std::uint32_t id = 0; id < space.size(); ++id)
+        sorted.emplace_back((all[id] - q).squaredNorm(), id);
       std::sort(sorted.begin(), sorted.end());
       space.nearest(q, 30, found);
       REQUIRE(found.size() == std::min<std::size_t>(30, space.size()));

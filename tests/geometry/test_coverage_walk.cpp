@@ -6,15 +6,15 @@
 #include <cmath>
 #include <random>
 
-#include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/fill_distance.hpp"
-#include "geometry/index/local_spread.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/adaptive_lattice.hpp"
+#include "geometry/index/local_spread.hpp"
 
 using namespace forefeel;
 
@@ -36,7 +36,8 @@ std::vector<Vec3> field(int kind, std::mt19937_64& random) {
     for (int j = -3; j <= 3; ++j)
       for (int i = -3; i <= 3; ++i) {
         const Vec3 noise(uniform(random), uniform(random), uniform(random));
-        all.push_back(kind == 2 ? Vec3(3.4 * h * noise) : Vec3(h * Vec3(i, j, k) + (kind == 0 ? 0.2 : 0.0) * h * noise));
+        all.push_back(kind == 2 ? Vec3(3.4 * h * noise)
+                                : Vec3(h * Vec3(i, j, k) + (kind == 0 ? 0.2 : 0.0) * h * noise));
       }
   return all;
 }
@@ -58,13 +59,15 @@ TEST_CASE("labels along a path equal labels asked one by one, while states arriv
         const StateId id = space.insert(state_at(p)).id;
         octree.insert(id, p);
         known.push_back(id);
-        if (known.size() % 11 == 0) {   // the octree forgets one
+        if (known.size() % 11 == 0) {  // the octree forgets one
           REQUIRE(octree.erase(known.front()));
           octree.insert(known.front(), space[known.front()].at);
         }
         for (int i = 0; i < 12; ++i, s += 0.004) {
-          const Vec3 q = i % 5 == 4 ? Vec3(h * Vec3(std::round(2 * std::sin(s)), std::round(2 * std::cos(s)), 0))
-                                    : Vec3(3.6 * h * Vec3(std::sin(s), std::sin(1.3 * s + 0.4), std::sin(0.7 * s + 1.1)));
+          const Vec3 q =
+              i % 5 == 4
+                  ? Vec3(h * Vec3(std::round(2 * std::sin(s)), std::round(2 * std::cos(s)), 0))
+                  : Vec3(3.6 * h * Vec3(std::sin(s), std::sin(1.3 * s + 0.4), std::sin(0.7 * s + 1.1)));
           REQUIRE(space.label(q, walk) == space.coverage(q).label);
           REQUIRE(octree.label(q, counted) == octree.coverage(q).label);
         }
@@ -105,11 +108,14 @@ TEST_CASE("the spread over the states around equals that of the Delaunay cell wh
       for (int i = 0; i < 1200; ++i) {
         const Vec3 q = 3.2 * h * Vec3(uniform(random), uniform(random), uniform(random));
         std::vector<Vec3> offsets;
-        points.for_each_within(q, 1.45 * h, [&](std::uint32_t, const Vec3& d, double) { offsets.push_back(d); });
+        points.for_each_within(q, 1.45 * h,
+                               [&](std::uint32_t, const Vec3& d, double) { offsets.push_back(d); });
         std::shuffle(offsets.begin(), offsets.end(), random);
         const LocalSpread local = least_spread(offsets, h);
         const Spread whole = delaunay.spread(q, {});
-        const bool near = whole.inside && std::ranges::all_of(whole.at, [&](const Vec3& p) { return (p - q).norm() <= 1.45 * h; });
+        const bool near = whole.inside && std::ranges::all_of(whole.at, [&](const Vec3& p) {
+                            return (p - q).norm() <= 1.45 * h;
+                          });
         if (near) {
           REQUIRE(local.spread == Approx(whole.spread).epsilon(1e-8));
           ++equal;
@@ -132,7 +138,8 @@ TEST_CASE("what the octree calls safe the triangulation calls safe") {
       std::mt19937_64 random(7);
       std::uniform_real_distribution<double> uniform(0, 1);
       for (int i = 0; i < 1500; ++i) {
-        const Vec3 q = setup.box.low + setup.box.size().cwiseProduct(Vec3(uniform(random), uniform(random), uniform(random)));
+        const Vec3 q = setup.box.low +
+                       setup.box.size().cwiseProduct(Vec3(uniform(random), uniform(random), uniform(random)));
         if (octree.label(q) == Label::safe) REQUIRE(space.label(q) == Label::safe);
       }
     }
@@ -153,12 +160,14 @@ TEST_CASE("on an adaptive lattice labels and regions use h(q), and regions follo
     if (i % 60 == 0) space.regions().settle();
     if (i % 90 != 0 && i + 1 != points.size()) continue;
     const RegionSummary grown = space.regions().summary();
-    const RegionSummary sampled = sample_regions(box, h, 2 * h, [&](const Vec3& q) { return space.label(q); });
-    for (std::size_t label = 0; label < 4; ++label) REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-15));
+    const RegionSummary sampled =
+        sample_regions(box, h, 2 * h, [&](const Vec3& q) { return space.label(q); });
+    for (std::size_t label = 0; label < 4; ++label)
+      REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-15));
   }
   CHECK(space.spacing_at({-h, -h, -h}) == Approx(2 * h));
   CHECK(space.spacing_at({3.5 * h, 3.5 * h, 3.5 * h}) == Approx(h));
-  CHECK(space.regions().volumes()[0] == Approx(box.size().prod()));   // every place as dense as asked
+  CHECK(space.regions().volumes()[0] == Approx(box.size().prod()));  // every place as dense as asked
   const Vec3 coarse(-2.9 * h, -3.1 * h, -2.8 * h);
   CHECK(space.label(coarse) == Label::safe);
   StateSpace strict({.spacing = h, .box = box});
@@ -179,7 +188,8 @@ TEST_CASE("the lattice of states that name their spacings is the one they came f
   REQUIRE(found);
   const auto a = made.leaves(), b = found->leaves();
   REQUIRE(a.size() == b.size());
-  for (const LatticeLeaf& leaf : a) REQUIRE(found->leaf_at(leaf.box.centre()).spacing == Approx(leaf.spacing));
+  for (const LatticeLeaf& leaf : a)
+    REQUIRE(found->leaf_at(leaf.box.centre()).spacing == Approx(leaf.spacing));
   for (State& s : states) s.spacing = h;
   CHECK_FALSE(lattice_of(states, box));
 }
@@ -203,7 +213,7 @@ TEST_CASE("bridges have as many sides as areas they meet") {
   CHECK(two[0].direction.x() == Approx(1).epsilon(1e-3));
   CHECK(two[1].direction.x() == Approx(-1).epsilon(1e-3));
   CHECK(two[0].distance == Approx(3 * h));
-  CHECK(two[0].half_angle_deg == Approx(68).margin(4));   // acos(3 / 8)
+  CHECK(two[0].half_angle_deg == Approx(68).margin(4));  // acos(3 / 8)
   CHECK(two[0].states + two[1].states == offsets.size());
   // All round a hole of 3 x 3 x 3: one side that has no end.
   offsets.clear();
@@ -228,7 +238,8 @@ TEST_CASE("the largest distance is bracketed, exactly where it may take its time
   double sampled = 0;
   for (int k = 0; k <= 40; ++k)
     for (int j = 0; j <= 40; ++j)
-      for (int i = 0; i <= 40; ++i) sampled = std::max(sampled, delta(Vec3(-1, -1, -1) + 0.05 * Vec3(i, j, k)));
+      for (int i = 0; i <= 40; ++i)
+        sampled = std::max(sampled, delta(Vec3(-1, -1, -1) + 0.05 * Vec3(i, j, k)));
   const FillDistance fill = largest_distance(delta, box, 0, 1e-4, 10'000'000);
   CHECK(fill.reached >= sampled - 1e-4);
   CHECK(fill.reached <= sampled + 0.05 * std::sqrt(3.0) / 2);

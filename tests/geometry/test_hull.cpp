@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
-#include "geometry/index/delaunay_index.hpp"
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/delaunay_index.hpp"
 
 using namespace forefeel;
 
@@ -30,7 +30,9 @@ StateSpace space_of(const std::vector<Vec3>& positions, const Box& box = {}) {
 
 Mat3 turn(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  return Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized().toRotationMatrix();
+  return Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+      .normalized()
+      .toRotationMatrix();
 }
 
 // Part of a lattice: whole, thinned, a slab, a wedge with oblique faces, a sheet, two sheets.
@@ -40,7 +42,7 @@ std::vector<Vec3> lattice_part(std::mt19937_64& random, int kind) {
   for (int k = -3; k <= 3; ++k)
     for (int j = -3; j <= 3; ++j)
       for (int i = -3; i <= 3; ++i) {
-        const bool known = kind == 0 ? uniform(random) < 0.4
+        const bool known = kind == 0   ? uniform(random) < 0.4
                            : kind == 1 ? i <= 0
                            : kind == 2 ? i + j + k <= 1
                            : kind == 3 ? k == 0
@@ -108,7 +110,8 @@ TEST_CASE("in a turned lattice neither order nor a far state takes a label away"
       std::vector<Vec3> set = lattice_part(random, round % 6), queries;
       const Mat3 r = turn(random);
       for (Vec3& p : set) p = r * p;
-      for (int i = 0; i < 60; ++i) queries.push_back(i % 3 ? Vec3(r * lattice_query(random)) : set[random() % set.size()]);
+      for (int i = 0; i < 60; ++i)
+        queries.push_back(i % 3 ? Vec3(r * lattice_query(random)) : set[random() % set.size()]);
       std::vector<Vec3> shuffled = set;
       std::shuffle(shuffled.begin(), shuffled.end(), random);
       StateSpace space = space_of(set);
@@ -118,7 +121,8 @@ TEST_CASE("in a turned lattice neither order nor a far state takes a label away"
         before.push_back(space.coverage(q));
         const Coverage again = other.coverage(q);
         REQUIRE(std::isfinite(again.spread) == std::isfinite(before.back().spread));
-        if (std::isfinite(again.spread)) REQUIRE(again.spread == Approx(before.back().spread).epsilon(1e-7).margin(1e-9 * h));
+        if (std::isfinite(again.spread))
+          REQUIRE(again.spread == Approx(before.back().spread).epsilon(1e-7).margin(1e-9 * h));
         if (!undecided(again)) REQUIRE(again.label == before.back().label);
       }
       for (const double far : {5 * h, 40 * h, 1.0}) {
@@ -149,7 +153,7 @@ TEST_CASE("a place outside the hull is outside, however little") {
     std::vector<Vec3> set;
     for (const Vec3& p : slab) set.push_back(r * p);
     const StateSpace space = space_of(set);
-    for (const double beyond : {1e-11, 1e-9, 1e-6, 1e-3}) {   // in spacings
+    for (const double beyond : {1e-11, 1e-9, 1e-6, 1e-3}) {  // in spacings
       CHECK(std::isinf(space.coverage(r * (h * Vec3(beyond, 0.3, 0.2))).spread));
       CHECK(std::isfinite(space.coverage(r * (h * Vec3(-beyond, 0.3, 0.2))).spread));
     }
@@ -178,13 +182,17 @@ TEST_CASE("regions hold where the box cuts their cubes off") {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> uniform(0.2, 2.6);
   for (int round = 0; round < 150; ++round) {
-    const Box box{-h * Vec3(uniform(random), uniform(random), uniform(random)), h * Vec3(uniform(random), uniform(random), uniform(random))};
+    const Box box{-h * Vec3(uniform(random), uniform(random), uniform(random)),
+                  h * Vec3(uniform(random), uniform(random), uniform(random))};
     std::vector<Vec3> set{Vec3::Zero()};
-    for (int i = 0; i < round % 4; ++i) set.push_back(h * Vec3(uniform(random), uniform(random), uniform(random)) - Vec3::Constant(h));
+    for (int i = 0; i < round % 4; ++i)
+      set.push_back(h * Vec3(uniform(random), uniform(random), uniform(random)) - Vec3::Constant(h));
     const StateSpace space = space_of(set, box);
     const RegionSummary grown = space.regions().summary();
-    const RegionSummary sampled = sample_regions(box, h, 2 * h, [&](const Vec3& q) { return space.label(q); });
-    for (std::size_t label = 0; label < 4; ++label) REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-12 * h * h * h));
+    const RegionSummary sampled =
+        sample_regions(box, h, 2 * h, [&](const Vec3& q) { return space.label(q); });
+    for (std::size_t label = 0; label < 4; ++label)
+      REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-12 * h * h * h));
     REQUIRE(grown.leaves.size() == sampled.leaves.size());
   }
 }
@@ -198,7 +206,7 @@ TEST_CASE("regions of a lattice that fills in any order heal everywhere") {
       std::vector<Vec3> all = lattice(box, spacing);
       if (seed == 1) {
         std::shuffle(all.begin(), all.end(), random);
-      } else {   // outward, with some disorder, as sessions solve them
+      } else {  // outward, with some disorder, as sessions solve them
         std::uniform_real_distribution<double> uniform(0, 0.5 * double(seed) * spacing);
         std::vector<std::pair<double, Vec3>> keyed;
         for (const Vec3& p : all) keyed.emplace_back(p.norm() + uniform(random), p);
@@ -214,7 +222,8 @@ TEST_CASE("regions of a lattice that fills in any order heal everywhere") {
         if (n % 4 == 0) space.regions().settle();
         if (n % 49 != 0 && n + 1 != all.size()) continue;
         const RegionSummary grown = space.regions().summary();
-        const RegionSummary sampled = sample_regions(box, spacing, 2 * spacing, [&](const Vec3& q) { return space.label(q); });
+        const RegionSummary sampled =
+            sample_regions(box, spacing, 2 * spacing, [&](const Vec3& q) { return space.label(q); });
         for (std::size_t label = 0; label < 4; ++label)
           REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-15));
       }

@@ -61,7 +61,7 @@ TEST_CASE("a written mesh is read back bit for bit") {
   CHECK(again.nodes == mesh.nodes);
   CHECK(again.tets == mesh.tets);
   for (const auto& [name, nodes] : mesh.groups) CHECK(again.groups.at(name) == nodes);
-  CHECK(folder.entries() == 1);     // no temporary file is left
+  CHECK(folder.entries() == 1);  // no temporary file is left
 }
 
 TEST_CASE("a mesh file cut at any byte is refused in one line, or still a valid mesh") {
@@ -100,8 +100,10 @@ TEST_CASE("mesh errors name file and line") {
   CHECK(error_of(folder / "absent.msh").find("absent.msh: cannot be read") != std::string::npos);
   CHECK(error_of(folder.write("empty.msh", "")).find("empty.msh: is empty") != std::string::npos);
   CHECK(error_of(folder.path()).find("unknown kind of mesh") != std::string::npos);
-  CHECK(error_of(folder.write("what.stl", "solid")).find("expected .msh, .vtk, .vtu or .mesh") != std::string::npos);
-  CHECK(error_of(folder.write("hello.msh", "hello")).find("hello.msh:1: is not a Gmsh file") != std::string::npos);
+  CHECK(error_of(folder.write("what.stl", "solid")).find("expected .msh, .vtk, .vtu or .mesh") !=
+        std::string::npos);
+  CHECK(error_of(folder.write("hello.msh", "hello")).find("hello.msh:1: is not a Gmsh file") !=
+        std::string::npos);
   CHECK(changed("1.25", "one").find("bad.msh:12: 'one' is not a number") != std::string::npos);
   CHECK(changed("1.25", "nan").find("not finite") != std::string::npos);
   CHECK(changed(" 13 ", " 14 ").find("names node 14, which is not in $Nodes") != std::string::npos);
@@ -109,7 +111,9 @@ TEST_CASE("mesh errors name file and line") {
   CHECK(changed(" 4 2 1 1", " 5 2 1 1").find("is not a linear tetrahedron") != std::string::npos);
   CHECK(changed("$Nodes\n6", "$Nodes\n999999999").find("cut short") != std::string::npos);
   CHECK(changed("$Nodes\n6", "$Nodes\n-6").find("negative") != std::string::npos);
-  const std::string no_tets = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 15 2 0 1 1\n$EndElements\n";
+  const std::string no_tets =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 15 2 0 1 "
+      "1\n$EndElements\n";
   CHECK(error_of(folder.write("points.msh", no_tets)).find("holds no tetrahedra") != std::string::npos);
 }
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "geometry/common/error.hpp"
-#include "geometry/meshing/phantom.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/meshing/phantom.hpp"
 #include "tests/support/mesh_samples.hpp"
 
 using namespace forefeel;
@@ -35,7 +35,8 @@ TEST_CASE("volume and dihedral angles of known tetrahedra") {
   corner.tets = {{0, 1, 2, 3}};
   CHECK(tet_volume(corner, 0) == Approx(1.0 / 6).epsilon(1e-15));
   CHECK(quality(corner).max_dihedral_deg == Approx(90).epsilon(1e-13));
-  CHECK(quality(corner).min_dihedral_deg == Approx(std::atan(std::sqrt(2.0)) * 180 / std::numbers::pi).epsilon(1e-13));
+  CHECK(quality(corner).min_dihedral_deg ==
+        Approx(std::atan(std::sqrt(2.0)) * 180 / std::numbers::pi).epsilon(1e-13));
 }
 
 TEST_CASE("boundary triangles close the body and face outward") {
@@ -47,10 +48,12 @@ TEST_CASE("boundary triangles close the body and face outward") {
     double volume = 0;
     std::set<std::pair<NodeIndex, NodeIndex>> edges;
     for (const auto& [a, b, c] : triangles) {
-      const Vec3 &p = mesh.nodes[std::size_t(a)], &q = mesh.nodes[std::size_t(b)], &r = mesh.nodes[std::size_t(c)];
+      const Vec3 &p = mesh.nodes[std::size_t(a)], &q = mesh.nodes[std::size_t(b)],
+                 &r = mesh.nodes[std::size_t(c)];
       area += (q - p).cross(r - p) / 2;
       volume += p.dot(q.cross(r)) / 6;
-      for (const auto& edge : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) CHECK(edges.insert(edge).second);
+      for (const auto& edge : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+        CHECK(edges.insert(edge).second);
     }
     for (const auto& [a, b] : edges) CHECK(edges.contains({b, a}));
     CHECK(area.norm() < 1e-15);
@@ -107,11 +110,12 @@ TEST_CASE("checks do not depend on the unit of length") {
 TEST_CASE("node sets by geometry") {
   const TetMesh beam = phantom("beam");
   const std::vector<NodeIndex> root = nodes_below(beam, Axis::x, 0.051);
-  CHECK(root.size() == 50);     // two of 21 layers of 25
+  CHECK(root.size() == 50);  // two of 21 layers of 25
   for (const NodeIndex node : root) CHECK(beam.nodes[std::size_t(node)].x() <= 0.1 * 0.051);
   const Vec3 tip(0.1, 0.01, 0.01);
   const NodeIndex nearest = nearest_surface_node(beam, tip);
   CHECK((beam.nodes[std::size_t(nearest)] - tip).norm() < 1e-12);
-  for (const NodeIndex node : surface_nodes_within(beam, tip, 0.006)) CHECK((beam.nodes[std::size_t(node)] - tip).norm() <= 0.006);
+  for (const NodeIndex node : surface_nodes_within(beam, tip, 0.006))
+    CHECK((beam.nodes[std::size_t(node)] - tip).norm() <= 0.006);
   CHECK(surface_nodes_within(beam, tip, 0.0051).size() == 5);
 }

@@ -47,7 +47,8 @@ for mode in ('Ascii', 'Binary', 'Appended'):
                 w.SetInputData(grid)
                 assert w.Write()
 )");
-  const int status = std::system(("/usr/bin/python3 " + script.string() + " " + folder.path().string() + " 2>/dev/null").c_str());
+  const int status = std::system(
+      ("/usr/bin/python3 " + script.string() + " " + folder.path().string() + " 2>/dev/null").c_str());
   if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) {
     WARN("python3-vtk9 is not installed, VTK's writers not asked");
     return;
@@ -61,8 +62,10 @@ for mode in ('Ascii', 'Binary', 'Appended'):
     INFO(name);
     const TetMesh mesh = read_mesh(entry.path());
     REQUIRE(mesh.nodes.size() == expected.nodes.size());
-    const double tolerance = name.find("_Ascii") != std::string::npos || name.ends_with("_0.vtk") ? 1e-9 : 0;   // printed digits
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) CHECK((mesh.nodes[i] - expected.nodes[i]).norm() <= tolerance);
+    const double tolerance =
+        name.find("_Ascii") != std::string::npos || name.ends_with("_0.vtk") ? 1e-9 : 0;  // printed digits
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
+      CHECK((mesh.nodes[i] - expected.nodes[i]).norm() <= tolerance);
     CHECK(mesh.tets == expected.tets);
     ++files;
   }

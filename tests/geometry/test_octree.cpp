@@ -46,7 +46,8 @@ TEST_CASE("states erased from the octree are gone, those left are found") {
   OctreeIndex octree(h);
   std::map<std::uint32_t, Vec3> kept;
   for (std::uint32_t id = 0; id < 3000; ++id) {
-    const Vec3 p = id % 10 == 9 ? kept.begin()->second : Vec3(uniform(random), uniform(random), uniform(random));
+    const Vec3 p =
+        id % 10 == 9 ? kept.begin()->second : Vec3(uniform(random), uniform(random), uniform(random));
     octree.insert({id}, p);
     kept[id] = p;
     if (id % 3 == 2) {
@@ -104,7 +105,8 @@ TEST_CASE("an unrefined lattice proposes {k h} around rest, without what is know
   octree.insert({0}, Vec3::Zero());
   CHECK(octree.proposals().size() == 124);
   octree.lattice()->refine([](const LatticeLeaf& leaf) { return leaf.box.low.x() >= 0 ? 0.5 * h : h; }, 1);
-  for (const auto& proposal : octree.proposals()) octree.insert({1000 + static_cast<std::uint32_t>(octree.size())}, proposal.at);
+  for (const auto& proposal : octree.proposals())
+    octree.insert({1000 + static_cast<std::uint32_t>(octree.size())}, proposal.at);
   CHECK(octree.proposals().empty());
   CHECK(octree.label({0.0076, 0.0011, 0.0013}) == Label::safe);
 }

@@ -14,7 +14,9 @@ TEST_CASE("phantoms meet the asked count and pass the checks") {
     for (const std::size_t elements : {0ul, 600ul, 3000ul, 9000ul}) {
       INFO(name << " " << elements);
       TetMesh mesh = phantom(name, elements);
-      const double asked = elements != 0 ? double(elements) : name == "liver" ? 1777 : double(mesh.tets.size());
+      const double asked = elements != 0     ? double(elements)
+                           : name == "liver" ? 1777
+                                             : double(mesh.tets.size());
       CHECK(std::abs(double(mesh.tets.size()) / asked - 1) <= 0.05);
       CHECK(check_and_orient(mesh, name).warnings.empty());
       CHECK(quality(mesh).min_dihedral_deg > 7);
@@ -33,11 +35,13 @@ TEST_CASE("the liver is 22 cm long, held below and touched on top of its thick l
   CHECK(longest_side(mesh) == Approx(0.22).epsilon(1e-9));
   const Vec3 tip = phantom_tip("liver");
   const Vec3 nearest = mesh.nodes[std::size_t(nearest_surface_node(mesh, tip))];
-  CHECK((nearest - tip).norm() < 1e-9);                       // a node lies on the tip
+  CHECK((nearest - tip).norm() < 1e-9);  // a node lies on the tip
   CHECK(box.high.z() - tip.z() < 0.002);
-  CHECK(tip.z() - box.low.z() > 2 * 0.036);                   // a press of 3.6 cm leaves more than half
-  for (const NodeIndex node : mesh.groups.at("clamp")) CHECK(mesh.nodes[std::size_t(node)].z() < box.low.z() + 0.03);
-  for (const NodeIndex node : mesh.groups.at("contact")) CHECK((mesh.nodes[std::size_t(node)] - tip).norm() <= 0.02);
+  CHECK(tip.z() - box.low.z() > 2 * 0.036);  // a press of 3.6 cm leaves more than half
+  for (const NodeIndex node : mesh.groups.at("clamp"))
+    CHECK(mesh.nodes[std::size_t(node)].z() < box.low.z() + 0.03);
+  for (const NodeIndex node : mesh.groups.at("contact"))
+    CHECK((mesh.nodes[std::size_t(node)] - tip).norm() <= 0.02);
   CHECK(mesh.groups.at("contact").size() >= 5);
 }
 
@@ -52,7 +56,8 @@ TEST_CASE("volumes against exact ones") {
   CHECK(quality(phantom("slab")).volume == Approx(1.6e-3).epsilon(1e-12));
   // An inscribed polyhedron misses the ball by O(h^2): eight times the elements, a quarter of the error.
   const double exact = 4.0 / 3 * std::numbers::pi * std::pow(0.05, 3);
-  const double coarse = 1 - quality(phantom("ball", 1000)).volume / exact, fine = 1 - quality(phantom("ball", 8000)).volume / exact;
+  const double coarse = 1 - quality(phantom("ball", 1000)).volume / exact,
+               fine = 1 - quality(phantom("ball", 8000)).volume / exact;
   CHECK(coarse > 0);
   CHECK(fine > 0);
   CHECK(coarse / fine == Approx(4).epsilon(0.2));

@@ -29,9 +29,10 @@ bool same_leaves(const RegionSummary& a, const RegionSummary& b) {
 std::vector<Vec3> positions(int kind, const Box& box, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<Vec3> all = lattice(box, h);
-  if (kind == 1)   // scattered
-    for (Vec3& p : all) p = box.low + box.size().cwiseProduct(Vec3(uniform(random), uniform(random), uniform(random)));
-  if (kind == 2)   // two clusters with nothing between, and a few in the middle
+  if (kind == 1)  // scattered
+    for (Vec3& p : all)
+      p = box.low + box.size().cwiseProduct(Vec3(uniform(random), uniform(random), uniform(random)));
+  if (kind == 2)  // two clusters with nothing between, and a few in the middle
     for (Vec3& p : all)
       if (std::abs(p.x()) < 0.018) p *= 0.2;
   std::shuffle(all.begin(), all.end(), random);
@@ -61,7 +62,8 @@ TEST_CASE("regions that grew with the states equal regions made at once, voxel b
       REQUIRE(same_leaves(a, b));
       REQUIRE(grown.regions().pending() == 0);
       // The same leaves by labelling every voxel, without bounds or history.
-      const RegionSummary sampled = sample_regions(box, h, 2 * h, [&](const Vec3& q) { return fresh.label(q); });
+      const RegionSummary sampled =
+          sample_regions(box, h, 2 * h, [&](const Vec3& q) { return fresh.label(q); });
       REQUIRE(same_leaves(a, sampled));
       for (std::size_t i = 0; i < 4; ++i) {
         REQUIRE(a.volume[i] == Approx(sampled.volume[i]).margin(1e-15));
@@ -84,7 +86,8 @@ TEST_CASE("a gap names the safe components on both sides; holes have their size"
   for (const RegionComponent& c : regions.components)
     if (c.label == Label::gap && c.safe_neighbours.size() == 2) bridge = true;
   CHECK(bridge);
-  for (const RegionLeaf& leaf : regions.leaves) REQUIRE(space.regions().label_at(leaf.box.centre()) == leaf.label);
+  for (const RegionLeaf& leaf : regions.leaves)
+    REQUIRE(space.regions().label_at(leaf.box.centre()) == leaf.label);
   // Midway between the slabs, over the middle of a lattice square: sqrt(24^2 + 3^2 + 3^2) mm.
   const auto hole = space.regions().largest_hole();
   REQUIRE(hole);

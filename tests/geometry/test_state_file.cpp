@@ -39,22 +39,31 @@ State state(int i, bool full = true) {
   s.force = {uniform(random), uniform(random), uniform(random)};
   if (!full) return s;
   for (int k = 0; k < 9; ++k) s.stiffness(k / 3, k % 3) = 100 * uniform(random);
-  s.energy = uniform(random), s.spacing = 0.012, s.status = SolveStatus::converged, s.multivalued = i % 2 == 1;
+  s.energy = uniform(random), s.spacing = 0.012, s.status = SolveStatus::converged,
+  s.multivalued = i % 2 == 1;
   s.iterations = i, s.residual = 1e-11, s.seconds = 0.004, s.min_jacobian = 0.7;
   s.parent = {0.1, 0.2, uniform(random)};
-  if (i % 3 == 0) s.displacements = std::make_shared<const std::vector<double>>(std::vector<double>{1, 2, 3, uniform(random), 5, 6});
+  if (i % 3 == 0)
+    s.displacements =
+        std::make_shared<const std::vector<double>>(std::vector<double>{1, 2, 3, uniform(random), 5, 6});
   return s;
 }
 
-bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-bool same(const Vec3& a, const Vec3& b) { return same(a[0], b[0]) && same(a[1], b[1]) && same(a[2], b[2]); }
+bool same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+bool same(const Vec3& a, const Vec3& b) {
+  return same(a[0], b[0]) && same(a[1], b[1]) && same(a[2], b[2]);
+}
 
 bool same(const State& a, const State& b) {
   for (int k = 0; k < 9; ++k)
     if (!same(a.stiffness(k / 3, k % 3), b.stiffness(k / 3, k % 3))) return false;
-  const bool displaced = a.displacements ? b.displacements && *a.displacements == *b.displacements : !b.displacements;
-  return same(a.at, b.at) && same(a.force, b.force) && same(a.energy, b.energy) && same(a.spacing, b.spacing) && a.status == b.status &&
-         a.multivalued == b.multivalued && a.iterations == b.iterations && same(a.residual, b.residual) && same(a.seconds, b.seconds) &&
+  const bool displaced =
+      a.displacements ? b.displacements && *a.displacements == *b.displacements : !b.displacements;
+  return same(a.at, b.at) && same(a.force, b.force) && same(a.energy, b.energy) &&
+         same(a.spacing, b.spacing) && a.status == b.status && a.multivalued == b.multivalued &&
+         a.iterations == b.iterations && same(a.residual, b.residual) && same(a.seconds, b.seconds) &&
          same(a.min_jacobian, b.min_jacobian) && same(a.parent, b.parent) && displaced;
 }
 
@@ -92,7 +101,7 @@ TEST_CASE("states come back bit for bit, in order, with header") {
     file.append(std::span(all).subspan(20));
     CHECK(file.size() == 50);
   }
-  CHECK(folder.entries() == 1);      // log, shared memory and lock are gone
+  CHECK(folder.entries() == 1);  // log, shared memory and lock are gone
   const StateFile file = StateFile::open_read_only(folder / "s.states");
   CHECK(file.header().identity == header().identity);
   CHECK(file.header().notes == header().notes);
@@ -111,12 +120,17 @@ TEST_CASE("the columns are plain, unknown values are NULL") {
   REQUIRE(sqlite3_open((folder / "s.states").c_str(), &database) == SQLITE_OK);
   std::string seen;
   const auto row = [](void* out, int n, char** text, char**) {
-    for (int i = 0; i < n; ++i) *static_cast<std::string*>(out) += std::string(text[i] ? text[i] : "NULL") + " ";
+    for (int i = 0; i < n; ++i)
+      *static_cast<std::string*>(out) += std::string(text[i] ? text[i] : "NULL") + " ";
     return 0;
   };
-  sqlite3_exec(database, "SELECT id, status, typeof(k11), typeof(k33), typeof(energy), typeof(displacements) FROM states", row, &seen, nullptr);
+  sqlite3_exec(
+      database,
+      "SELECT id, status, typeof(k11), typeof(k33), typeof(energy), typeof(displacements) FROM states", row,
+      &seen, nullptr);
   sqlite3_exec(database, "PRAGMA journal_mode", row, &seen, nullptr);
-  sqlite3_exec(database, "SELECT count(*) FROM states WHERE fx*fx + fy*fy + fz*fz > 0 AND k12 IS NOT k21", row, &seen, nullptr);
+  sqlite3_exec(database, "SELECT count(*) FROM states WHERE fx*fx + fy*fy + fz*fz > 0 AND k12 IS NOT k21",
+               row, &seen, nullptr);
   sqlite3_close(database);
   CHECK(seen == "1 converged real real real null 2 measured null null null null wal 1 ");
 }
@@ -137,9 +151,12 @@ TEST_CASE("a row that is not what was written is left out, said, and taken out o
   StateFile::open_or_create(file, header()).append(all);
   CHECK(StateFile::open_read_only(file).damaged() == 0);
   // One bit of each kind of value, and a word that is no status any more.
-  const char* const changes[] = {"UPDATE states SET x = x + 1e-17 + 1e-15 * abs(x) WHERE id = 2", "UPDATE states SET k23 = k23 * (1 + 2.3e-16) WHERE id = 5",
-                                 "UPDATE states SET iterations = iterations + 1 WHERE id = 7", "UPDATE states SET multivalued = 1 - multivalued WHERE id = 11",
-                                 "UPDATE states SET energy = NULL WHERE id = 13", "UPDATE states SET status = 'convergee' WHERE id = 17",
+  const char* const changes[] = {"UPDATE states SET x = x + 1e-17 + 1e-15 * abs(x) WHERE id = 2",
+                                 "UPDATE states SET k23 = k23 * (1 + 2.3e-16) WHERE id = 5",
+                                 "UPDATE states SET iterations = iterations + 1 WHERE id = 7",
+                                 "UPDATE states SET multivalued = 1 - multivalued WHERE id = 11",
+                                 "UPDATE states SET energy = NULL WHERE id = 13",
+                                 "UPDATE states SET status = 'convergee' WHERE id = 17",
                                  "UPDATE states SET checksum = checksum - 1 WHERE id = 30"};
   for (const char* sql : changes) change(file, sql);
   StateFile opened = StateFile::open_or_create(file, header());
@@ -155,7 +172,8 @@ TEST_CASE("a row that is not what was written is left out, said, and taken out o
   opened.append(std::span(all).subspan(1, 1));
   CHECK(opened.read_all().size() == 24);
   CHECK(opened.damaged() == 0);
-  CHECK_THAT(damage_in_words("a.states", 2, true), Catch::Equals("a.states: 2 states have a wrong checksum: left out, to be solved anew"));
+  CHECK_THAT(damage_in_words("a.states", 2, true),
+             Catch::Equals("a.states: 2 states have a wrong checksum: left out, to be solved anew"));
 }
 
 TEST_CASE("states whose squares overflow and broken pages are refused when states are loaded") {
@@ -166,7 +184,8 @@ TEST_CASE("states whose squares overflow and broken pages are refused when state
   for (const char* column : {"x", "fz", "k31"}) {
     const std::filesystem::path far = folder / (std::string(column) + ".states");
     std::filesystem::copy_file(file, far);
-    change(far, ("UPDATE states SET checksum = NULL, " + std::string(column) + " = -1e160 WHERE id = 3").c_str());
+    change(far,
+           ("UPDATE states SET checksum = NULL, " + std::string(column) + " = -1e160 WHERE id = 3").c_str());
     CHECK_THROWS_WITH(load_states(far), Catch::Contains(far.string()) && Catch::Contains("above 1e+100"));
   }
   // The pages of the table, not its first one.
@@ -174,7 +193,8 @@ TEST_CASE("states whose squares overflow and broken pages are refused when state
   bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file)) - 3 * 4096);
   bytes << std::string(4096, '\xff');
   bytes.close();
-  CHECK_THROWS_WITH(load_states(file), Catch::Contains(file.string()) && Catch::Contains("is damaged or no state file"));
+  CHECK_THROWS_WITH(load_states(file),
+                    Catch::Contains(file.string()) && Catch::Contains("is damaged or no state file"));
 }
 
 TEST_CASE("a file of before, without checksums, is read and gone on with") {
@@ -188,7 +208,8 @@ TEST_CASE("a file of before, without checksums, is read and gone on with") {
   CHECK(before.damaged() == 0);
   StateFile again = StateFile::open_or_create(file, header());
   again.append(std::span(all).subspan(4));
-  change(file, "UPDATE states SET fx = 77 WHERE id = 1 OR id = 5");   // only the new one can be known for wrong
+  change(file,
+         "UPDATE states SET fx = 77 WHERE id = 1 OR id = 5");  // only the new one can be known for wrong
   CHECK(again.read_all().size() == 4);
   CHECK(again.damaged() == 1);
 }
@@ -204,7 +225,7 @@ TEST_CASE("a file of another body is refused with what differs") {
   CHECK(line.find("material (file sha256 bb, here sha256 zz)") != std::string::npos);
   CHECK(line.find("contact (file none, here sha256 dd)") != std::string::npos);
   CHECK(line.find("mesh") == std::string::npos);
-  CHECK(StateFile::open_or_create(folder / "s.states", {}).size() == 1);       // no identity asks nothing
+  CHECK(StateFile::open_or_create(folder / "s.states", {}).size() == 1);  // no identity asks nothing
   CHECK(StateFile::open_or_create(folder / "s.states", header()).size() == 1);
 }
 
@@ -218,15 +239,18 @@ TEST_CASE("what is no state file is refused in one line") {
   both(folder.path(), "is a folder");
   both(folder.write("empty.states", ""), "is empty");
   both(folder.write("text.states", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n"), "is not a state file");
-  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "text.states", header()); }), Catch::Contains("is not a state file"));
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "text.states", header()); }),
+             Catch::Contains("is not a state file"));
   CHECK(content_of(folder / "text.states").starts_with("x,y,z"));
-  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "no/such.states", header()); }), Catch::Contains("does not exist"));
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "no/such.states", header()); }),
+             Catch::Contains("does not exist"));
   sqlite3* database = nullptr;
   sqlite3_open((folder / "other.states").c_str(), &database);
   sqlite3_exec(database, "CREATE TABLE states (x REAL)", nullptr, nullptr, nullptr);
   sqlite3_close(database);
   both(folder / "other.states", "is a database, but not a state file");
-  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "other.states", header()); }), Catch::Contains("not a state file"));
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "other.states", header()); }),
+             Catch::Contains("not a state file"));
 }
 
 TEST_CASE("a state file cut or damaged anywhere is refused or read, never worse") {
@@ -236,13 +260,16 @@ TEST_CASE("a state file cut or damaged anywhere is refused or read, never worse"
   std::mt19937 random(7);
   for (int trial = 0; trial < 150; ++trial) {
     std::string bad = good;
-    if (trial % 2) bad.resize(random() % good.size());
-    else for (int k = 0; k < 30; ++k) bad[random() % bad.size()] = static_cast<char>(random());
+    if (trial % 2)
+      bad.resize(random() % good.size());
+    else
+      for (int k = 0; k < 30; ++k) bad[random() % bad.size()] = static_cast<char>(random());
     const auto file = folder.write("bad.states", bad);
     const std::string line = error_of([&] { StateFile::open_read_only(file).read_all(); });
     CHECK(line.find('\n') == std::string::npos);
     if (trial % 2) CHECK(!line.empty());
-    const std::string appended = error_of([&] { StateFile::open_or_create(file, header()).append(states(3)); });
+    const std::string appended =
+        error_of([&] { StateFile::open_or_create(file, header()).append(states(3)); });
     CHECK(appended.find('\n') == std::string::npos);
     for (const char* suffix : {"-wal", "-shm"}) std::filesystem::remove(file.string() + suffix);
   }
@@ -252,7 +279,8 @@ TEST_CASE("one writer at a time, readers beside it") {
   const TemporaryFolder folder;
   StateFile writer = StateFile::open_or_create(folder / "s.states", header());
   writer.append(states(3));
-  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "s.states", header()); }), Catch::Contains("is being written by another process"));
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "s.states", header()); }),
+             Catch::Contains("is being written by another process"));
   const StateFile reader = StateFile::open_read_only(folder / "s.states");
   CHECK(reader.size() == 3);
   writer.append(states(4));
@@ -295,7 +323,8 @@ TEST_CASE("many threads push, everything is written once") {
       CHECK(StateFile::open_read_only(folder / "s.states").size() == std::size_t(threads * each));
     }
     std::vector<int> next(std::size_t(threads), 0);
-    for (const State& s : StateFile::open_read_only(folder / "s.states").read_all()) CHECK(int(s.at.y()) == next[std::size_t(s.at.x())]++);
+    for (const State& s : StateFile::open_read_only(folder / "s.states").read_all())
+      CHECK(int(s.at.y()) == next[std::size_t(s.at.x())]++);
   }
 }
 
@@ -322,7 +351,8 @@ TEST_CASE("a kill loses nothing that was flushed, and the file goes on") {
   }
   ::kill(child, SIGKILL);
   int last = 0;
-  while (::read(pipe_ends[0], &last, sizeof last) == sizeof last) durable = last;   // confirmed before the kill
+  while (::read(pipe_ends[0], &last, sizeof last) == sizeof last)
+    durable = last;  // confirmed before the kill
   ::waitpid(child, nullptr, 0);
   ::close(pipe_ends[0]);
   REQUIRE(durable >= 200);
@@ -332,7 +362,7 @@ TEST_CASE("a kill loses nothing that was flushed, and the file goes on") {
     REQUIRE(all.size() >= std::size_t(durable));
     for (std::size_t i = 0; i < all.size(); ++i) CHECK(same(all[i], state(int(i))));
   }
-  StateFile again = StateFile::open_or_create(file, header());      // the dead writer's lock does not hold
+  StateFile again = StateFile::open_or_create(file, header());  // the dead writer's lock does not hold
   const std::size_t before = again.size();
   again.append(states(5));
   CHECK(again.size() == before + 5);
@@ -342,7 +372,7 @@ TEST_CASE("a failing disk is told at the next push or flush") {
   const TemporaryFolder folder;
   StateWriter writer(StateFile::open_or_create(folder / "s.states", header()));
   State broken;
-  broken.at = Vec3::Constant(unknown);      // x is NOT NULL
+  broken.at = Vec3::Constant(unknown);  // x is NOT NULL
   writer.push(broken);
   CHECK_THROWS_AS(writer.flush(), InputError);
   CHECK_THROWS_AS(writer.push(state(1)), InputError);
@@ -353,12 +383,15 @@ TEST_CASE("states are on disk soon after the push, without a flush") {
   StateWriter writer(StateFile::open_or_create(folder / "s.states", header()));
   writer.push(state(1));
   const StateFile reader = StateFile::open_read_only(folder / "s.states");
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);   // a loaded machine may be slow
-  while (reader.size() == 0 && std::chrono::steady_clock::now() < give_up) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const auto give_up =
+      std::chrono::steady_clock::now() + std::chrono::seconds(30);  // a loaded machine may be slow
+  while (reader.size() == 0 && std::chrono::steady_clock::now() < give_up)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   CHECK(reader.size() == 1);
 }
 
-TEST_CASE("what a killed process left of a file that it was making is swept, what lives or is another's is not") {
+TEST_CASE(
+    "what a killed process left of a file that it was making is swept, what lives or is another's is not") {
   const TemporaryFolder folder;
   const auto file = folder / "s.states";
   const pid_t dead = ::fork();

@@ -55,20 +55,23 @@ TEST_CASE("states survive the way through CSV bit for bit") {
   CHECK(again[2].spacing == 0.006);
   all[0].status = SolveStatus::diverged;
   write_states_csv(folder / "s.csv", all);
-  CHECK(read_states_csv(folder / "s.csv").size() == 2);     // failed states have no force to give
+  CHECK(read_states_csv(folder / "s.csv").size() == 2);  // failed states have no force to give
   CHECK(load_states(folder / "s.csv").header.spacing == 0.006);
 }
 
 TEST_CASE("CSV columns by name, in any order, with comments and line ends of either kind") {
   const TemporaryFolder folder;
-  const auto file = folder.write("s.csv", "\xef\xbb\xbf# measured\r\nfz, fy ,fx,z,y,x,note,converged\r\n\r\n1,2,3,4,5,6,hello,1\r\n1,2,3,4,5,7,,0\r\n");
+  const auto file = folder.write("s.csv",
+                                 "\xef\xbb\xbf# measured\r\nfz, fy "
+                                 ",fx,z,y,x,note,converged\r\n\r\n1,2,3,4,5,6,hello,1\r\n1,2,3,4,5,7,,0\r\n");
   const std::vector<State> states = read_states_csv(file);
   REQUIRE(states.size() == 2);
   CHECK(states[0].at == Vec3(6, 5, 4));
   CHECK(states[0].force == Vec3(3, 2, 1));
   CHECK(states[0].status == SolveStatus::converged);
   CHECK(!states[1].usable());
-  CHECK(read_points_csv(folder.write("p.csv", "x,y,z\n1,2,3\n-1e-3,+2,.5\n")) == std::vector<Vec3>{{1, 2, 3}, {-1e-3, 2, 0.5}});
+  CHECK(read_points_csv(folder.write("p.csv", "x,y,z\n1,2,3\n-1e-3,+2,.5\n")) ==
+        std::vector<Vec3>{{1, 2, 3}, {-1e-3, 2, 0.5}});
   CHECK(read_points_csv(folder.write("p.csv", "1,2,3\n4,5,6\n")).size() == 2);
 }
 
@@ -97,9 +100,12 @@ TEST_CASE("CSV errors name file and line") {
   refused("x,y,z,fx,fy,fz,h\n1,2,3,4,5,6,0\n", "is not a spacing");
   refused("x,y,z,fx,fy,fz,status\n1,2,3,4,5,6,fine\n", "status 'fine' is unknown");
   CHECK_THAT(error_of([&] { read_points_csv(folder / "absent.csv"); }), Catch::Contains("cannot be read"));
-  CHECK_THAT(error_of([&] { read_points_csv(folder.write("p.csv", "x,y,z\n1,2\n")); }), Catch::Contains("p.csv:2: 2 columns, expected 3"));
-  CHECK_THAT(error_of([&] { load_states(folder.write("b.csv", std::string("\0\1\2", 3))); }), Catch::Contains("neither a state file nor a CSV"));
-  CHECK_THAT(error_of([&] { write_states_csv("/dev/full", some_states()); }), Catch::Contains("No space left"));
+  CHECK_THAT(error_of([&] { read_points_csv(folder.write("p.csv", "x,y,z\n1,2\n")); }),
+             Catch::Contains("p.csv:2: 2 columns, expected 3"));
+  CHECK_THAT(error_of([&] { load_states(folder.write("b.csv", std::string("\0\1\2", 3))); }),
+             Catch::Contains("neither a state file nor a CSV"));
+  CHECK_THAT(error_of([&] { write_states_csv("/dev/full", some_states()); }),
+             Catch::Contains("No space left"));
 }
 
 TEST_CASE("a CSV cut at any byte is refused or read") {
@@ -136,7 +142,8 @@ assert data.GetArray("force").GetTuple3(2)[2] == 3
 assert data.GetArray("stiffness").GetComponent(1, 2) == -1.0 / 7
 assert data.GetArray("energy").GetValue(1) == 0.25
 )");
-  const int status = std::system(("/usr/bin/python3 " + script.string() + " " + (folder / "s.vtu").string() + " 2>/dev/null").c_str());
+  const int status = std::system(
+      ("/usr/bin/python3 " + script.string() + " " + (folder / "s.vtu").string() + " 2>/dev/null").c_str());
   if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) {
     WARN("python3-vtk9 is not installed, VTK's reader not asked");
     return;

@@ -21,7 +21,9 @@ TEST_CASE("many threads query while one inserts, and labels only improve") {
         std::mt19937_64 random(static_cast<std::uint64_t>(r));
         std::uniform_real_distribution<double> uniform(-3 * h, 3 * h);
         std::vector<Vec3> places;
-        for (int i = 0; i < 8; ++i) places.push_back(i % 2 ? Vec3(uniform(random), uniform(random), uniform(random)) : states[static_cast<std::size_t>(15 * i)]);
+        for (int i = 0; i < 8; ++i)
+          places.push_back(i % 2 ? Vec3(uniform(random), uniform(random), uniform(random))
+                                 : states[static_cast<std::size_t>(15 * i)]);
         std::vector<Label> last(places.size(), Label::blank);
         std::vector<StateId> near;
         bool final_round = false;
@@ -50,6 +52,8 @@ TEST_CASE("many threads query while one inserts, and labels only improve") {
     CHECK(worse == 0);
     CHECK(asked > 0);
     CHECK(shared.read([](const StateSpace& space) { return space.size(); }) == states.size());
-    CHECK(shared.read([](const StateSpace& space) { return space.label({0.001, 0.001, 0.002}); }) == Label::safe);
+    CHECK(shared.read([](const StateSpace& space) {
+      return space.label({0.001, 0.001, 0.002});
+    }) == Label::safe);
   }
 }

@@ -27,7 +27,8 @@ void append(Surface& to, const Surface& from, const Vec3& shift, double scale, b
   const auto first = static_cast<NodeIndex>(to.nodes.size());
   for (const Vec3& node : from.nodes) to.nodes.push_back(scale * node + shift);
   for (const auto& [a, b, c] : from.triangles)
-    to.triangles.push_back(inward ? Triangle{first + a, first + c, first + b} : Triangle{first + a, first + b, first + c});
+    to.triangles.push_back(inward ? Triangle{first + a, first + c, first + b}
+                                  : Triangle{first + a, first + b, first + c});
 }
 
 }  // namespace
@@ -43,7 +44,8 @@ TEST_CASE("every surface format gives the same surface") {
     CHECK(enclosed_volume(surface) == Approx(1).epsilon(1e-14));
     for (std::size_t t = 0; t < 12; ++t)
       for (std::size_t k = 0; k < 3; ++k)
-        CHECK(surface.nodes[std::size_t(surface.triangles[t][k])] == cube.nodes[std::size_t(cube.triangles[t][k])]);
+        CHECK(surface.nodes[std::size_t(surface.triangles[t][k])] ==
+              cube.nodes[std::size_t(cube.triangles[t][k])]);
   }
 }
 
@@ -60,7 +62,8 @@ TEST_CASE("a surface file cut at any byte or damaged is refused in one line, or 
       if (!sound(content.substr(0, n))) FAIL_CHECK(name << " cut after " << n);
     for (int trial = 0; trial < 300; ++trial) {
       std::string damaged = content;
-      damaged[random() % damaged.size()] = trial % 2 ? static_cast<char>(random()) : "0123456789-.e \n"[random() % 15];
+      damaged[random() % damaged.size()] =
+          trial % 2 ? static_cast<char>(random()) : "0123456789-.e \n"[random() % 15];
       if (!sound(damaged)) FAIL_CHECK(name << " trial " << trial);
     }
   }
@@ -77,7 +80,8 @@ TEST_CASE("surface errors name file and line") {
   refused("a.obj", "v 0 0 0\nv 1 x 0\n", "a.obj:2: 'x' is not a number");
   refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "names vertex 3 (from 0), but there are 3");
   refused("a.obj", "v 0 0 0\nf 1 2 0\n", "a.obj:2: '0' is no vertex");
-  refused("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "vertex 0 (from 0) has a coordinate that is not finite");
+  refused("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+          "vertex 0 (from 0) has a coordinate that is not finite");
   refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n", "expected");
   refused("a.ply", "ply\nformat weird 1.0\nend_header\n", "a.ply:2: format 'weird'");
   refused("a.stl", "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "ends where");
@@ -110,7 +114,7 @@ TEST_CASE("holes, flipped triangles, doubled nodes and inward surfaces are repai
   CHECK(enclosed_volume(repair(mixed, report)) == Approx(1).epsilon(1e-12));
   CHECK(report.reoriented);
 
-  Surface soup;      // each triangle with nodes of its own
+  Surface soup;  // each triangle with nodes of its own
   const Surface cube = test::unit_cube();
   for (const Triangle& t : cube.triangles) {
     const auto n = static_cast<NodeIndex>(soup.nodes.size());
@@ -130,7 +134,8 @@ TEST_CASE("two boxes through each other become one body") {
   TetMesh mesh = tetrahedralise(crossing, {.elements = 1500}, &report);
   CHECK(report.repair.self_intersections > 0);
   CHECK(check_and_orient(mesh, "union").warnings.empty());
-  CHECK(quality(mesh).volume == Approx(2 - 0.5 * 0.6 * 0.7).epsilon(0.12));      // their union, wrapped with an offset
+  CHECK(quality(mesh).volume ==
+        Approx(2 - 0.5 * 0.6 * 0.7).epsilon(0.12));  // their union, wrapped with an offset
 }
 
 TEST_CASE("a hollow stays hollow") {
@@ -150,7 +155,8 @@ TEST_CASE("what encloses nothing is refused") {
   point.nodes = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
   point.triangles = {{0, 1, 2}};
   CHECK_THROWS_AS(tetrahedralise(point, {}), InputError);
-  CHECK_THROWS_WITH(tetrahedralise({}, {.name = "nothing.obj"}), Catch::Contains("nothing.obj: holds no triangles"));
+  CHECK_THROWS_WITH(tetrahedralise({}, {.name = "nothing.obj"}),
+                    Catch::Contains("nothing.obj: holds no triangles"));
   CHECK_THROWS_AS(tetrahedralise(test::unit_cube(), {.length = -1.0}), InputError);
 }
 
@@ -160,7 +166,8 @@ TEST_CASE("Hausdorff distance of shifted and scaled bodies") {
   CHECK(hausdorff_distance(test::unit_cube(), shifted) == Approx(0.25).epsilon(1e-12));
   Surface large;
   append(large, test::unit_cube(), {-0.5, -0.5, -0.5}, 2);
-  CHECK(hausdorff_distance(test::unit_cube(), large) == Approx(std::sqrt(0.75)).epsilon(1e-12));     // corner to corner
+  CHECK(hausdorff_distance(test::unit_cube(), large) ==
+        Approx(std::sqrt(0.75)).epsilon(1e-12));  // corner to corner
   CHECK(hausdorff_distance(large, test::unit_cube()) == Approx(std::sqrt(0.75)).epsilon(1e-12));
 }
 

@@ -5,7 +5,9 @@ thread_local std::size_t count = 0;
 }  // namespace
 
 namespace forefeel::testing {
-std::size_t allocations() { return count; }
+std::size_t allocations() {
+  return count;
+}
 }  // namespace forefeel::testing
 
 #if FOREFEEL_COUNTS_ALLOCATIONS

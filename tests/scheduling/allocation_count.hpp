@@ -17,6 +17,6 @@
 
 namespace forefeel::testing {
 
-std::size_t allocations();   // of this thread so far; always 0 where they are not counted
+std::size_t allocations();  // of this thread so far; always 0 where they are not counted
 
 }  // namespace forefeel::testing

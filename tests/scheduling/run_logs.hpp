@@ -19,7 +19,8 @@ inline std::string text(const std::filesystem::path& file) {
 }
 
 // The three logs of a run, as bytes.
-inline std::string logs(const SessionInput& input, const SessionOptions& options, const std::filesystem::path& folder) {
+inline std::string logs(const SessionInput& input, const SessionOptions& options,
+                        const std::filesystem::path& folder) {
   prepare_run_folder(folder);
   write_run_files(folder, run_session(input, options), options);
   return text(folder / "frames.csv") + text(folder / "dispatch.csv") + text(folder / "switches.csv");

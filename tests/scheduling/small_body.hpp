@@ -15,7 +15,9 @@ namespace forefeel::testing {
 
 inline TetMesh beam_mesh(int cells_x = 4, int cells_y = 1, int cells_z = 1) {
   TetMesh mesh;
-  const auto node = [&](int i, int j, int k) { return static_cast<NodeIndex>((i * (cells_y + 1) + j) * (cells_z + 1) + k); };
+  const auto node = [&](int i, int j, int k) {
+    return static_cast<NodeIndex>((i * (cells_y + 1) + j) * (cells_z + 1) + k);
+  };
   for (int i = 0; i <= cells_x; ++i)
     for (int j = 0; j <= cells_y; ++j)
       for (int k = 0; k <= cells_z; ++k)
@@ -71,7 +73,8 @@ inline SessionOptions virtual_options(double seconds = 1) {
 class ScratchFolder {
  public:
   explicit ScratchFolder(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() / ("forefeel-" + name + "-" + std::to_string(getpid()))) {
+      : path_(std::filesystem::temp_directory_path() /
+              ("forefeel-" + name + "-" + std::to_string(getpid()))) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

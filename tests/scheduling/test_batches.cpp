@@ -60,7 +60,8 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
     std::set<std::tuple<long, long, long>> solved;
     std::size_t largest = 0;
     for (int round = 0; round < 200 && solved.size() < 125; ++round) {
-      planner.observe({.t = 0.01 * round, .at = Vec3(0.003, 0.001 * (round % 9), 0), .velocity = Vec3(0.01, 0, 0)});
+      planner.observe(
+          {.t = 0.01 * round, .at = Vec3(0.003, 0.001 * (round % 9), 0), .velocity = Vec3(0.01, 0, 0)});
       planner.plan(0.01 * round);
       REQUIRE(workers.jobs.size() <= 2);
       while (!workers.jobs.empty()) {
@@ -76,7 +77,8 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
           const Vec3 k = all[i].at / input.space.spacing;
           REQUIRE(solved.insert({std::lround(k[0]), std::lround(k[1]), std::lround(k[2])}).second);
           CHECK(planner.idle() == (workers.jobs.empty() && i == all.size()));
-          planner.receive(result_of(all[i].dispatch, worker, all[i].at, SolveStatus::converged), 0.01 * round);
+          planner.receive(result_of(all[i].dispatch, worker, all[i].at, SolveStatus::converged),
+                          0.01 * round);
         }
       }
       CHECK(planner.idle());
@@ -91,14 +93,14 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
 TEST_CASE("batches: what was cancelled is open again, and goes on from where it stood") {
   SessionOptions options = virtual_options();
   options.batch = 4;
-  options.rest_first = false;   // rest has a job of its own
+  options.rest_first = false;  // rest has a job of its own
   HeldWorkers workers(1);
   LoopLink link;
   Planner planner(small_input(), options, workers, link, {.on_state = {}});
   planner.plan(0);
   const Job first = workers.jobs.at(0);
   REQUIRE(first.beside.size() == 3);
-  CHECK_FALSE(first.start);                         // rest
+  CHECK_FALSE(first.start);  // rest
   const auto stood = std::make_shared<Equilibrium>();
   JobResult broken = result_of(first.dispatch, 0, first.at, SolveStatus::cancelled);
   broken.partial = stood;
@@ -109,7 +111,7 @@ TEST_CASE("batches: what was cancelled is open again, and goes on from where it 
   for (const Job::Neighbour& neighbour : first.beside)
     planner.receive(result_of(neighbour.dispatch, 0, neighbour.at, SolveStatus::cancelled), 0.001);
   CHECK(planner.idle());
-  CHECK(planner.preempted() == 1);   // the others had not begun
+  CHECK(planner.preempted() == 1);  // the others had not begun
   CHECK(planner.space().empty());
   planner.plan(0.002);
   CHECK(workers.jobs.at(0).at == first.at);
@@ -136,15 +138,20 @@ TEST_CASE("virtual workers: neighbours cost their share, work that was broken of
   for (auto& [worker, rows] : by_worker) {
     double busy_until = 0;
     for (const DispatchRecord* d : rows) {
-      CHECK(d->started >= busy_until - 1e-9);       // one after the other
+      CHECK(d->started >= busy_until - 1e-9);  // one after the other
       busy_until = d->finished;
       const double took = d->finished - d->started, before = broken_off[{d->at[0], d->at[1], d->at[2]}];
       CHECK(d->known == Approx(d->finished + 0.002).margin(1e-8));
-      if (d->at.isZero(0)) CHECK(took == Approx(0.0125).margin(1e-8));   // rest, a fourth
-      else if (before > 0 && ++resumed) CHECK((took == Approx(0.05 - before).margin(1e-8) || took <= 0.015 + 1e-8));
-      else if (took == Approx(0.05).margin(1e-8)) ++whole;
-      else if (took == Approx(0.015).margin(1e-8)) ++shared;
-      else CHECK(took == 0);                        // fails, and shows it
+      if (d->at.isZero(0))
+        CHECK(took == Approx(0.0125).margin(1e-8));  // rest, a fourth
+      else if (before > 0 && ++resumed)
+        CHECK((took == Approx(0.05 - before).margin(1e-8) || took <= 0.015 + 1e-8));
+      else if (took == Approx(0.05).margin(1e-8))
+        ++whole;
+      else if (took == Approx(0.015).margin(1e-8))
+        ++shared;
+      else
+        CHECK(took == 0);  // fails, and shows it
     }
   }
   CHECK(whole > 0);
@@ -154,7 +161,8 @@ TEST_CASE("virtual workers: neighbours cost their share, work that was broken of
     options.threads = threads;
     const SessionResult again = run_session(small_input(), options);
     REQUIRE(again.frames.size() == result.frames.size());
-    for (std::size_t k = 0; k < result.frames.size(); ++k) REQUIRE(again.frames[k].force == result.frames[k].force);
+    for (std::size_t k = 0; k < result.frames.size(); ++k)
+      REQUIRE(again.frames[k].force == result.frames[k].force);
   }
 }
 
@@ -175,7 +183,8 @@ TEST_CASE("batches: a worker does one thing at a time, and what has not begun ha
     preempted += row.status == "preempted";
     if (!begun) continue;
     busy[row.worker].push_back({row.started, std::isfinite(row.finished) ? row.finished : options.seconds});
-    if (row.parent >= 0) CHECK(result.dispatch[static_cast<std::size_t>(row.parent)].finished <= row.started + 1e-12);
+    if (row.parent >= 0)
+      CHECK(result.dispatch[static_cast<std::size_t>(row.parent)].finished <= row.started + 1e-12);
   }
   CHECK(never > 0);
   CHECK(result.preempted == preempted);
@@ -193,7 +202,8 @@ TEST_CASE("worker threads: a job's neighbours come after it, all of them right; 
   while (workers.workers() == 0) std::this_thread::yield();
   Job job{.dispatch = 7, .at = Vec3(0, 0.006, 0), .start = nullptr};
   for (std::uint32_t i = 0; i < 6; ++i)
-    job.beside.push_back({.dispatch = 8 + i, .at = job.at + (i % 2 ? -0.006 : 0.006) * Vec3::Unit(static_cast<int>(i / 2))});
+    job.beside.push_back(
+        {.dispatch = 8 + i, .at = job.at + (i % 2 ? -0.006 : 0.006) * Vec3::Unit(static_cast<int>(i / 2))});
   const std::vector<Job::Neighbour> beside = job.beside;
   workers.dispatch(0, job);
   std::vector<JobResult> results, all;

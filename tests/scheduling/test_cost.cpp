@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "geometry/common/error.hpp"
-#include "scheduling/workers/cost.hpp"
-#include "scheduling/record/needed_states.hpp"
 #include "scheduling/motion/random.hpp"
+#include "scheduling/record/needed_states.hpp"
+#include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 
@@ -30,12 +30,16 @@ TEST_CASE("cost models have the distribution they name") {
   CHECK(make_cost("constant:0.02", 1, none)->seconds(Vec3::Zero()) == 0.02);
   const auto lognormal = draws(*make_cost("lognormal:0.05,0.5", 1, none), 20000);
   CHECK(lognormal[10000] == Approx(0.05).epsilon(0.03));
-  CHECK(std::log(lognormal[16827] / lognormal[3173]) / 2 == Approx(0.5).epsilon(0.03));   // +-1 sigma
+  CHECK(std::log(lognormal[16827] / lognormal[3173]) / 2 == Approx(0.5).epsilon(0.03));  // +-1 sigma
   const auto paper = draws(*make_cost("paper", 1, none), 20000);
   CHECK(paper.front() >= 0.1);
   CHECK(paper.back() <= 1.0);
   CHECK(paper[10000] == Approx(std::sqrt(0.1)).epsilon(0.03));
-  const auto recorded = draws(*make_cost("recorded", 1, [] { return RecordedCosts{{0.01, 0.03, 0.02}, 0.004}; }), 20000);
+  const auto recorded = draws(*make_cost("recorded", 1,
+                                         [] {
+                                           return RecordedCosts{{0.01, 0.03, 0.02}, 0.004};
+                                         }),
+                              20000);
   CHECK(recorded.front() >= 0.01);
   CHECK(recorded.back() <= 0.03);
   CHECK(recorded[10000] == Approx(0.02).epsilon(0.02));
@@ -49,20 +53,22 @@ TEST_CASE("the state at rest costs one of four iterations, or what was measured"
 }
 
 TEST_CASE("a cost depends on seed and place alone") {
-  const auto a = make_cost("paper", 5, none), b = make_cost("paper", 5, none), other = make_cost("paper", 6, none);
+  const auto a = make_cost("paper", 5, none), b = make_cost("paper", 5, none),
+             other = make_cost("paper", 6, none);
   const Vec3 x(0.006, -0.012, 0.018), y(0.012, -0.012, 0.018);
   const double first = a->seconds(x);
   a->seconds(y);
   CHECK(a->seconds(x) == first);
   CHECK(b->seconds(x) == first);
-  CHECK(b->seconds(x + Vec3::Constant(1e-9)) == first);   // round-off of a lattice point
+  CHECK(b->seconds(x + Vec3::Constant(1e-9)) == first);  // round-off of a lattice point
   CHECK(b->seconds(y) != first);
   CHECK(other->seconds(x) != first);
 }
 
 TEST_CASE("unknown costs are refused") {
-  for (const std::string spec : {"", "constant", "constant:", "constant:0", "constant:-1", "constant:nan", "constant:1,2",
-                                 "lognormal:1", "lognormal:0,1", "lognormal:1,-1", "paper:1", "free", "constant:1e9"}) {
+  for (const std::string spec :
+       {"", "constant", "constant:", "constant:0", "constant:-1", "constant:nan", "constant:1,2",
+        "lognormal:1", "lognormal:0,1", "lognormal:1,-1", "paper:1", "free", "constant:1e9"}) {
     CAPTURE(spec);
     CHECK_THROWS_AS(check_cost(spec), InputError);
   }
@@ -91,22 +97,22 @@ TEST_CASE("a reference is waited for as long as is said, and is there later all 
   ReferenceService service(input, 1);
   const auto now = std::chrono::steady_clock::now();
   const Vec3 x(0.003, -0.002, 0.001), y(0.001, 0.002, -0.003);
-  for (int i = 1; i <= 1000; ++i) service.request(1e-6 * i * y);   // what one thread does not do at once
+  for (int i = 1; i <= 1000; ++i) service.request(1e-6 * i * y);  // what one thread does not do at once
   CHECK_FALSE(service.get_until(x, now - std::chrono::seconds(1)));
   const std::optional<State> later = service.get_until(x, now + std::chrono::hours(1));
   REQUIRE(later);
   CHECK(later->usable());
   CHECK(later->force == service.get(x).force);
-  CHECK(service.get_until(x, now - std::chrono::seconds(1)));   // solved: nothing to wait for
+  CHECK(service.get_until(x, now - std::chrono::seconds(1)));  // solved: nothing to wait for
   CHECK(service.get(y).usable());
 }
 
 TEST_CASE("states that a motion needs: corners of visited cells, faces of the box among them") {
-  const Box box{Vec3::Constant(-0.036), Vec3::Constant(0.036)};   // 6 x 0.006 is more than 0.036
+  const Box box{Vec3::Constant(-0.036), Vec3::Constant(0.036)};  // 6 x 0.006 is more than 0.036
   NeededStates needed(box, 0.006);
   needed.visit(Vec3::Constant(0.035));
   CHECK(needed.count() == 8);
-  needed.visit(Vec3::Constant(0.037));   // outside but for the corner
+  needed.visit(Vec3::Constant(0.037));  // outside but for the corner
   CHECK(needed.count() == 8);
   needed.visit(Vec3(0.029, 0.035, 0.035));
   CHECK(needed.count() == 12);

@@ -32,7 +32,9 @@ std::string message(const std::string& spec, const DeviceContext& where = contex
   return "";
 }
 
-void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+}
 
 }  // namespace
 
@@ -54,7 +56,7 @@ TEST_CASE("every path starts at rest, keeps to its speed and is smooth") {
       CHECK(fastest <= speed * (1 + 1e-9));
       CHECK(fastest > 0.9 * speed);
       CHECK(travel > 0.6 * speed * 20);
-      CHECK(jerk < 0.35 * speed);   // no corner is taken at full speed within one frame
+      CHECK(jerk < 0.35 * speed);  // no corner is taken at full speed within one frame
     }
   }
 }
@@ -65,7 +67,7 @@ TEST_CASE("amplitude is the farthest point of a path's shape") {
     double farthest = 0;
     for (const Vec3& x : motion(*device, 30)) farthest = std::max(farthest, x.norm());
     CHECK(farthest <= 0.02 + 1e-12);
-    CHECK(farthest > 0.015);   // corners are rounded
+    CHECK(farthest > 0.015);  // corners are rounded
   }
 }
 
@@ -124,10 +126,14 @@ TEST_CASE("bad traces name file and line") {
   DeviceContext where = context;
   where.folder = folder.path();
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"t,x,y,z\n0,0,0,0\n1,nan,0,0\n", "bad.csv:3"},   {"t,x,y,z\n0,0,0,0\n1,0,0\n", "bad.csv:3"},
-      {"t,x,y,z\n0,0,0,0\n1,0,0,0\n0.5,0,0,0\n", "bad.csv:4"}, {"t,x,y,z\n0,0,0,inf\n", "bad.csv:2"},
-      {"t,x,y,z\n0,0,zero,0\n", "bad.csv:2"},           {"t,x,y\n0,0,0\n", "bad.csv:1"},
-      {"t,x,y,z\n", "bad.csv: "},                        {"", "bad.csv: "},
+      {"t,x,y,z\n0,0,0,0\n1,nan,0,0\n", "bad.csv:3"},
+      {"t,x,y,z\n0,0,0,0\n1,0,0\n", "bad.csv:3"},
+      {"t,x,y,z\n0,0,0,0\n1,0,0,0\n0.5,0,0,0\n", "bad.csv:4"},
+      {"t,x,y,z\n0,0,0,inf\n", "bad.csv:2"},
+      {"t,x,y,z\n0,0,zero,0\n", "bad.csv:2"},
+      {"t,x,y\n0,0,0\n", "bad.csv:1"},
+      {"t,x,y,z\n", "bad.csv: "},
+      {"", "bad.csv: "},
       {"t,x,y,z\n0,0,0,0\n1,1e999,0,0\n", "bad.csv:3"}};
   for (const auto& [text, expected] : cases) {
     CAPTURE(text);
@@ -140,7 +146,9 @@ TEST_CASE("bad traces name file and line") {
 TEST_CASE("unknown devices are refused in one line") {
   for (const std::string spec :
        {"path", "path:", "path:spiral", "path:press,speed=fast", "path:press,speed=-1", "path:press,speed=0",
-        "path:press,speed=nan", "path:press,speed=1e9", "path:press,amplitude=1e9", "path:press,speed=1,speed=2", "path:press,colour=red", "path:press,speed", "hand:thumb", "", "trace:", "mouse:left"}) {
+        "path:press,speed=nan", "path:press,speed=1e9", "path:press,amplitude=1e9",
+        "path:press,speed=1,speed=2", "path:press,colour=red", "path:press,speed", "hand:thumb", "",
+        "trace:", "mouse:left"}) {
     CAPTURE(spec);
     const std::string text = message(spec);
     CHECK_FALSE(text.empty());
@@ -150,8 +158,9 @@ TEST_CASE("unknown devices are refused in one line") {
 }
 
 TEST_CASE("a hand obeys its equation of motion: exact solutions with a held force and against a spring") {
-  const auto hand = make_hand_device(*find_hand_profile("omega"), make_trace_device({0, 1}, {Vec3::Zero(), Vec3::Zero()}),
-                                     {.grip = 200, .mass = 0.1, .damping_ratio = 0.5});
+  const auto hand =
+      make_hand_device(*find_hand_profile("omega"), make_trace_device({0, 1}, {Vec3::Zero(), Vec3::Zero()}),
+                       {.grip = 200, .mass = 0.1, .damping_ratio = 0.5});
   const Vec3 force(0.3, -0.1, 0);
   const double omega = std::sqrt(200 / 0.1), damped = omega * std::sqrt(0.75);
   CHECK(hand->answers_force());
@@ -159,16 +168,18 @@ TEST_CASE("a hand obeys its equation of motion: exact solutions with a held forc
     const double t = k * 1e-3;
     const Vec3 x = hand->position(t, force);
     // Step response of a damped oscillator.
-    const double share = 1 - std::exp(-0.5 * omega * t) * (std::cos(damped * t) + 0.5 * omega / damped * std::sin(damped * t));
-    CHECK((x - share * force / 200).norm() <= 1e-5);   // the encoder's steps
+    const double share =
+        1 - std::exp(-0.5 * omega * t) * (std::cos(damped * t) + 0.5 * omega / damped * std::sin(damped * t));
+    CHECK((x - share * force / 200).norm() <= 1e-5);  // the encoder's steps
   }
-  CHECK(hand->position(0, force) == Vec3::Zero());     // an earlier time starts anew
+  CHECK(hand->position(0, force) == Vec3::Zero());  // an earlier time starts anew
 }
 
 TEST_CASE("a hand that follows a line ends where grip and body balance, and behind its target in between") {
   const double grip = 300, body = 200;
-  const auto hand = make_hand_device(*find_hand_profile("touch"), make_trace_device({0, 1, 3}, {Vec3::Zero(), Vec3(0.02, 0, 0), Vec3(0.02, 0, 0)}),
-                                     {.grip = grip});
+  const auto hand = make_hand_device(
+      *find_hand_profile("touch"),
+      make_trace_device({0, 1, 3}, {Vec3::Zero(), Vec3(0.02, 0, 0), Vec3(0.02, 0, 0)}), {.grip = grip});
   Vec3 x = Vec3::Zero();
   for (int k = 0; k <= 3000; ++k) {
     x = hand->position(k * 1e-3, -body * x);
@@ -190,7 +201,7 @@ TEST_CASE("hands: profiles, grips and settings, and what is wrong with others") 
       apart = std::max(apart, (x - target).norm());
     }
     CHECK(apart > 0);
-    CHECK(apart < 1.5e-3);   // a free hand follows closely
+    CHECK(apart < 1.5e-3);  // a free hand follows closely
     CHECK(free->limits().force == find_hand_profile(profile)->force_limit);
   }
   CHECK(message("hand:touch").empty());

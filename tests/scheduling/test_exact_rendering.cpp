@@ -9,9 +9,11 @@ using namespace forefeel;
 
 namespace {
 
-constexpr double stiffness = 100;   // [N/m]
+constexpr double stiffness = 100;  // [N/m]
 
-Vec3 spring(const Vec3& x) { return -stiffness * x; }
+Vec3 spring(const Vec3& x) {
+  return -stiffness * x;
+}
 
 // Along x at a constant speed, in frames of 1 ms.
 std::vector<Vec3> straight(double speed, double seconds) {
@@ -35,7 +37,7 @@ TEST_CASE("Exact models on a spring pulled at constant speed fade in as their eq
   for (const double known : {0.06, 0.1, 0.2}) {
     CAPTURE(known);
     const auto root = [&](double share) {
-      double low = 1e-3, high = 2;   // of t - T
+      double low = 1e-3, high = 2;  // of t - T
       for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
         (std::exp(7 * middle) > 1 + share * 7 * (known + middle) ? high : low) = middle;
@@ -75,9 +77,11 @@ TEST_CASE("A first guess leaves what it is off to fade out") {
   const std::vector<Vec3> still(1000, Vec3(0.02, 0, 0));
   for (const double c : {0.25, 0.5, 0.8, 1.0, 1.5, 4.0}) {
     CAPTURE(c);
-    const ExactRendering r =
-        render_exact(still, all_of(still), 0.1, {}, 0.07, spring, [&](const Vec3& x) { return Vec3(c * spring(x)); });
-    const double frames = c < 1 ? std::log(0.93 / c) / std::log(1.007) : c > 1 ? std::log(c / 1.07) / -std::log(0.993) : -100;
+    const ExactRendering r = render_exact(still, all_of(still), 0.1, {}, 0.07, spring,
+                                          [&](const Vec3& x) { return Vec3(c * spring(x)); });
+    const double frames = c < 1   ? std::log(0.93 / c) / std::log(1.007)
+                          : c > 1 ? std::log(c / 1.07) / -std::log(0.993)
+                                  : -100;
     CHECK(static_cast<double>(r.visits - r.within) == Approx(100 + frames).margin(2));
   }
 }
@@ -90,12 +94,13 @@ TEST_CASE("Exact forces are asked for only where they count, and unknown ones ar
     ++asked;
     return x.x() > 0.6 ? Vec3::Constant(unknown) : spring(x);
   });
-  CHECK(r.visits == 2);   // the last one has no reference
-  CHECK(r.within == 2);   // at rest the force is zero
+  CHECK(r.visits == 2);  // the last one has no reference
+  CHECK(r.within == 2);  // at rest the force is zero
   CHECK(asked == 3 + static_cast<std::size_t>(std::lround((r.settled - r.known) * 1e3)) + 1);
 }
 
-TEST_CASE("The first that can be solved is rest at a factorisation, or the cheapest state, and two messages") {
+TEST_CASE(
+    "The first that can be solved is rest at a factorisation, or the cheapest state, and two messages") {
   const StateSpaceOptions space{.spacing = 0.01, .box = {Vec3::Constant(-0.03), Vec3::Constant(0.03)}};
   const auto constant = make_cost("constant:0.2", 1, {});
   CHECK(first_possible(*constant, space, 0, true) == Approx(0.05));
@@ -112,7 +117,7 @@ TEST_CASE("Cells are visited once, and those that leave the box not at all") {
   CHECK(cells.first(Vec3(0.001, 0.001, 0.001)));
   CHECK_FALSE(cells.first(Vec3(0.005, 0.002, 0.003)));
   CHECK(cells.first(Vec3(-0.001, 0.002, 0.003)));
-  CHECK(cells.first(Vec3(0.0359, 0, 0)));        // its far face is the box's own
+  CHECK(cells.first(Vec3(0.0359, 0, 0)));  // its far face is the box's own
   CHECK_FALSE(cells.first(Vec3(0.0361, 0, 0)));
   CHECK(cells.count() == 3);
 }

@@ -7,7 +7,8 @@ using namespace forefeel;
 using testing::small_input;
 using testing::virtual_options;
 
-TEST_CASE("a session with a hand: the body holds it back, the profile clamps, and the run repeats to the bit") {
+TEST_CASE(
+    "a session with a hand: the body holds it back, the profile clamps, and the run repeats to the bit") {
   SessionOptions options = virtual_options(1.5);
   options.cost = "constant:0.005";
   options.workers = 4;
@@ -34,17 +35,19 @@ TEST_CASE("a policy that knows the motion is refused where the motion answers th
   SessionOptions options = virtual_options(0.2);
   options.policy = "clairvoyant";
   options.device = "hand:omega";
-  CHECK_THROWS_WITH(check_session(small_input(), options), Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
+  CHECK_THROWS_WITH(check_session(small_input(), options),
+                    Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
 }
 
-TEST_CASE("rest known from the start: the body's tangent is felt at once, and costs no solve of the session") {
+TEST_CASE(
+    "rest known from the start: the body's tangent is felt at once, and costs no solve of the session") {
   SessionOptions options = virtual_options(0.5);
-  options.cost = "constant:10";      // nothing else is solved in time
+  options.cost = "constant:10";  // nothing else is solved in time
   options.device = "path:press,speed=0.01";
   options.reference_step = 1e-4;
   options.first_guess = false;
   const SessionResult empty = run_session(small_input(), options);
-  options.first_guess = true;        // not where something is known
+  options.first_guess = true;  // not where something is known
   options.rest_known = true;
   const SessionResult known = run_session(small_input(), options);
   CHECK(empty.start_solved_failed[0] == 0);
@@ -54,5 +57,6 @@ TEST_CASE("rest known from the start: the body's tangent is felt at once, and co
   const Mat3 stiffness = known.states.front().stiffness;
   for (const FrameRecord& frame : empty.frames) REQUIRE(frame.force == Vec3::Zero());
   for (const FrameRecord& frame : known.frames)
-    REQUIRE((frame.force + stiffness * frame.at).norm() <= 1e-3 * (stiffness * frame.at).norm() + 1e-12);   // nothing fades in
+    REQUIRE((frame.force + stiffness * frame.at).norm() <=
+            1e-3 * (stiffness * frame.at).norm() + 1e-12);  // nothing fades in
 }

@@ -14,9 +14,13 @@ struct Sample {
   std::uint64_t number = 0, twice = 0, square = 0, filler[9] = {};
 };
 
-Sample sample(std::uint64_t i) { return {.number = i, .twice = 2 * i, .square = i * i, .filler = {i, i, i, i, i, i, i, i, i}}; }
+Sample sample(std::uint64_t i) {
+  return {.number = i, .twice = 2 * i, .square = i * i, .filler = {i, i, i, i, i, i, i, i, i}};
+}
 
-bool whole(const Sample& s) { return s.twice == 2 * s.number && s.square == s.number * s.number && s.filler[8] == s.number; }
+bool whole(const Sample& s) {
+  return s.twice == 2 * s.number && s.square == s.number * s.number && s.filler[8] == s.number;
+}
 
 }  // namespace
 
@@ -24,7 +28,7 @@ TEST_CASE("triple buffer: nothing before the first value, the newest after") {
   TripleBuffer<int> buffer;
   CHECK_FALSE(buffer.take());
   CHECK_FALSE(buffer.publish(1));
-  CHECK(buffer.publish(2) == 1);    // never taken: the writer's again
+  CHECK(buffer.publish(2) == 1);  // never taken: the writer's again
   CHECK(buffer.take() == 2);
   CHECK_FALSE(buffer.take());
   CHECK_FALSE(buffer.publish(3));
@@ -63,7 +67,7 @@ TEST_CASE("triple buffer: values are whole, never go back, and the last one arri
     for (auto& thread : threads) thread.join();
     CHECK(broken == 0);
     CHECK(backwards == 0);
-    CHECK(lost == reported);   // each value is either taken or handed back, none is both
+    CHECK(lost == reported);  // each value is either taken or handed back, none is both
   }
 }
 
@@ -86,13 +90,17 @@ TEST_CASE("queue: every value once, in order, and full is full") {
     for (auto& queue : queues) {
       threads.emplace_back([&] {
         for (std::uint64_t i = 0; i < count;)
-          if (queue.push(i)) ++i;
-          else std::this_thread::yield();
+          if (queue.push(i))
+            ++i;
+          else
+            std::this_thread::yield();
       });
       threads.emplace_back([&] {
         for (std::uint64_t i = 0; i < count;)
-          if (const auto value = queue.pop()) wrong += *value != i++;
-          else std::this_thread::yield();
+          if (const auto value = queue.pop())
+            wrong += *value != i++;
+          else
+            std::this_thread::yield();
       });
     }
     for (auto& thread : threads) thread.join();

@@ -207,9 +207,11 @@ TEST_CASE("a truth that is cut says what was not solved, and counts none of it a
   std::stop_source stop;
   PlacementOptions options = whole;
   options.stop = stop.get_token();
-  const PlacementReport report = place_states(input.body, options, {}, [](const State&) {}, [&](const PlacementProgress& p) {
-    if (p.truth_done == 10) stop.request_stop();
-  });
+  const PlacementReport report = place_states(
+      input.body, options, {}, [](const State&) {},
+      [&](const PlacementProgress& p) {
+        if (p.truth_done == 10) stop.request_stop();
+      });
   CHECK(report.stopped);
   CHECK(report.truth_samples == 10);
   CHECK(report.truth_failed == 0);

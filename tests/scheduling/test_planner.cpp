@@ -26,13 +26,17 @@ class ManualWorkers final : public Generator {
   explicit ManualWorkers(int count) : count_(count) {}
   int workers() const override { return count_; }
   void dispatch(int worker, Job job) override {
-    REQUIRE(jobs.count(worker) == 0);   // only idle workers are given jobs
+    REQUIRE(jobs.count(worker) == 0);  // only idle workers are given jobs
     jobs[worker] = std::move(job);
   }
   void cancel(int worker) override { cancelled.insert(worker); }
   JobResult end(int worker, double now, SolveStatus status = SolveStatus::converged, double took = 0.01) {
-    JobResult result{.dispatch = jobs.at(worker).dispatch, .worker = worker, .started = now - took, .finished = now,
-                     .state = spring(jobs.at(worker).at), .equilibrium = nullptr};
+    JobResult result{.dispatch = jobs.at(worker).dispatch,
+                     .worker = worker,
+                     .started = now - took,
+                     .finished = now,
+                     .state = spring(jobs.at(worker).at),
+                     .equilibrium = nullptr};
     result.state.status = status;
     jobs.erase(worker);
     cancelled.erase(worker);
@@ -47,9 +51,13 @@ class ManualWorkers final : public Generator {
 
 struct Bench {
   explicit Bench(SessionOptions chosen = testing::virtual_options(), int workers = 3, double expected = 0.01)
-      : options(std::move(chosen)), input(testing::small_input()), generator(workers),
+      : options(std::move(chosen)),
+        input(testing::small_input()),
+        generator(workers),
         planner(input, options, generator, link,
-                {.on_state = [this](const State& s) { told.push_back(s); }, .future = {}, .expected_solve = expected}) {}
+                {.on_state = [this](const State& s) { told.push_back(s); },
+                 .future = {},
+                 .expected_solve = expected}) {}
   SessionOptions options;
   SessionInput input;
   ManualWorkers generator;
@@ -70,16 +78,20 @@ TEST_CASE("planner: every lattice point is solved once, under every policy") {
     double now = 0;
     for (int round = 0; round < 200 && solved.size() < 125; ++round) {
       now += 0.004;
-      b.planner.observe({.t = now, .at = 0.012 * Vec3(std::sin(now), std::cos(3 * now), std::sin(2 * now)), .velocity = {0.01, 0, 0}});
+      b.planner.observe({.t = now,
+                         .at = 0.012 * Vec3(std::sin(now), std::cos(3 * now), std::sin(2 * now)),
+                         .velocity = {0.01, 0, 0}});
       b.planner.plan(now);
       while (!b.generator.jobs.empty()) {
         const int worker = b.generator.jobs.begin()->first;
         const bool cancel = b.generator.cancelled.count(worker) > 0;
         const Vec3 x = b.generator.jobs.begin()->second.at;
-        b.planner.receive(b.generator.end(worker, now, cancel ? SolveStatus::cancelled : SolveStatus::converged), now);
+        b.planner.receive(
+            b.generator.end(worker, now, cancel ? SolveStatus::cancelled : SolveStatus::converged), now);
         if (cancel) continue;
         std::uint64_t key = 0;
-        for (int i = 0; i < 3; ++i) key = 100 * key + static_cast<std::uint64_t>(std::lround(x[i] / 0.006) + 10);
+        for (int i = 0; i < 3; ++i)
+          key = 100 * key + static_cast<std::uint64_t>(std::lround(x[i] / 0.006) + 10);
         REQUIRE(solved.insert(key).second);
       }
     }
@@ -106,7 +118,7 @@ TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again")
   b.planner.finish(result);
   REQUIRE(result.dispatch.size() == 2);
   CHECK(result.dispatch[0].status == "preempted");
-  CHECK(std::isnan(result.dispatch[0].known));   // nothing became known
+  CHECK(std::isnan(result.dispatch[0].known));  // nothing became known
 }
 
 namespace {
@@ -119,8 +131,11 @@ class RankedAnew final : public Policy {
   bool reads_regions() const override { return false; }
   void look(const PlannerView& view) override { policy_->look(view); }
   void pend(const PlannerView& view) override { policy_->look(view); }
-  double priority(const Candidate& candidate, const PlannerView& view) const override { return policy_->priority(candidate, view); }
-  void prioritise(std::span<const Candidate> candidates, const PlannerView& view, std::span<double> out) const override {
+  double priority(const Candidate& candidate, const PlannerView& view) const override {
+    return policy_->priority(candidate, view);
+  }
+  void prioritise(std::span<const Candidate> candidates, const PlannerView& view,
+                  std::span<double> out) const override {
     policy_->prioritise(candidates, view, out);
   }
 
@@ -140,7 +155,9 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
     double now = 0;
     for (int round = 0; round < 12; ++round) {
       now += 0.01;
-      b.planner.observe({.t = now, .at = 0.012 * Vec3(std::sin(9 * now), std::cos(3 * now), std::sin(2 * now)), .velocity = {0.1, 0, 0}});
+      b.planner.observe({.t = now,
+                         .at = 0.012 * Vec3(std::sin(9 * now), std::cos(3 * now), std::sin(2 * now)),
+                         .velocity = {0.1, 0, 0}});
       b.planner.plan(now);
       for (int worker = round % 3; worker < 40; worker += 3)
         if (b.generator.jobs.count(worker)) b.planner.receive(b.generator.end(worker, now), now);
@@ -154,7 +171,8 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
   for (std::size_t i = 0; i < given[0].size(); ++i) {
     CAPTURE(i);
     REQUIRE(given[0][i].at == given[1][i].at);
-    CHECK(given[0][i].priority == Approx(given[1][i].priority).epsilon(1e-12));   // of few at once sums may round otherwise
+    CHECK(given[0][i].priority ==
+          Approx(given[1][i].priority).epsilon(1e-12));  // of few at once sums may round otherwise
     CHECK(given[0][i].worker == given[1][i].worker);
   }
 }
@@ -180,7 +198,8 @@ TEST_CASE("planner: a failed solve is recorded and not tried again") {
   CHECK(result.notes.size() == 1);
 }
 
-TEST_CASE("planner: preempts what no longer matters, no candidate more than twice, and never when told not to") {
+TEST_CASE(
+    "planner: preempts what no longer matters, no candidate more than twice, and never when told not to") {
   for (const bool preempt : {true, false}) {
     SessionOptions options = testing::virtual_options();
     options.policy = "nearest";
@@ -208,7 +227,8 @@ TEST_CASE("planner: preempts what no longer matters, no candidate more than twic
   }
 }
 
-TEST_CASE("planner: tells a policy that asks by how much the model missed each state that came, and no other") {
+TEST_CASE(
+    "planner: tells a policy that asks by how much the model missed each state that came, and no other") {
   static std::vector<float> seen;
   class Curious final : public Policy {
    public:
@@ -242,7 +262,7 @@ TEST_CASE("planner: tells a policy that asks by how much the model missed each s
       continue;
     }
     REQUIRE(seen.size() == 12);
-    CHECK(std::isnan(seen[0]));   // before the first state there was no model
+    CHECK(std::isnan(seen[0]));  // before the first state there was no model
     StateSpace before(b.input.space);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const State& state = b.planner.space()[StateId{static_cast<std::uint32_t>(i)}];
@@ -264,19 +284,21 @@ TEST_CASE("planner: publishes when states or travel call for it, and only then")
     return model.has_value();
   };
   b.planner.update(0);
-  CHECK_FALSE(taken());   // nothing is known
+  CHECK_FALSE(taken());  // nothing is known
   for (int i = 0; i < 60; ++i) {
     b.planner.plan(0.01 * i);
     b.planner.receive(b.generator.end(0, 0.01 * i), 0.01 * i);
     b.planner.update(0.01 * i);
-    if (i < 30) CHECK(taken());   // each state is within the neighbour set
-    else taken();
+    if (i < 30)
+      CHECK(taken());  // each state is within the neighbour set
+    else
+      taken();
   }
   b.planner.update(1);
-  CHECK_FALSE(taken());   // nothing new
+  CHECK_FALSE(taken());  // nothing new
   b.planner.observe({.t = 1, .at = Vec3(0.001, 0, 0), .velocity = Vec3::Zero()});
   b.planner.update(1);
-  CHECK_FALSE(taken());   // less than a quarter of a spacing
+  CHECK_FALSE(taken());  // less than a quarter of a spacing
   b.planner.observe({.t = 1.1, .at = Vec3(0.012, 0.012, 0.012), .velocity = Vec3::Zero()});
   b.planner.update(1.1);
   CHECK(taken());

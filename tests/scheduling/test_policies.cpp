@@ -6,11 +6,11 @@
 #include <set>
 
 #include "geometry/common/error.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidates.hpp"
 #include "scheduling/policy/need_left.hpp"
 #include "scheduling/policy/policy.hpp"
-#include "scheduling/motion/predictor.hpp"
-#include "scheduling/motion/random.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;
@@ -26,7 +26,8 @@ State spring(const Vec3& x) {
 }
 
 Vec3 draw(std::uint64_t key, double size) {
-  return size * Vec3(2 * uniform(mix(key, 1)) - 1, 2 * uniform(mix(key, 2)) - 1, 2 * uniform(mix(key, 3)) - 1);
+  return size *
+         Vec3(2 * uniform(mix(key, 1)) - 1, 2 * uniform(mix(key, 2)) - 1, 2 * uniform(mix(key, 3)) - 1);
 }
 
 }  // namespace
@@ -41,15 +42,18 @@ TEST_CASE("priorities are finite and not negative for every policy and input") {
     for (std::uint64_t i = 0; i < 300; ++i) {
       std::vector<Prediction> path;
       for (std::uint64_t k = 0; k < i % 4; ++k)
-        path.push_back({.horizon = 0.1 * static_cast<double>(k), .at = draw(1000 * i + k, 0.1), .deviation = i % 3 == 0 ? 0.0 : 1e3});
+        path.push_back({.horizon = 0.1 * static_cast<double>(k),
+                        .at = draw(1000 * i + k, 0.1),
+                        .deviation = i % 3 == 0 ? 0.0 : 1e3});
       const double sizes[] = {0, 1e-12, 0.05, 1e6};
-      const PlannerView view{.space = space,
-                             .now = 0.01 * static_cast<double>(i),
-                             .hip = {.t = 0, .at = draw(i, sizes[i % 4]), .velocity = draw(i + 7, sizes[(i / 4) % 4])},
-                             .predicted = path,
-                             .solve_seconds = i % 5 == 0 ? 0.0 : uniform(i),
-                             .workers = 1 + static_cast<int>(i % 7),
-                             .pending = {}};
+      const PlannerView view{
+          .space = space,
+          .now = 0.01 * static_cast<double>(i),
+          .hip = {.t = 0, .at = draw(i, sizes[i % 4]), .velocity = draw(i + 7, sizes[(i / 4) % 4])},
+          .predicted = path,
+          .solve_seconds = i % 5 == 0 ? 0.0 : uniform(i),
+          .workers = 1 + static_cast<int>(i % 7),
+          .pending = {}};
       std::vector<Candidate> candidates;
       for (std::uint64_t k = 0; k < 20; ++k)
         candidates.push_back({.at = draw(i * 31 + k, sizes[k % 4]),
@@ -73,16 +77,24 @@ TEST_CASE("policies prefer what their names say") {
   StateSpace space(testing::small_input().space);
   space.insert(spring(Vec3::Zero()));
   std::vector<Prediction> path;
-  for (int i = 0; i <= 8; ++i) path.push_back({.horizon = 0.05 * i, .at = Vec3(0.06 * 0.05 * i, 0, 0), .deviation = 1e-3});
-  const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = Vec3::Zero(), .velocity = Vec3(0.06, 0, 0)},
-                         .predicted = path, .solve_seconds = 0.01, .workers = 2, .pending = {}};
+  for (int i = 0; i <= 8; ++i)
+    path.push_back({.horizon = 0.05 * i, .at = Vec3(0.06 * 0.05 * i, 0, 0), .deviation = 1e-3});
+  const PlannerView view{.space = space,
+                         .now = 1,
+                         .hip = {.t = 1, .at = Vec3::Zero(), .velocity = Vec3(0.06, 0, 0)},
+                         .predicted = path,
+                         .solve_seconds = 0.01,
+                         .workers = 2,
+                         .pending = {}};
   const auto worth = [&](const std::string& name, const Candidate& c) {
     const auto policy = make_policy(name, {});
     policy->look(view);
     return policy->priority(c, view);
   };
-  const Candidate ahead{.at = Vec3(0.012, 0, 0), .region = Label::blank, .requested = 2, .delta = 0.012, .order = 5};
-  const Candidate behind{.at = Vec3(-0.006, 0, 0), .region = Label::blank, .requested = 1, .delta = 0.006, .order = 4};
+  const Candidate ahead{
+      .at = Vec3(0.012, 0, 0), .region = Label::blank, .requested = 2, .delta = 0.012, .order = 5};
+  const Candidate behind{
+      .at = Vec3(-0.006, 0, 0), .region = Label::blank, .requested = 1, .delta = 0.006, .order = 4};
   CHECK(worth("nearest", behind) > worth("nearest", ahead));
   CHECK(worth("fifo", behind) > worth("fifo", ahead));
   Candidate far_behind = behind;
@@ -93,9 +105,11 @@ TEST_CASE("policies prefer what their names say") {
   }
   // By the time to reach: what the hand has passed, or passes before it could be solved, comes last.
   PlannerView slow = view;
-  slow.solve_seconds = 0.2;   // 12 mm of way
+  slow.solve_seconds = 0.2;  // 12 mm of way
   const auto direction = make_policy("direction", {});
-  const auto at = [&](double x, double y) { return direction->priority({.at = Vec3(x, y, 0), .delta = 0.01}, slow); };
+  const auto at = [&](double x, double y) {
+    return direction->priority({.at = Vec3(x, y, 0), .delta = 0.01}, slow);
+  };
   CHECK(at(0.018, 0) > at(0.024, 0));
   CHECK(at(0.018, 0) > at(0.018, 0.006));
   for (const double passed : {-0.001, -0.006, 0.004, 0.009}) {
@@ -113,11 +127,17 @@ TEST_CASE("coverage: what is known or under way ahead is worth less") {
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace empty(options), known(options);
   std::vector<Prediction> path;
-  for (int i = 0; i <= 8; ++i) path.push_back({.horizon = 0.05 * i, .at = Vec3(0.02 * i / 8, 0, 0), .deviation = 1e-3});
+  for (int i = 0; i <= 8; ++i)
+    path.push_back({.horizon = 0.05 * i, .at = Vec3(0.02 * i / 8, 0, 0), .deviation = 1e-3});
   const Candidate ahead{.at = Vec3(0.018, 0, 0)}, aside{.at = Vec3(-0.024, 0.024, 0.024)};
   const auto worth = [&](const StateSpace& space, const Candidate& c, std::span<const Vec3> pending) {
-    const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = Vec3::Zero(), .velocity = Vec3(0.05, 0, 0)},
-                           .predicted = path, .solve_seconds = 0.1, .workers = 2, .pending = pending};
+    const PlannerView view{.space = space,
+                           .now = 1,
+                           .hip = {.t = 1, .at = Vec3::Zero(), .velocity = Vec3(0.05, 0, 0)},
+                           .predicted = path,
+                           .solve_seconds = 0.1,
+                           .workers = 2,
+                           .pending = pending};
     const auto policy = make_policy("coverage", {});
     policy->look(view);
     return policy->priority(c, view);
@@ -127,20 +147,28 @@ TEST_CASE("coverage: what is known or under way ahead is worth less") {
   const Vec3 near(0.012, 0, 0);
   CHECK(worth(empty, ahead, {&near, 1}) < 0.5 * alone);
   known.insert(spring(near));
-  CHECK(worth(known, ahead, {}) < 0.5 * alone);   // its places have turned sparse
+  CHECK(worth(known, ahead, {}) < 0.5 * alone);  // its places have turned sparse
 }
 
 TEST_CASE("coverage: a model that interpolates in lattice cells gets the corners of those ahead first") {
   StateSpaceOptions options = testing::small_input().space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace space(options);
-  for (const Vec3& x : lattice(options.box, options.spacing))   // all but one corner: safe everywhere, yet a cell is open
+  for (const Vec3& x :
+       lattice(options.box, options.spacing))  // all but one corner: safe everywhere, yet a cell is open
     if ((x - Vec3(0.012, 0, 0)).norm() > 1e-6) space.insert(spring(x));
   std::vector<Prediction> path;
-  for (int i = 0; i <= 8; ++i) path.push_back({.horizon = 0.05 * i, .at = Vec3(0.02 * i / 8, 0.001, 0.001), .deviation = 1e-3});
+  for (int i = 0; i <= 8; ++i)
+    path.push_back({.horizon = 0.05 * i, .at = Vec3(0.02 * i / 8, 0.001, 0.001), .deviation = 1e-3});
   const auto worth = [&](bool in_cells) {
-    const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.05, 0, 0)},
-                           .predicted = path, .solve_seconds = 0.1, .workers = 2, .pending = {}, .in_cells = in_cells};
+    const PlannerView view{.space = space,
+                           .now = 1,
+                           .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.05, 0, 0)},
+                           .predicted = path,
+                           .solve_seconds = 0.1,
+                           .workers = 2,
+                           .pending = {},
+                           .in_cells = in_cells};
     const auto policy = make_policy("coverage", {});
     policy->look(view);
     return policy->priority({.at = Vec3(0.012, 0, 0), .delta = 0.006}, view);
@@ -158,29 +186,46 @@ TEST_CASE("coverage: which spacing counts is learnt from what the states that ca
     surprises.push_back(0);
   }
   // One candidate in the middle of a coarse cell that is known, one where nothing is.
-  const std::vector<Candidate> candidates{{.at = Vec3(-0.024, 0.012, 0.012)}, {.at = Vec3(0.048, 0.012, 0.012)}};
-  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(-0.036, 0.012, 0.012)}, {.horizon = 0.1, .at = Vec3(-0.024, 0.012, 0.012)}};
+  const std::vector<Candidate> candidates{{.at = Vec3(-0.024, 0.012, 0.012)},
+                                          {.at = Vec3(0.048, 0.012, 0.012)}};
+  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(-0.036, 0.012, 0.012)},
+                                     {.horizon = 0.1, .at = Vec3(-0.024, 0.012, 0.012)}};
   const auto fine_over_far = [&](float surprise) {
     std::ranges::fill(surprises, surprise);
-    const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.1, 0, 0)}, .predicted = path,
-                           .solve_seconds = 0.05, .workers = 1, .pending = {}, .with_stiffness = true, .surprises = surprises};
+    const PlannerView view{.space = space,
+                           .now = 1,
+                           .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.1, 0, 0)},
+                           .predicted = path,
+                           .solve_seconds = 0.05,
+                           .workers = 1,
+                           .pending = {},
+                           .with_stiffness = true,
+                           .surprises = surprises};
     const auto policy = make_policy("coverage", {});
     policy->look(view);
     double worth[2];
     policy->prioritise(candidates, view, worth);
     return worth[0] / worth[1];
   };
-  const double untold = fine_over_far(std::numeric_limits<float>::quiet_NaN()), smooth = fine_over_far(0.01F), hard = fine_over_far(20);
+  const double untold = fine_over_far(std::numeric_limits<float>::quiet_NaN()), smooth = fine_over_far(0.01F),
+               hard = fine_over_far(20);
   CHECK(smooth < untold);
   CHECK(untold < hard);
 }
 
 TEST_CASE("coverage: motion straight out of the box is expected back") {
-  StateSpace space(testing::small_input().space);   // 12 mm each way
-  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(0.01, 0, 0)}, {.horizon = 0.1, .at = Vec3(0.02, 0.01, 0)}};
-  const std::vector<Candidate> candidates{{.at = Vec3(0.006, 0.012, 0)}, {.at = Vec3(0.006, -0.012, 0)}, {.at = Vec3(-0.012, -0.012, 0)}};
-  const PlannerView view{.space = space, .now = 1, .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.1, 0.1, 0)}, .predicted = path,
-                         .solve_seconds = 0.1, .workers = 1, .pending = {}};
+  StateSpace space(testing::small_input().space);  // 12 mm each way
+  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(0.01, 0, 0)},
+                                     {.horizon = 0.1, .at = Vec3(0.02, 0.01, 0)}};
+  const std::vector<Candidate> candidates{
+      {.at = Vec3(0.006, 0.012, 0)}, {.at = Vec3(0.006, -0.012, 0)}, {.at = Vec3(-0.012, -0.012, 0)}};
+  const PlannerView view{.space = space,
+                         .now = 1,
+                         .hip = {.t = 1, .at = path[0].at, .velocity = Vec3(0.1, 0.1, 0)},
+                         .predicted = path,
+                         .solve_seconds = 0.1,
+                         .workers = 1,
+                         .pending = {}};
   const auto policy = make_policy("coverage", {});
   policy->look(view);
   double worth[3];
@@ -193,7 +238,13 @@ TEST_CASE("the placebo permutes labels among the places and nothing else") {
   StateSpaceOptions options = testing::small_input().space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace space(options);
-  const PlannerView view{.space = space, .now = 0, .hip = {}, .predicted = {}, .solve_seconds = 0.01, .workers = 1, .pending = {}};
+  const PlannerView view{.space = space,
+                         .now = 0,
+                         .hip = {},
+                         .predicted = {},
+                         .solve_seconds = 0.01,
+                         .workers = 1,
+                         .pending = {}};
   std::vector<Candidate> candidates;
   for (std::uint64_t i = 0; i < 50; ++i) candidates.push_back({.at = draw(i, 0.036)});
   std::vector<double> truth(50), placebo(50);
@@ -204,7 +255,7 @@ TEST_CASE("the placebo permutes labels among the places and nothing else") {
   };
   ask("coverage", truth);
   ask("shuffled", placebo);
-  CHECK(truth == placebo);   // all is blank: there is nothing to permute
+  CHECK(truth == placebo);  // all is blank: there is nothing to permute
   for (int i = 0; i < 4; ++i) space.insert(spring(Vec3(0.02, 0.006 * i, 0.01)));
   ask("coverage", truth);
   ask("shuffled", placebo);
@@ -214,13 +265,15 @@ TEST_CASE("the placebo permutes labels among the places and nothing else") {
 TEST_CASE("what places still need: products kept from call to call are those made anew") {
   std::vector<Vec3> at, under_way;
   std::vector<NeedLeft::Needs> needs;
-  const auto place = [](std::uint64_t i) { return Vec3(0.07 * Vec3(uniform(mix(5, i)), uniform(mix(6, i)), uniform(mix(7, i)))); };
+  const auto place = [](std::uint64_t i) {
+    return Vec3(0.07 * Vec3(uniform(mix(5, i)), uniform(mix(6, i)), uniform(mix(7, i))));
+  };
   for (std::uint64_t i = 0; i < 200; ++i) {
     at.push_back(place(i));
     needs.push_back({uniform(mix(8, i)), uniform(mix(9, i)), i % 3 == 0 ? 0.0 : 1.0});
   }
   for (std::uint64_t i = 0; i < 60; ++i) under_way.push_back(place(1000 + i));
-  under_way.push_back(at[3]);   // mends that place wholly
+  under_way.push_back(at[3]);  // mends that place wholly
   NeedLeft::Needs inverses;
   for (std::size_t s = 0; s < 3; ++s) inverses[s] = 1 / std::pow(std::array{0.048, 0.024, 0.012}[s], 2);
   NeedLeft kept;
@@ -270,14 +323,14 @@ TEST_CASE("candidates are the unknown lattice points, each once") {
   CHECK(candidates.open().size() == 122);
   const Candidate taken = candidates.take(17);
   CHECK(candidates.open().size() == 121);
-  candidates.learn(taken.at);   // already taken: nothing to remove
+  candidates.learn(taken.at);  // already taken: nothing to remove
   CHECK(candidates.open().size() == 121);
   candidates.put_back(taken);
   CHECK(candidates.open().size() == 122);
   std::set<std::uint32_t> orders;
   for (const Candidate& c : candidates.open()) orders.insert(c.order);
   CHECK(orders.size() == 122);
-  candidates.learn(Vec3(0.0031, 0.001, 0.0007));   // off the lattice: no candidate goes
+  candidates.learn(Vec3(0.0031, 0.001, 0.0007));  // off the lattice: no candidate goes
   CHECK(candidates.open().size() == 122);
 }
 
@@ -286,7 +339,8 @@ TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
     CAPTURE(name);
     const auto predictor = make_predictor(name);
     const Vec3 velocity(0.03, -0.02, 0.01);
-    for (int k = 0; k <= 2000; ++k) predictor->observe({.t = 1e-3 * k, .at = 1e-3 * k * velocity, .velocity = velocity});
+    for (int k = 0; k <= 2000; ++k)
+      predictor->observe({.t = 1e-3 * k, .at = 1e-3 * k * velocity, .velocity = velocity});
     for (const double horizon : {0.0, 0.05, 0.2}) {
       const Prediction p = predictor->predict(horizon);
       CHECK((p.at - (2 + horizon) * velocity).norm() < 2e-5);
@@ -294,7 +348,8 @@ TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
     }
     CHECK(predictor->predict(0.4).deviation > predictor->predict(0.1).deviation);
 
-    const auto device = make_device("path:lissajous,tremor=0.0001", {.box = testing::small_input().space.box, .seed = 1, .folder = {}});
+    const auto device = make_device("path:lissajous,tremor=0.0001",
+                                    {.box = testing::small_input().space.box, .seed = 1, .folder = {}});
     std::vector<Vec3> motion;
     for (int k = 0; k < 8000; ++k) motion.push_back(device->position(1e-3 * k, {}));
     const double horizons[] = {0.02, 0.1, 0.3};

@@ -23,7 +23,8 @@ State stiffening(const Vec3& x) {
 // A planner reduced to what the loop needs: a new model every few frames, recycled as the loop gives them back.
 class Feeder {
  public:
-  Feeder(LoopLink& link, ModelOptions options) : link_(link), space_(testing::small_input().space), updater_(space_, options) {
+  Feeder(LoopLink& link, ModelOptions options)
+      : link_(link), space_(testing::small_input().space), updater_(space_, options) {
     positions_ = lattice(space_.options().box, space_.options().spacing);
     for (int i = 0; i < 6; ++i) {
       models_.push_back(std::make_unique<Model>());
@@ -38,7 +39,8 @@ class Feeder {
     free_.pop_back();
     updater_.update(hip, *model);
     ++published;
-    if (const auto missed = link_.models.publish(model); missed && *missed) free_.push_back(const_cast<Model*>(*missed));
+    if (const auto missed = link_.models.publish(model); missed && *missed)
+      free_.push_back(const_cast<Model*>(*missed));
   }
   std::size_t free_models() {
     while (const auto back = link_.returned.pop()) free_.push_back(const_cast<Model*>(*back));
@@ -80,11 +82,11 @@ TEST_CASE("a frame allocates nothing, under every rule, with models coming and g
       }
       CHECK(during == 0);
       CHECK(loop.lost_models() == 0);
-      CHECK(feeder.free_models() >= 6 - 4);   // at most: two or three in the loop, one not taken
+      CHECK(feeder.free_models() >= 6 - 4);  // at most: two or three in the loop, one not taken
       if (FOREFEEL_COUNTS_ALLOCATIONS) {
         const std::size_t before = testing::allocations();
         const auto probe = std::make_unique<double>(1.0);
-        CHECK(testing::allocations() == before + 1);   // the counter counts
+        CHECK(testing::allocations() == before + 1);  // the counter counts
       }
     }
   }
@@ -110,11 +112,11 @@ TEST_CASE("the loop logs what it renders and accounts for every switch") {
     for (std::size_t k = 0; k < log.size(); ++k) {
       CHECK(log[k].t == static_cast<double>(k) / 1000);
       CHECK(log[k].at == device->position(log[k].t, {}));
-      if (k < 20) CHECK(log[k].force == Vec3::Zero());   // before the first model
+      if (k < 20) CHECK(log[k].force == Vec3::Zero());  // before the first model
       over += log[k].switch_change > log[k].switch_bound;
       taken += log[k].took_model;
       if (k > 0) CHECK(log[k].model >= log[k - 1].model);
-      if (k < 500) CHECK(log[k].sent.isApprox(log[k].force));   // no safety measure was needed
+      if (k < 500) CHECK(log[k].sent.isApprox(log[k].force));  // no safety measure was needed
     }
     CHECK(taken > 0);
     CHECK(taken <= feeder.published);
@@ -136,5 +138,6 @@ TEST_CASE("a device that fails holds its place, a silent planner fades the force
   RenderLoop loop(device, link, options, 2000);
   for (std::size_t k = 0; k < 2000; ++k) loop.frame(k);
   CHECK(loop.hip().at == Vec3(0.001, 0, 0));
-  CHECK(loop.safety().counts().stale == 2000 - 501);   // no beat after t = 0: stale once older than half a second
+  CHECK(loop.safety().counts().stale ==
+        2000 - 501);  // no beat after t = 0: stale once older than half a second
 }

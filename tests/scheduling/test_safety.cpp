@@ -8,7 +8,8 @@ using namespace forefeel;
 
 namespace {
 
-const SafetyOptions plain{.force_limit = 5, .slew_limit = 1e9, .ramp_seconds = 0, .stale_seconds = 0.5, .frame = 1e-3};
+const SafetyOptions plain{
+    .force_limit = 5, .slew_limit = 1e9, .ramp_seconds = 0, .stale_seconds = 0.5, .frame = 1e-3};
 
 }  // namespace
 
@@ -16,7 +17,9 @@ TEST_CASE("an ordinary force passes untouched") {
   Safety safety(plain);
   const Vec3 f(1, -2, 0.5);
   CHECK(safety.apply(f, Vec3::Zero(), 1, 0.1) == f);
-  CHECK(safety.counts().clamped + safety.counts().slewed + safety.counts().stale + safety.counts().non_finite == 0);
+  CHECK(safety.counts().clamped + safety.counts().slewed + safety.counts().stale +
+            safety.counts().non_finite ==
+        0);
 }
 
 TEST_CASE("clamp: the direction stays, the size does not exceed the limit") {
@@ -71,7 +74,8 @@ TEST_CASE("guard: what is not finite never reaches the device") {
   options.slew_limit = 1000;
   Safety safety(options);
   for (int k = 0; k < 5; ++k) safety.apply(Vec3(2, 0, 0), Vec3::Zero(), 1, 0);
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinite = std::numeric_limits<double>::infinity();
   for (const Vec3& bad : {Vec3(nan, 0, 0), Vec3(0, infinite, 0), Vec3(0, 0, -infinite)}) {
     const Vec3 f = safety.apply(bad, Vec3::Zero(), 1, 0);
     CHECK(f.allFinite());

@@ -13,10 +13,10 @@
 #include <thread>
 
 #include "geometry/common/error.hpp"
-#include "scheduling/workers/reference_service.hpp"
+#include "run_logs.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/session/session_parts.hpp"
-#include "run_logs.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 #include "solver/body/contact_stiffness.hpp"
 
@@ -38,7 +38,8 @@ void expect_no_state_twice(const SessionResult& result) {
 
 TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
   const ScratchFolder folder("bytes");
-  for (const std::string& policy : {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
+  for (const std::string& policy :
+       {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
     SessionOptions options = virtual_options(1.5);
     options.policy = policy;
     options.cost = "lognormal:0.02,0.8";
@@ -66,7 +67,8 @@ TEST_CASE("labels, first visits and positions that are worked out beside a run a
   options.cost = "lognormal:0.03,0.8";
   std::vector<Vec3> positions;
   const SessionInput input = small_input();
-  const SessionResult result = run_session(input, options, {}, {}, [&](const Vec3& at) { positions.push_back(at); });
+  const SessionResult result =
+      run_session(input, options, {}, {}, [&](const Vec3& at) { positions.push_back(at); });
   REQUIRE(positions.size() == result.frames.size());
   StateSpace space(input.space);
   std::size_t inserted = 0, visits = 0;
@@ -79,7 +81,8 @@ TEST_CASE("labels, first visits and positions that are worked out beside a run a
     REQUIRE(frame.label == space.coverage(frame.at).label);
     seen.insert(frame.label);
     const Vec3 cell = (frame.at / input.space.spacing).array().floor();
-    const bool first = cells.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second;
+    const bool first =
+        cells.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second;
     if (frame.first_visit) {
       CHECK(first);
       CHECK(std::isfinite(frame.error));
@@ -91,7 +94,7 @@ TEST_CASE("labels, first visits and positions that are worked out beside a run a
 }
 
 TEST_CASE("what is rendered beside the planner is what is rendered in turn with it") {
-  struct Answering final : Device {   // a motion that is said to depend on the force, and does not
+  struct Answering final : Device {  // a motion that is said to depend on the force, and does not
     std::unique_ptr<Device> path;
     bool answers;
     Answering(std::unique_ptr<Device> device, bool yes) : path(std::move(device)), answers(yes) {}
@@ -108,8 +111,10 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
     const auto run = [&](bool in_turn, std::size_t frames) {
       SessionPlan plan(input, options);
       plan.frames = frames;
-      plan.device = std::make_unique<Answering>(
-          make_device("path:lissajous,speed=0.06,tremor=0.0001", {.box = input.space.box, .seed = 3, .folder = {}}), in_turn);
+      plan.device =
+          std::make_unique<Answering>(make_device("path:lissajous,speed=0.06,tremor=0.0001",
+                                                  {.box = input.space.box, .seed = 3, .folder = {}}),
+                                      in_turn);
       ReferenceService references(input, 2);
       plan.cost = make_cost("lognormal:0.03,0.8", 3, [&] { return references.recorded_costs(); });
       RunAnalysis analysis(input, options, references, {});
@@ -124,9 +129,12 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
       REQUIRE(other.frames.size() == frames);
       for (std::size_t k = 0; k < frames; ++k) {
         const FrameRecord &a = one.frames[k], &b = other.frames[k];
-        REQUIRE((a.t == b.t && a.at == b.at && a.force == b.force && a.sent == b.sent && a.undamped == b.undamped));
-        REQUIRE((a.label == b.label && a.model == b.model && a.known == b.known && a.took_model == b.took_model));
-        REQUIRE((a.switch_change == b.switch_change && a.motion_change == b.motion_change && a.first_visit == b.first_visit));
+        REQUIRE((a.t == b.t && a.at == b.at && a.force == b.force && a.sent == b.sent &&
+                 a.undamped == b.undamped));
+        REQUIRE(
+            (a.label == b.label && a.model == b.model && a.known == b.known && a.took_model == b.took_model));
+        REQUIRE((a.switch_change == b.switch_change && a.motion_change == b.motion_change &&
+                 a.first_visit == b.first_visit));
       }
       REQUIRE(one.switches.size() == other.switches.size());
       for (std::size_t i = 0; i < one.switches.size(); ++i) {
@@ -154,7 +162,9 @@ TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND
     options.reference_step = 0.05;
     const auto share = [&](const std::string& policy) {
       options.policy = policy;
-      return summary_json(run_session(small_input(), options), small_input(), options)["error"]["first_visit"]["within_jnd"].get<double>();
+      return summary_json(run_session(small_input(), options), small_input(),
+                          options)["error"]["first_visit"]["within_jnd"]
+          .get<double>();
     };
     const double bound = share("clairvoyant");
     for (const std::string policy : {"coverage", "nearest", "direction", "clairvoyant-greedy"}) {
@@ -182,12 +192,14 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
     REQUIRE(r.frames[k].known >= r.frames[k - 1].known);
     over += r.frames[k].switch_change > r.frames[k].switch_bound;
     // The change of the force is what motion and the switch make, nothing else.
-    REQUIRE((r.frames[k].force - r.frames[k - 1].force).norm() <= r.frames[k].switch_change + r.frames[k].motion_change + 1e-12);
+    REQUIRE((r.frames[k].force - r.frames[k - 1].force).norm() <=
+            r.frames[k].switch_change + r.frames[k].motion_change + 1e-12);
   }
   CHECK(over == 0);
   for (const DispatchRecord& d : r.dispatch) {
     CHECK(d.started <= d.finished);
-    if (d.status == "solved") CHECK(d.finished - d.started == Approx(d.at.isZero(0) ? 0.0025 : 0.01).margin(2e-9));
+    if (d.status == "solved")
+      CHECK(d.finished - d.started == Approx(d.at.isZero(0) ? 0.0025 : 0.01).margin(2e-9));
     CHECK(d.known == d.finished);
     CHECK(d.worker >= 0);
     CHECK(d.worker < 4);
@@ -220,7 +232,9 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   CHECK(json["load"].get<double>() > 0);
 }
 
-TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factorisation; the first model is its tangent") {
+TEST_CASE(
+    "virtual clock: the state at rest comes first, at the cost of a factorisation; the first model is its "
+    "tangent") {
   for (const std::string placement : {"lattice", "adaptive", "path"})
     for (const bool fast : {false, true}) {
       CAPTURE(placement, fast);
@@ -243,19 +257,21 @@ TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factor
       double others = INFINITY;
       for (const DispatchRecord& d : r.dispatch)
         if (d.id > 0) others = std::min(others, d.started);
-      const auto moved = std::ranges::find_if(r.frames, [&](const FrameRecord& f) { return f.at.norm() >= small_input().space.spacing / 3; });
+      const auto moved = std::ranges::find_if(
+          r.frames, [&](const FrameRecord& f) { return f.at.norm() >= small_input().space.spacing / 3; });
       const double told = std::min(moved == r.frames.end() ? INFINITY : moved->t, rest.known);
       CHECK(others == Approx(told + 0.001));
       CHECK((others < rest.finished) == fast);
       for (const FrameRecord& f : r.frames) {
         REQUIRE(f.switch_change <= f.switch_bound);
         if (f.known == 0) CHECK(f.force == Vec3::Zero());
-        if (f.model == 1) CHECK((f.undamped + r.states[0].stiffness * f.at).norm() <= 1e-9 * (1 + f.undamped.norm()));
+        if (f.model == 1)
+          CHECK((f.undamped + r.states[0].stiffness * f.at).norm() <= 1e-9 * (1 + f.undamped.norm()));
       }
       CHECK(r.states[0].at == Vec3::Zero());
       CHECK(r.start_solved_failed[0] == 0);
       CHECK(std::ranges::count(r.states, Vec3(Vec3::Zero()), &State::at) == 1);
-      options.rest_first = false;   // then it costs what any other does
+      options.rest_first = false;  // then it costs what any other does
       const SessionResult plain = run_session(small_input(), options);
       CHECK(plain.dispatch.front().started == Approx(0.001));
       for (const DispatchRecord& d : plain.dispatch)
@@ -263,12 +279,16 @@ TEST_CASE("virtual clock: the state at rest comes first, at the cost of a factor
     }
 }
 
-TEST_CASE("virtual clock: until something is known the hand feels the first guess, and the first state replaces it") {
+TEST_CASE(
+    "virtual clock: until something is known the hand feels the first guess, and the first state replaces "
+    "it") {
   SessionOptions options = virtual_options(0.6);
-  options.cost = "constant:0.4";   // rest after 0.1 s
+  options.cost = "constant:0.4";  // rest after 0.1 s
   options.device = "path:lissajous,speed=0.03";
   const Mat3 guess = disc_stiffness(*small_input().body);
-  const auto is_guess = [&](const FrameRecord& f) { return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm(); };
+  const auto is_guess = [&](const FrameRecord& f) {
+    return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm();
+  };
   for (const char* method : {"rbf", "tricubic"})
     for (const Data data : {Data::force, Data::force_and_stiffness}) {
       CAPTURE(method, name(data));
@@ -282,7 +302,7 @@ TEST_CASE("virtual clock: until something is known the hand feels the first gues
         if (f.known == 0) {
           ++before;
           REQUIRE(is_guess(f));
-          REQUIRE((f.force - f.undamped).norm() <= 1e-12);   // from rest on: nothing fades in
+          REQUIRE((f.force - f.undamped).norm() <= 1e-12);  // from rest on: nothing fades in
           REQUIRE(f.label == Label::blank);
         } else if (f.at.norm() > 1e-3) {
           ++after;
@@ -344,8 +364,10 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
   const auto refused = [&](const char* name, const std::string& rows, bool arrivals) {
     std::ofstream(folder / name) << "t,x,y,z\n" << rows;
     SessionOptions options = virtual_options(0.1);
-    if (arrivals) options.arrivals = folder / name;
-    else options.device = "trace:" + (folder / name).string();
+    if (arrivals)
+      options.arrivals = folder / name;
+    else
+      options.device = "trace:" + (folder / name).string();
     try {
       check_session(small_input(), options);
     } catch (const InputError& error) {
@@ -353,30 +375,76 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
     }
     return std::string();
   };
-  CHECK_THAT(refused("twice.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.1,0,0,-0.002\n", false), Catch::Contains("twice.csv:4: a second row at 0.1 s"));
+  CHECK_THAT(refused("twice.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.1,0,0,-0.002\n", false),
+             Catch::Contains("twice.csv:4: a second row at 0.1 s"));
   CHECK(refused("good.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.2,0,0,-0.002\n", false).empty());
-  CHECK_THAT(refused("late.csv", "0,0,0,0\n1e300,0,0,-0.006\n", true), Catch::Contains("late.csv:3") && Catch::Contains("86400"));
-  CHECK(refused("same.csv", "1,0,0,0\n1,0,0,-0.006\n", true).empty());   // states may come together
+  CHECK_THAT(refused("late.csv", "0,0,0,0\n1e300,0,0,-0.006\n", true),
+             Catch::Contains("late.csv:3") && Catch::Contains("86400"));
+  CHECK(refused("same.csv", "1,0,0,0\n1,0,0,-0.006\n", true).empty());  // states may come together
   SessionInput point = small_input();
   point.space.box = {Vec3::Zero(), Vec3::Zero()};
-  CHECK_THROWS_WITH(check_session(point, virtual_options(0.1)), Catch::Contains("state_space.box") && Catch::Contains("room"));
+  CHECK_THROWS_WITH(check_session(point, virtual_options(0.1)),
+                    Catch::Contains("state_space.box") && Catch::Contains("room"));
 }
 
 TEST_CASE("summary: every key of the contract") {
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.2);
   const auto json = summary_json(run_session(input, options), input, options);
-  for (const std::string pointer :
-       {"/clock", "/seconds", "/frames", "/deadline/missed", "/deadline/cost_us/p50", "/deadline/cost_us/p99", "/deadline/cost_us/max",
-        "/deadline/lateness_us/p50", "/deadline/lateness_us/p99", "/deadline/lateness_us/max", "/states/start", "/states/solved",
-        "/states/used", "/states/wasted", "/states/preempted", "/states/failed", "/states/age_at_use_ms/p50",
-        "/states/age_at_use_ms/p99", "/time_in/safe", "/time_in/sparse", "/time_in/gap", "/time_in/blank", "/switch/count",
-        "/switch/rule", "/switch/max_jump", "/switch/max_jump_undamped", "/switch/frames_over_jnd", "/switch/drift/ms50",
-        "/switch/drift/ms100", "/switch/drift/ms300", "/error/reference", "/error/samples", "/error/p50", "/error/p95", "/error/max",
-        "/error/within_jnd", "/error/parts/approximation", "/error/parts/switch", "/error/parts/staleness", "/error/by_label/safe",
-        "/error/first_visit/p50", "/error/first_visit/p95", "/error/first_visit/within_jnd", "/load", "/energy/generated_J",
-        "/energy/work_J", "/safety/clamped", "/safety/slewed", "/safety/stale", "/safety/non_finite", "/workers", "/policy", "/select",
-        "/seed"}) {
+  for (const std::string pointer : {"/clock",
+                                    "/seconds",
+                                    "/frames",
+                                    "/deadline/missed",
+                                    "/deadline/cost_us/p50",
+                                    "/deadline/cost_us/p99",
+                                    "/deadline/cost_us/max",
+                                    "/deadline/lateness_us/p50",
+                                    "/deadline/lateness_us/p99",
+                                    "/deadline/lateness_us/max",
+                                    "/states/start",
+                                    "/states/solved",
+                                    "/states/used",
+                                    "/states/wasted",
+                                    "/states/preempted",
+                                    "/states/failed",
+                                    "/states/age_at_use_ms/p50",
+                                    "/states/age_at_use_ms/p99",
+                                    "/time_in/safe",
+                                    "/time_in/sparse",
+                                    "/time_in/gap",
+                                    "/time_in/blank",
+                                    "/switch/count",
+                                    "/switch/rule",
+                                    "/switch/max_jump",
+                                    "/switch/max_jump_undamped",
+                                    "/switch/frames_over_jnd",
+                                    "/switch/drift/ms50",
+                                    "/switch/drift/ms100",
+                                    "/switch/drift/ms300",
+                                    "/error/reference",
+                                    "/error/samples",
+                                    "/error/p50",
+                                    "/error/p95",
+                                    "/error/max",
+                                    "/error/within_jnd",
+                                    "/error/parts/approximation",
+                                    "/error/parts/switch",
+                                    "/error/parts/staleness",
+                                    "/error/by_label/safe",
+                                    "/error/first_visit/p50",
+                                    "/error/first_visit/p95",
+                                    "/error/first_visit/within_jnd",
+                                    "/load",
+                                    "/energy/generated_J",
+                                    "/energy/work_J",
+                                    "/safety/clamped",
+                                    "/safety/slewed",
+                                    "/safety/stale",
+                                    "/safety/non_finite",
+                                    "/workers",
+                                    "/policy",
+                                    "/select",
+                                    "/seed"}) {
     CAPTURE(pointer);
     CHECK(json.contains(nlohmann::ordered_json::json_pointer(pointer)));
   }
@@ -425,11 +493,14 @@ TEST_CASE("a linear body needs three solves: states are exact multiples") {
 
 TEST_CASE("arrivals: states are known when the file says") {
   const ScratchFolder folder("arrivals");
-  std::ofstream(folder / "a.csv") << "t,x,y,z\n0.1,0,0,0\n0.25,0.006,0,0\n0.25,0,0.006,0\n0.05,0,0,0.006\n9,0.012,0,0\n";
+  std::ofstream(folder / "a.csv")
+      << "t,x,y,z\n0.1,0,0,0\n0.25,0.006,0,0\n0.25,0,0.006,0\n0.05,0,0,0.006\n9,0.012,0,0\n";
   SessionOptions options = virtual_options(0.5);
   options.arrivals = folder / "a.csv";
   const SessionResult r = run_session(small_input(), options);
-  const auto known = [&](double t) { return r.frames[static_cast<std::size_t>(std::lround(t * 1000))].known; };
+  const auto known = [&](double t) {
+    return r.frames[static_cast<std::size_t>(std::lround(t * 1000))].known;
+  };
   CHECK(known(0.049) == 0);
   CHECK(known(0.05) == 1);
   CHECK(known(0.099) == 1);
@@ -518,7 +589,7 @@ TEST_CASE("real clock: renders, solves and reports") {
   const auto json = summary_json(r, input, options);
   CHECK(json["clock"] == "real");
   CHECK(json["deadline"]["cost_us"]["p50"].is_number());
-  if (!r.realtime_priority) CHECK(!r.notes.empty());   // said so
+  if (!r.realtime_priority) CHECK(!r.notes.empty());  // said so
 }
 
 TEST_CASE("bad sessions are refused before anything is solved or written") {
@@ -556,7 +627,7 @@ TEST_CASE("bad sessions are refused before anything is solved or written") {
 // Run by the next test in a process of its own, which is killed.
 TEST_CASE("session that is killed", "[.]") {
   SessionInput input = small_input();
-  input.space.spacing = 0.0015;   // thousands of states: far from done when it is killed
+  input.space.spacing = 0.0015;  // thousands of states: far from done when it is killed
   input.state_file = std::getenv("FOREFEEL_TEST_STATES");
   SessionOptions options = virtual_options(20);
   options.clock = Clock::real;
@@ -579,7 +650,7 @@ TEST_CASE("kill -9 loses nothing that was committed") {
     if (!std::filesystem::exists(file)) continue;
     try {
       seen = StateFile::open_read_only(file).size();
-    } catch (const InputError&) {   // not made yet
+    } catch (const InputError&) {  // not made yet
     }
   }
   kill(child, SIGKILL);
@@ -609,7 +680,8 @@ TEST_CASE("older methods render from the lattice cell around the HIP, and wait f
     options.workers = 4;
     const SessionResult r = run_session(small_input(), options);
     CHECK(r.states.size() == 125);
-    double early = 0, late = 0;   // inside the full lattice the method is good, before it holds the nearest force
+    double early = 0,
+           late = 0;  // inside the full lattice the method is good, before it holds the nearest force
     const Box inner{Vec3::Constant(-0.011), Vec3::Constant(0.011)};
     for (const FrameRecord& f : r.frames)
       if (std::isfinite(f.approximation) && inner.contains(f.at)) {
@@ -635,7 +707,7 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
     CHECK(r.states.size() > 20);
     expect_no_state_twice(r);
     const double h = small_input().space.spacing;
-    std::size_t off = 0;   // the lattice
+    std::size_t off = 0;  // the lattice
     for (const State& state : r.states) {
       const Vec3 share = state.at / h;
       off += (share - share.array().round().matrix()).norm() > 1e-6;
@@ -663,7 +735,9 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
   CHECK_THROWS_AS(run_session(small_input(), options), InputError);
 }
 
-TEST_CASE("two runs of one body share the cache of references: one writes, the other reads, the results are the same") {
+TEST_CASE(
+    "two runs of one body share the cache of references: one writes, the other reads, the results are the "
+    "same") {
   const ScratchFolder folder("shared-cache");
   SessionInput input = small_input();
   input.cache_folder = folder / "cache";
@@ -676,13 +750,17 @@ TEST_CASE("two runs of one body share the cache of references: one writes, the o
   CHECK(std::ranges::any_of(second.notes, only_read));
   CHECK(std::ranges::none_of(first.notes, only_read));
   REQUIRE(second.frames.size() == first.frames.size());
-  for (std::size_t k = 0; k < first.frames.size(); ++k) REQUIRE(second.frames[k].force == first.frames[k].force);
+  for (std::size_t k = 0; k < first.frames.size(); ++k)
+    REQUIRE(second.frames[k].force == first.frames[k].force);
 }
 
-TEST_CASE("cost and latency of simulated workers are said to be ignored under the real clock, and only there") {
+TEST_CASE(
+    "cost and latency of simulated workers are said to be ignored under the real clock, and only there") {
   const auto says_so = [](const SessionOptions& options) {
     const SessionResult r = run_session(small_input(), options);
-    return std::ranges::any_of(r.notes, [](const std::string& note) { return note.find("ignored under the real clock") != std::string::npos; });
+    return std::ranges::any_of(r.notes, [](const std::string& note) {
+      return note.find("ignored under the real clock") != std::string::npos;
+    });
   };
   SessionOptions options = virtual_options(0.05);
   options.cost = "constant:0.5";
@@ -691,7 +769,7 @@ TEST_CASE("cost and latency of simulated workers are said to be ignored under th
   options.clock = Clock::real;
   CHECK(says_so(options));
   options.cost = SessionOptions{}.cost;
-  CHECK(says_so(options));   // the latency
+  CHECK(says_so(options));  // the latency
   options.latency = 0;
   CHECK_FALSE(says_so(options));
 }

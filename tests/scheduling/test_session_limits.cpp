@@ -34,7 +34,8 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   input.known = {rest};
   std::size_t handed_over = 0, positions = 0;
   const SessionResult result = run_session(
-      input, options, {}, [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); }, [&](const Vec3&) { ++positions; });
+      input, options, {}, [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); },
+      [&](const Vec3&) { ++positions; });
   CHECK(result.interrupted);
   CHECK(result.not_begun);
   CHECK(result.frames.empty());
@@ -53,7 +54,7 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
   const ScratchFolder folder("neighbours");
   SessionOptions options = virtual_options(0.5);
   options.cost = "constant:0.002";
-  options.model.neighbours = 400;   // of at most 6 x 6 x 6
+  options.model.neighbours = 400;  // of at most 6 x 6 x 6
   const std::string few = logs(small_input(), options, folder / "few");
   options.model.neighbours = 100'000;
   CHECK(logs(small_input(), options, folder / "many") == few);
@@ -65,7 +66,8 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
     FAIL("accepted");
   } catch (const InputError& error) {
     CHECK(error.where() == "model.neighbours");
-    CHECK_THAT(error.what(), Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
+    CHECK_THAT(error.what(),
+               Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
   }
   options.model.neighbours = 100;
   CHECK_NOTHROW(check_session(wide, options));
@@ -86,13 +88,18 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
     for (const std::string& note : result.notes) all += note;
     return all;
   };
-  CHECK_THAT(notes(0.05, 0), Catch::StartsWith("no cell of a lattice of 0.05 m fits the box") && Catch::Contains("there is no load"));
-  CHECK_THAT(notes(0.006, 0.05), Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
+  CHECK_THAT(notes(0.05, 0), Catch::StartsWith("no cell of a lattice of 0.05 m fits the box") &&
+                                 Catch::Contains("there is no load"));
+  CHECK_THAT(notes(0.006, 0.05),
+             Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
   CHECK_THAT(notes(0.05, 0), Catch::Contains("nothing but rest was solved"));
   box = {Vec3::Constant(0.001), Vec3::Constant(0.005)};
-  CHECK_THAT(notes(0.006, 0), Catch::Contains("no cell of a lattice of 0.006 m") && Catch::Contains("holds no position of the lattice of 0.006 m: nothing could") &&
-                                  !Catch::Contains("rest was"));
-  CHECK_THAT(notes(0.006, 0.001), Catch::Contains("holds no position of the lattice of 0.006 m: nothing could be solved"));
+  CHECK_THAT(notes(0.006, 0),
+             Catch::Contains("no cell of a lattice of 0.006 m") &&
+                 Catch::Contains("holds no position of the lattice of 0.006 m: nothing could") &&
+                 !Catch::Contains("rest was"));
+  CHECK_THAT(notes(0.006, 0.001),
+             Catch::Contains("holds no position of the lattice of 0.006 m: nothing could be solved"));
   box = small_input().space.box;
   CHECK(notes(0.006, 0) == "visits ");
   CHECK(notes(0.012, 0) == "visits ");
@@ -106,9 +113,10 @@ TEST_CASE("a second wish to end cuts the patience with references short") {
   options.threads = 1;
   options.interrupted = &stop;
   options.hurried = &hurry;
-  options.patience = 1e6;   // as long as it takes
-  const SessionResult result =
-      run_session(small_input(), options, [&](const SessionProgress& p) { stop = hurry = stop || p.phase == "references"; });
+  options.patience = 1e6;  // as long as it takes
+  const SessionResult result = run_session(small_input(), options, [&](const SessionProgress& p) {
+    stop = hurry = stop || p.phase == "references";
+  });
   CHECK(result.interrupted);
   CHECK(result.frames.size() == 1000);
   CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
@@ -127,11 +135,13 @@ TEST_CASE("records of the cache of references that are not what was written are 
   REQUIRE_FALSE(cache.empty());
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(cache.c_str(), &database) == SQLITE_OK);
-  CHECK(sqlite3_exec(database, "UPDATE states SET fz = fz + 1 WHERE id <= 3", nullptr, nullptr, nullptr) == SQLITE_OK);
+  CHECK(sqlite3_exec(database, "UPDATE states SET fz = fz + 1 WHERE id <= 3", nullptr, nullptr, nullptr) ==
+        SQLITE_OK);
   sqlite3_close(database);
   const SessionResult told = run_session(input, options);
   REQUIRE(told.warnings.size() == 1);
-  CHECK_THAT(told.warnings[0], Catch::StartsWith(cache.string()) && Catch::Contains("3 states have a wrong checksum"));
+  CHECK_THAT(told.warnings[0],
+             Catch::StartsWith(cache.string()) && Catch::Contains("3 states have a wrong checksum"));
   CHECK(logs(input, options, folder / "second") == first);
   CHECK(run_session(input, options).warnings.empty());
 }
@@ -144,8 +154,8 @@ TEST_CASE("a run that is interrupted while its references are solved ends withou
   options.threads = 1;
   options.interrupted = &stop;
   options.patience = 0;
-  const SessionResult result =
-      run_session(small_input(), options, [&](const SessionProgress& p) { stop = stop || p.phase == "references"; });
+  const SessionResult result = run_session(
+      small_input(), options, [&](const SessionProgress& p) { stop = stop || p.phase == "references"; });
   CHECK(result.interrupted);
   CHECK(result.frames.size() == 1000);
   CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));

@@ -74,7 +74,8 @@ TEST_CASE("intervals of shares stay between 0 and 1: by hand, against the plain 
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     GroupedValues shares(2 + seed % 5), rest;
     for (std::size_t g = 0; g < shares.size(); ++g)
-      for (std::size_t i = 0; i < 3; ++i) shares[g].push_back(std::min(1.0, 1.3 * uniform(mix(seed, 10 * g + i))));
+      for (std::size_t i = 0; i < 3; ++i)
+        shares[g].push_back(std::min(1.0, 1.3 * uniform(mix(seed, 10 * g + i))));
     for (const auto& group : shares) {
       rest.emplace_back();
       for (const double v : group) rest.back().push_back(1 - v);
@@ -109,7 +110,7 @@ TEST_CASE("a ranking of shares has such intervals, and plain ones of the differe
   CHECK(plain.ranked[0].value.student.high > 1);
   CHECK(plain.ranked[1].value.student.high > 1);
   for (const Ranked& entry : ranking.ranked) CHECK(entry.value.student.high <= 1);
-  CHECK(ranking.ranked[1].to_best.student.low < -1);   // a difference, and no share
+  CHECK(ranking.ranked[1].to_best.student.low < -1);  // a difference, and no share
   CHECK(ranking.ranked[1].to_best.student.low == plain.ranked[1].to_best.student.low);
 }
 
@@ -239,7 +240,8 @@ TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installe
       "print(repr(float(t[0])), repr(float(t[1])), float(b.confidence_interval.low), "
       "float(b.confidence_interval.high), repr(float(l[0])), repr(float(l[1])))\" 2>/dev/null";
   double low = 0, high = 0, b_low = 0, b_high = 0, l_low = 0, l_high = 0;
-  if (std::sscanf(output_of(python).c_str(), "%lf %lf %lf %lf %lf %lf", &low, &high, &b_low, &b_high, &l_low, &l_high) != 6) {
+  if (std::sscanf(output_of(python).c_str(), "%lf %lf %lf %lf %lf %lf", &low, &high, &b_low, &b_high, &l_low,
+                  &l_high) != 6) {
     WARN("python3-scipy is not installed: not compared");
     return;
   }

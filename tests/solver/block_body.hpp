@@ -13,7 +13,9 @@ inline TetMesh block_mesh(int nx, int ny, int nz, const Vec3& size) {
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i)
         mesh.nodes.emplace_back(size[0] * i / nx, size[1] * j / ny, size[2] * k / nz);
-  const auto node = [&](int i, int j, int k) { return static_cast<NodeIndex>((k * (ny + 1) + j) * (nx + 1) + i); };
+  const auto node = [&](int i, int j, int k) {
+    return static_cast<NodeIndex>((k * (ny + 1) + j) * (nx + 1) + i);
+  };
   // The six paths from corner 0 to corner 7 along the axes; the sign of the path's order is that of its volume.
   const int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (int k = 0; k < nz; ++k)
@@ -34,7 +36,8 @@ inline TetMesh block_mesh(int nx, int ny, int nz, const Vec3& size) {
 }
 
 // A block 10 x 4 x 4 cm, clamped at x = 0, touched by the nodes at x = 10 cm, y = 4 cm.
-inline std::shared_ptr<Body> block_body(Law law, double poisson = 0.4, int refine = 1, Element element = Element::linear) {
+inline std::shared_ptr<Body> block_body(Law law, double poisson = 0.4, int refine = 1,
+                                        Element element = Element::linear) {
   auto body = std::make_shared<Body>();
   body->mesh = block_mesh(5 * refine, 2 * refine, 2 * refine, Vec3(0.1, 0.04, 0.04));
   body->material = {law, 5000, poisson};
@@ -47,7 +50,7 @@ inline std::shared_ptr<Body> block_body(Law law, double poisson = 0.4, int refin
   return body;
 }
 
-inline constexpr Law all_laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
-                                   Law::mooney_rivlin};
+inline constexpr Law all_laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean,
+                                   Law::stable_neo_hookean, Law::mooney_rivlin};
 
 }  // namespace forefeel

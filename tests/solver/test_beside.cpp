@@ -16,7 +16,7 @@ std::vector<Vec3> neighbours(const Vec3& x) {
     for (const double sign : {-1.0, 1.0}) all.push_back(x + sign * h * Vec3::Unit(axis));
   all.push_back(x + h * Vec3(1, 1, 0));
   all.push_back(x + h * Vec3(1, 1, 1));
-  all.push_back(x - h * Vec3(0, 1, 1));     // a ninth: a second group of lanes
+  all.push_back(x - h * Vec3(0, 1, 1));  // a ninth: a second group of lanes
   return all;
 }
 
@@ -75,7 +75,8 @@ TEST_CASE("states beside one whose factor was lost, beside rest, none, and after
     CHECK(outcome.state.status == SolveStatus::cancelled);
 }
 
-TEST_CASE("a solve that is broken off leaves where it stood, and goes on from there to the same equilibrium") {
+TEST_CASE(
+    "a solve that is broken off leaves where it stood, and goes on from there to the same equilibrium") {
   Solver solver(block_body(Law::neo_hookean, 0.45, 3)), judge(block_body(Law::neo_hookean, 0.45, 3));
   SolveOptions options;
   const Vec3 x(-0.02, 0.012, 0.004);
@@ -85,14 +86,15 @@ TEST_CASE("a solve that is broken off leaves where it stood, and goes on from th
   for (int attempt = 0; attempt < 200 && broken_off < 3; ++attempt) {
     std::stop_source stop;
     std::thread stopper([&] {
-      std::this_thread::sleep_for(std::chrono::duration<double>(whole.seconds * (0.1 + 0.8 * (attempt % 10) / 10.0)));
+      std::this_thread::sleep_for(
+          std::chrono::duration<double>(whole.seconds * (0.1 + 0.8 * (attempt % 10) / 10.0)));
       stop.request_stop();
     });
     const SolveOutcome outcome = solver.from(*solver.rest(), x, options, stop.get_token());
     stopper.join();
-    if (outcome.state.status != SolveStatus::cancelled) continue;    // too late
+    if (outcome.state.status != SolveStatus::cancelled) continue;  // too late
     CHECK_FALSE(outcome.equilibrium);
-    if (!outcome.partial) continue;        // before the first iteration
+    if (!outcome.partial) continue;  // before the first iteration
     ++broken_off;
     const SolveOutcome rest = solver.from(*outcome.partial, x, options);
     REQUIRE(rest.state.usable());

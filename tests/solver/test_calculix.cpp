@@ -21,7 +21,8 @@ void write_deck(const std::filesystem::path& file, const Body& body, const Vec3&
   std::ofstream deck(file);
   deck << "*NODE, NSET=ALL\n";
   for (std::size_t i = 0; i < body.mesh.nodes.size(); ++i)
-    deck << fmt::format("{}, {:.12e}, {:.12e}, {:.12e}\n", i + 1, body.mesh.nodes[i][0], body.mesh.nodes[i][1], body.mesh.nodes[i][2]);
+    deck << fmt::format("{}, {:.12e}, {:.12e}, {:.12e}\n", i + 1, body.mesh.nodes[i][0],
+                        body.mesh.nodes[i][1], body.mesh.nodes[i][2]);
   deck << "*ELEMENT, TYPE=C3D4, ELSET=BODY\n";
   for (std::size_t i = 0; i < body.mesh.tets.size(); ++i) {
     const Tet& t = body.mesh.tets[i];
@@ -33,7 +34,9 @@ void write_deck(const std::filesystem::path& file, const Body& body, const Vec3&
   };
   set("CLAMP", body.clamp);
   set("CONTACT", body.contact);
-  deck << fmt::format("*MATERIAL, NAME=M\n*ELASTIC\n{:.12e}, {:.12e}\n*SOLID SECTION, ELSET=BODY, MATERIAL=M\n", body.material.young, body.material.poisson);
+  deck << fmt::format(
+      "*MATERIAL, NAME=M\n*ELASTIC\n{:.12e}, {:.12e}\n*SOLID SECTION, ELSET=BODY, MATERIAL=M\n",
+      body.material.young, body.material.poisson);
   deck << "*BOUNDARY\nCLAMP, 1, 3\n";
   deck << (nonlinear ? "*STEP, NLGEOM, INC=200\n*STATIC\n0.1, 1.\n" : "*STEP\n*STATIC\n");
   if (nonlinear) deck << "*CONTROLS, PARAMETERS=FIELD\n1e-9, 1e-9\n";
@@ -49,7 +52,8 @@ Vec3 read_total(const std::filesystem::path& file) {
   for (std::string line; std::getline(data, line);) {
     if (line.find("total force") == std::string::npos) continue;
     std::string values;
-    while (std::getline(data, values) && values.find_first_not_of(" \r\t") == std::string::npos) {}
+    while (std::getline(data, values) && values.find_first_not_of(" \r\t") == std::string::npos) {
+    }
     std::istringstream(values) >> total[0] >> total[1] >> total[2];
   }
   return total;
@@ -68,9 +72,10 @@ TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, withi
     const auto body = block_body(law, 0.4);
     const Vec3 x(-0.004, 0.006, 0.003);
     write_deck(folder / "block.inp", *body, x, law != Law::linear);
-    const std::string command = "cd '" + folder.string() + "' && OMP_NUM_THREADS=1 CCX_NPROC_STIFFNESS=1 ccx block > block.log 2>&1";
+    const std::string command =
+        "cd '" + folder.string() + "' && OMP_NUM_THREADS=1 CCX_NPROC_STIFFNESS=1 ccx block > block.log 2>&1";
     REQUIRE(std::system(command.c_str()) == 0);
-    const Vec3 theirs = -read_total(folder / "block.dat");     // they print the force on the body
+    const Vec3 theirs = -read_total(folder / "block.dat");  // they print the force on the body
     REQUIRE(theirs.allFinite());
     const State ours = Solver(body).reference(x, 0.006).state;
     INFO(name(law) << ": " << ours.force.transpose() << ", CalculiX " << theirs.transpose());

@@ -9,7 +9,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double radius = 0.01;   // of the patch [m]
+constexpr double radius = 0.01;  // of the patch [m]
 
 // A block ten radii deep and twenty wide, clamped at its bottom; the patch a disc in the middle of its top. Cells of a
 // third of the radius under the patch that grow outwards.
@@ -21,7 +21,9 @@ std::shared_ptr<Body> deep_block(double poisson, double fine = radius / 3) {
   auto body = std::make_shared<Body>();
   body->mesh = block_mesh(2 * n, 2 * n, n, Vec3(2.0 * n, 2.0 * n, n));
   body->material = {Law::linear, 5000, poisson};
-  const auto coordinate = [&](double index) { return std::copysign(half[static_cast<std::size_t>(std::abs(std::lround(index)))], index); };
+  const auto coordinate = [&](double index) {
+    return std::copysign(half[static_cast<std::size_t>(std::abs(std::lround(index)))], index);
+  };
   for (std::size_t i = 0; i < body->mesh.nodes.size(); ++i) {
     Vec3& x = body->mesh.nodes[i];
     x = Vec3(coordinate(x[0] - n), coordinate(x[1] - n), -coordinate(n - x[2]));
@@ -31,7 +33,9 @@ std::shared_ptr<Body> deep_block(double poisson, double fine = radius / 3) {
   return body;
 }
 
-Mat3 solved(const std::shared_ptr<Body>& body) { return Solver(body).reference(Vec3::Zero(), 0.01).state.stiffness; }
+Mat3 solved(const std::shared_ptr<Body>& body) {
+  return Solver(body).reference(Vec3::Zero(), 0.01).state.stiffness;
+}
 
 }  // namespace
 
@@ -72,9 +76,13 @@ TEST_CASE("The disc's stiffness turns with the body and grows with E and the pat
   CHECK((disc_stiffness(scaled) - 6 * before).norm() < 1e-12 * before.norm());
 }
 
-TEST_CASE("The disc's stiffness is finite and positive up to incompressible, and zero without a surface to touch") {
+TEST_CASE(
+    "The disc's stiffness is finite and positive up to incompressible, and zero without a surface to touch") {
   auto body = *deep_block(0.4);
-  const double nearly = [&] { body.material.poisson = 0.4999; return disc_stiffness(body)(2, 2); }();
+  const double nearly = [&] {
+    body.material.poisson = 0.4999;
+    return disc_stiffness(body)(2, 2);
+  }();
   body.material.poisson = 0.5 - 1e-12;
   CHECK(disc_stiffness(body)(2, 2) == Approx(nearly).epsilon(1e-3));
   for (const double poisson : {-0.99, -0.5, 0.0, 0.499}) {

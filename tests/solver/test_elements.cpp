@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "block_body.hpp"
-#include "solver/system/discretisation.hpp"
 #include "solver/body/law.hpp"
+#include "solver/system/discretisation.hpp"
 
 using namespace forefeel;
 
@@ -17,7 +17,7 @@ namespace {
 struct FreeBody {
   Body body;
   Discretisation d;
-  std::vector<Vec3> nodes;      // mesh nodes and mid-edge nodes
+  std::vector<Vec3> nodes;  // mesh nodes and mid-edge nodes
 
   FreeBody(Law law, double poisson, int n, Element element, const Vec3& size = Vec3(1, 1, 1)) {
     body.mesh = block_mesh(n, n, n, size);
@@ -26,7 +26,8 @@ struct FreeBody {
     d = discretise(body);
     nodes = body.mesh.nodes;
     for (const auto& [a, b] : d.edges)
-      nodes.push_back(0.5 * (body.mesh.nodes[static_cast<std::size_t>(a)] + body.mesh.nodes[static_cast<std::size_t>(b)]));
+      nodes.push_back(0.5 * (body.mesh.nodes[static_cast<std::size_t>(a)] +
+                             body.mesh.nodes[static_cast<std::size_t>(b)]));
   }
   std::vector<double> field(const std::function<Vec3(const Vec3&)>& u) const {
     std::vector<double> by_node, local(static_cast<std::size_t>(d.local_size()));
@@ -43,7 +44,9 @@ struct FreeBody {
   }
 };
 
-bool on_side(const Vec3& x, int axis) { return x[axis] < 1e-9 || x[axis] > 1 - 1e-9; }
+bool on_side(const Vec3& x, int axis) {
+  return x[axis] < 1e-9 || x[axis] > 1 - 1e-9;
+}
 
 }  // namespace
 
@@ -54,7 +57,8 @@ TEST_CASE("patch test: a homogeneous deformation leaves the inner nodes in equil
     for (const Element element : {Element::linear, Element::quadratic}) {
       const FreeBody b(law, 0.4, 3, element);
       double energy = 0;
-      const auto r = b.gradient(b.field([&](const Vec3& x) { return Vec3((f - Mat3::Identity()) * x); }), &energy);
+      const auto r =
+          b.gradient(b.field([&](const Vec3& x) { return Vec3((f - Mat3::Identity()) * x); }), &energy);
       const double psi = evaluate_law(law, b.d.constants, f).energy;
       CHECK(energy == Approx(psi).epsilon(1e-12));
       double inner = 0, all = 0;
@@ -62,25 +66,31 @@ TEST_CASE("patch test: a homogeneous deformation leaves the inner nodes in equil
         const double* at = &r[3 * static_cast<std::size_t>(b.d.local[node])];
         const double force = Vec3(at[0], at[1], at[2]).norm();
         all = std::max(all, force);
-        if (!on_side(b.nodes[node], 0) && !on_side(b.nodes[node], 1) && !on_side(b.nodes[node], 2)) inner = std::max(inner, force);
+        if (!on_side(b.nodes[node], 0) && !on_side(b.nodes[node], 1) && !on_side(b.nodes[node], 2))
+          inner = std::max(inner, force);
       }
       CHECK(all > 0);
       CHECK(inner < 1e-12 * all);
     }
 }
 
-TEST_CASE("uniaxial stress: the lateral stretch of the law leaves the sides free of force, and the ends carry P A") {
+TEST_CASE(
+    "uniaxial stress: the lateral stretch of the law leaves the sides free of force, and the ends carry P "
+    "A") {
   for (const Law law : all_laws)
     for (const double stretch : {0.8, 1.3}) {
       const FreeBody b(law, 0.4, 2, Element::linear);
       const auto stress_at = [&](double lateral) {
-        return evaluate_law(law, b.d.constants, Vec3(stretch, lateral, lateral).asDiagonal().toDenseMatrix()).stress;
+        return evaluate_law(law, b.d.constants, Vec3(stretch, lateral, lateral).asDiagonal().toDenseMatrix())
+            .stress;
       };
-      double low = 0.5, high = 1.6;       // P_yy grows with the lateral stretch here
+      double low = 0.5, high = 1.6;  // P_yy grows with the lateral stretch here
       REQUIRE(stress_at(low)(1, 1) < 0);
       REQUIRE(stress_at(high)(1, 1) > 0);
-      for (int i = 0; i < 200; ++i) (stress_at(0.5 * (low + high))(1, 1) > 0 ? high : low) = 0.5 * (low + high);
-      const auto r = b.gradient(b.field([&](const Vec3& x) { return Vec3((stretch - 1) * x[0], (low - 1) * x[1], (low - 1) * x[2]); }));
+      for (int i = 0; i < 200; ++i)
+        (stress_at(0.5 * (low + high))(1, 1) > 0 ? high : low) = 0.5 * (low + high);
+      const auto r = b.gradient(b.field(
+          [&](const Vec3& x) { return Vec3((stretch - 1) * x[0], (low - 1) * x[1], (low - 1) * x[2]); }));
       const double axial = stress_at(low)(0, 0);
       double pulled = 0, side = 0;
       for (std::size_t node = 0; node < b.nodes.size(); ++node) {
@@ -94,13 +104,17 @@ TEST_CASE("uniaxial stress: the lateral stretch of the law leaves the sides free
     }
 }
 
-TEST_CASE("rigid motion gives no force: turned and moved, for all laws but the linear one, which knows small turns only") {
+TEST_CASE(
+    "rigid motion gives no force: turned and moved, for all laws but the linear one, which knows small turns "
+    "only") {
   const Mat3 turn = (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())).toRotationMatrix();
   for (const Law law : all_laws) {
     const FreeBody b(law, 0.45, 2, Element::quadratic);
     const Mat3 motion = law == Law::linear ? Mat3(Mat3::Identity() + 0.5 * (turn - turn.transpose())) : turn;
     double energy = 1;
-    const auto r = b.gradient(b.field([&](const Vec3& x) { return Vec3((motion - Mat3::Identity()) * x + Vec3(0.3, -2, 5)); }), &energy);
+    const auto r = b.gradient(
+        b.field([&](const Vec3& x) { return Vec3((motion - Mat3::Identity()) * x + Vec3(0.3, -2, 5)); }),
+        &energy);
     double largest = 0;
     for (const double v : r) largest = std::max(largest, std::abs(v));
     CHECK(largest < 1e-10 * b.d.constants.lambda);
@@ -112,16 +126,22 @@ TEST_CASE("the Hessian is the gradient's derivative and eight lanes do what one 
   for (const Law law : all_laws)
     for (const Element element : {Element::linear, Element::quadratic}) {
       const FreeBody b(law, 0.4, 1, element);
-      const auto u = b.field([](const Vec3& x) { return Vec3(0.1 * x[1] * x[1], 0.08 * x[0] * x[2], -0.12 * x[2] * x[0] * x[1]); });
-      const auto direction = b.field([](const Vec3& x) { return Vec3(std::sin(3 * x[0]), x[1] - x[2], std::cos(2 * x[1])); });
-      std::vector<double> blocks(9 * static_cast<std::size_t>(b.d.pattern.size() + 1), 0.0), product(u.size(), 0.0);
+      const auto u = b.field([](const Vec3& x) {
+        return Vec3(0.1 * x[1] * x[1], 0.08 * x[0] * x[2], -0.12 * x[2] * x[0] * x[1]);
+      });
+      const auto direction =
+          b.field([](const Vec3& x) { return Vec3(std::sin(3 * x[0]), x[1] - x[2], std::cos(2 * x[1])); });
+      std::vector<double> blocks(9 * static_cast<std::size_t>(b.d.pattern.size() + 1), 0.0),
+          product(u.size(), 0.0);
       b.d.kernels->hessian(b.d.view(), u.data(), blocks.data());
       for (std::int64_t i = 0; i < b.d.free_nodes; ++i)
-        for (std::int64_t s = b.d.pattern.row_start[static_cast<std::size_t>(i)]; s < b.d.pattern.row_start[static_cast<std::size_t>(i) + 1]; ++s)
+        for (std::int64_t s = b.d.pattern.row_start[static_cast<std::size_t>(i)];
+             s < b.d.pattern.row_start[static_cast<std::size_t>(i) + 1]; ++s)
           for (std::size_t a = 0; a < 3; ++a)
             for (std::size_t c = 0; c < 3; ++c) {
               const auto row = 3 * static_cast<std::size_t>(i) + a;
-              const auto column = 3 * static_cast<std::size_t>(b.d.pattern.column[static_cast<std::size_t>(s)]) + c;
+              const auto column =
+                  3 * static_cast<std::size_t>(b.d.pattern.column[static_cast<std::size_t>(s)]) + c;
               const double h = blocks[9 * static_cast<std::size_t>(s) + 3 * a + c];
               product[row] += h * direction[column];
               if (row / 3 != column / 3) product[column] += h * direction[row];
@@ -137,25 +157,29 @@ TEST_CASE("the Hessian is the gradient's derivative and eight lanes do what one 
       }
       CHECK(wrong < 1e-7 * largest);
 
-      std::vector<double> many(8 * u.size()), along(24 * u.size(), 0.0), r(8 * u.size(), 0.0), y(24 * u.size(), 0.0), energy(8), least(8);
+      std::vector<double> many(8 * u.size()), along(24 * u.size(), 0.0), r(8 * u.size(), 0.0),
+          y(24 * u.size(), 0.0), energy(8), least(8);
       for (std::size_t i = 0; i < u.size(); ++i)
         for (std::size_t l = 0; l < 8; ++l) {
           many[8 * i + l] = u[i] * (1 + 0.1 * static_cast<double>(l));
           along[8 * u.size() + 8 * i + l] = direction[i];
         }
       b.d.kernels->gradient_lanes(b.d.view(), many.data(), r.data(), energy.data(), least.data());
-      b.d.kernels->product_lanes(b.d.view(), static_cast<std::int64_t>(8 * u.size()), many.data(), along.data(), y.data());
+      b.d.kernels->product_lanes(b.d.view(), static_cast<std::int64_t>(8 * u.size()), many.data(),
+                                 along.data(), y.data());
       for (std::size_t l = 0; l < 8; ++l) {
         auto one = u;
         for (double& v : one) v *= 1 + 0.1 * static_cast<double>(l);
         double expected = 0, off = 0, size = 0;
         const auto single = b.gradient(one, &expected);
-        for (std::size_t i = 0; i < u.size(); ++i) off = std::max(off, std::abs(single[i] - r[8 * i + l])), size = std::max(size, std::abs(single[i]));
+        for (std::size_t i = 0; i < u.size(); ++i)
+          off = std::max(off, std::abs(single[i] - r[8 * i + l])), size = std::max(size, std::abs(single[i]));
         CHECK(off < 1e-12 * size);
         CHECK(energy[l] == Approx(expected).epsilon(1e-12));
       }
       double off = 0;
-      for (std::size_t i = 0; i < u.size(); ++i) off = std::max(off, std::abs(y[8 * u.size() + 8 * i] - product[i]));
+      for (std::size_t i = 0; i < u.size(); ++i)
+        off = std::max(off, std::abs(y[8 * u.size() + 8 * i] - product[i]));
       CHECK(off < 1e-12 * largest);
     }
 }
@@ -166,17 +190,20 @@ namespace {
 double manufactured_error(Element element, int n) {
   const FreeBody b(Law::neo_hookean, 0.3, n, element);
   const auto exact = [](const Vec3& x) {
-    return Vec3(0.05 * std::sin(2 * x[0]) * x[1], 0.04 * std::cos(1.5 * x[1]) * x[2] * x[2], 0.06 * x[0] * std::sin(2 * x[2]));
+    return Vec3(0.05 * std::sin(2 * x[0]) * x[1], 0.04 * std::cos(1.5 * x[1]) * x[2] * x[2],
+                0.06 * x[0] * std::sin(2 * x[2]));
   };
   const double h = 1e-3;
   const auto stress = [&](const Vec3& x) {
     Mat3 f = Mat3::Identity();
-    for (int j = 0; j < 3; ++j) f.col(j) += (exact(x + h * Vec3::Unit(j)) - exact(x - h * Vec3::Unit(j))) / (2 * h);
+    for (int j = 0; j < 3; ++j)
+      f.col(j) += (exact(x + h * Vec3::Unit(j)) - exact(x - h * Vec3::Unit(j))) / (2 * h);
     return evaluate_law(Law::neo_hookean, b.d.constants, f).stress;
   };
-  const auto load = [&](const Vec3& x) {   // -Div P
+  const auto load = [&](const Vec3& x) {  // -Div P
     Vec3 sum = Vec3::Zero();
-    for (int j = 0; j < 3; ++j) sum -= (stress(x + h * Vec3::Unit(j)).col(j) - stress(x - h * Vec3::Unit(j)).col(j)) / (2 * h);
+    for (int j = 0; j < 3; ++j)
+      sum -= (stress(x + h * Vec3::Unit(j)).col(j) - stress(x - h * Vec3::Unit(j)).col(j)) / (2 * h);
     return sum;
   };
   // Points of a rule exact for degree three (Keast), fine enough for both elements.
@@ -196,7 +223,8 @@ double manufactured_error(Element element, int n) {
         for (int a = 0; a < 4; ++a) l[a] = q == 0 ? 0.25 : a == q - 1 ? 0.5 : 1.0 / 6;
         shapes(l, value);
         Vec3 x = Vec3::Zero();
-        for (std::size_t a = 0; a < 4; ++a) x += l[a] * b.body.mesh.nodes[static_cast<std::size_t>(b.body.mesh.tets[t][a])];
+        for (std::size_t a = 0; a < 4; ++a)
+          x += l[a] * b.body.mesh.nodes[static_cast<std::size_t>(b.body.mesh.tets[t][a])];
         const std::int32_t* node = &b.d.element_node[(t / 8) * per * 8 + t % 8];
         visit(x, weights[q] * tet_volume(b.body.mesh, t), value, node);
       }
@@ -205,7 +233,9 @@ double manufactured_error(Element element, int n) {
   each_point([&](const Vec3& x, double weight, const double* value, const std::int32_t* node) {
     const Vec3 f = load(x);
     for (std::size_t a = 0; a < per; ++a)
-      for (int i = 0; i < 3; ++i) force[3 * static_cast<std::size_t>(node[8 * a]) + static_cast<std::size_t>(i)] += weight * value[a] * f[i];
+      for (int i = 0; i < 3; ++i)
+        force[3 * static_cast<std::size_t>(node[8 * a]) + static_cast<std::size_t>(i)] +=
+            weight * value[a] * f[i];
   });
   std::vector<int> row(3 * static_cast<std::size_t>(b.d.free_nodes), -1);
   int unknowns = 0;
@@ -214,20 +244,23 @@ double manufactured_error(Element element, int n) {
       for (std::size_t i = 0; i < 3; ++i) row[3 * static_cast<std::size_t>(b.d.local[node]) + i] = unknowns++;
   std::vector<double> u = b.field(exact);
   for (std::size_t i = 0; i < row.size(); ++i)
-    if (row[i] >= 0) u[i] *= 0.5;          // not the solution
+    if (row[i] >= 0) u[i] *= 0.5;  // not the solution
   for (int iteration = 0; iteration < 8; ++iteration) {
     const auto r = b.gradient(u);
     std::vector<double> blocks(9 * static_cast<std::size_t>(b.d.pattern.size() + 1), 0.0);
     b.d.kernels->hessian(b.d.view(), u.data(), blocks.data());
     std::vector<Eigen::Triplet<double>> entries;
     for (std::int64_t i = 0; i < b.d.free_nodes; ++i)
-      for (std::int64_t s = b.d.pattern.row_start[static_cast<std::size_t>(i)]; s < b.d.pattern.row_start[static_cast<std::size_t>(i) + 1]; ++s)
+      for (std::int64_t s = b.d.pattern.row_start[static_cast<std::size_t>(i)];
+           s < b.d.pattern.row_start[static_cast<std::size_t>(i) + 1]; ++s)
         for (std::size_t a = 0; a < 3; ++a)
           for (std::size_t c = 0; c < 3; ++c) {
             const int p = row[3 * static_cast<std::size_t>(i) + a];
-            const int q = row[3 * static_cast<std::size_t>(b.d.pattern.column[static_cast<std::size_t>(s)]) + c];
+            const int q =
+                row[3 * static_cast<std::size_t>(b.d.pattern.column[static_cast<std::size_t>(s)]) + c];
             if (p < 0 || q < 0 || (p / 3 == q / 3 && c < a)) continue;
-            entries.emplace_back(std::max(p, q), std::min(p, q), blocks[9 * static_cast<std::size_t>(s) + 3 * a + c]);
+            entries.emplace_back(std::max(p, q), std::min(p, q),
+                                 blocks[9 * static_cast<std::size_t>(s) + 3 * a + c]);
           }
     Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
     matrix.setFromTriplets(entries.begin(), entries.end());
@@ -245,7 +278,8 @@ double manufactured_error(Element element, int n) {
   each_point([&](const Vec3& x, double weight, const double* value, const std::int32_t* node) {
     Vec3 at = -exact(x);
     for (std::size_t a = 0; a < per; ++a)
-      for (int i = 0; i < 3; ++i) at[i] += value[a] * u[3 * static_cast<std::size_t>(node[8 * a]) + static_cast<std::size_t>(i)];
+      for (int i = 0; i < 3; ++i)
+        at[i] += value[a] * u[3 * static_cast<std::size_t>(node[8 * a]) + static_cast<std::size_t>(i)];
     error += std::abs(weight) * at.squaredNorm();
   });
   return std::sqrt(error);
@@ -256,7 +290,8 @@ double manufactured_error(Element element, int n) {
 TEST_CASE("a manufactured solution is approached as h^2 by linear and h^3 by quadratic tetrahedra") {
   const double coarse = manufactured_error(Element::linear, 4), fine = manufactured_error(Element::linear, 8);
   CHECK(std::log2(coarse / fine) > 1.8);
-  const double coarse2 = manufactured_error(Element::quadratic, 2), fine2 = manufactured_error(Element::quadratic, 4);
+  const double coarse2 = manufactured_error(Element::quadratic, 2),
+               fine2 = manufactured_error(Element::quadratic, 4);
   INFO(coarse << " " << fine << " " << coarse2 << " " << fine2);
   CHECK(std::log2(coarse2 / fine2) > 2.7);
 }

@@ -13,16 +13,19 @@ namespace {
 GenerateOptions small_box(int threads) {
   GenerateOptions options;
   options.spacing = 0.006;
-  options.box = {Vec3(-0.018, -0.013, -0.012), Vec3(0.024, 0.013, 0.018)};    // odd and even ends
+  options.box = {Vec3(-0.018, -0.013, -0.012), Vec3(0.024, 0.013, 0.018)};  // odd and even ends
   options.threads = threads;
   return options;
 }
 
-std::map<std::array<long, 3>, State> generate(const std::shared_ptr<const Body>& body, const GenerateOptions& options,
-                                              const std::vector<State>& known = {}, GenerateReport* report = nullptr) {
+std::map<std::array<long, 3>, State> generate(const std::shared_ptr<const Body>& body,
+                                              const GenerateOptions& options,
+                                              const std::vector<State>& known = {},
+                                              GenerateReport* report = nullptr) {
   std::map<std::array<long, 3>, State> states;
   const auto keep = [&](State s) {
-    const std::array<long, 3> k{std::lround(s.at[0] / 0.006), std::lround(s.at[1] / 0.006), std::lround(s.at[2] / 0.006)};
+    const std::array<long, 3> k{std::lround(s.at[0] / 0.006), std::lround(s.at[1] / 0.006),
+                                std::lround(s.at[2] / 0.006)};
     CHECK(states.emplace(k, std::move(s)).second);
   };
   const GenerateReport result = generate_lattice(body, options, known, keep, {});
@@ -93,7 +96,9 @@ TEST_CASE("the states are the same whatever the thread count, bit for bit") {
   }
 }
 
-TEST_CASE("a lattice left half done is gone on with and ends with the same states; failed ones are not tried again") {
+TEST_CASE(
+    "a lattice left half done is gone on with and ends with the same states; failed ones are not tried "
+    "again") {
   const auto body = block_body(Law::neo_hookean);
   const auto whole = generate(body, small_box(2));
   std::vector<State> known;
@@ -114,13 +119,12 @@ TEST_CASE("a stopped lattice hands over only finished states, and what it did is
   GenerateOptions options = small_box(2);
   options.stop = stop.get_token();
   std::vector<State> kept;
-  const GenerateReport report = generate_lattice(
-      body, options, {},
-      [&](State s) {
-        kept.push_back(std::move(s));
-        if (kept.size() == 20) stop.request_stop();
-      },
-      {});
+  const GenerateReport report = generate_lattice(body, options, {},
+                                                 [&](State s) {
+                                                   kept.push_back(std::move(s));
+                                                   if (kept.size() == 20) stop.request_stop();
+                                                 },
+                                                 {});
   CHECK(kept.size() >= 20);
   CHECK(kept.size() < lattice(options.box, 0.006).size());
   CHECK(report.solved == kept.size());

@@ -15,7 +15,8 @@ const Law laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law
 // The densities as the header writes them, term by term.
 double density(Law law, const Material& material, const Mat3& f) {
   const double mu = material.young / (2 * (1 + material.poisson));
-  const double lambda = material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+  const double lambda =
+      material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
   const Mat3 c = f.transpose() * f;
   const double i1 = c.trace(), i2 = 0.5 * (i1 * i1 - (c * c).trace()), j = f.determinant();
   if (law == Law::linear) {
@@ -94,7 +95,8 @@ TEST_CASE("all laws share the small-strain modulus but Mooney-Rivlin's bulk term
   const Material material{Law::linear, 5000, 0.4};
   const LawConstants c = law_constants(material);
   const Mat9 reference = evaluate_law(Law::linear, c, Mat3::Identity()).tangent;
-  for (const Law law : {Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean, Law::mooney_rivlin}) {
+  for (const Law law :
+       {Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean, Law::mooney_rivlin}) {
     Mat9 expected = reference;
     if (law == Law::mooney_rivlin)
       for (const int i : {0, 4, 8})

@@ -26,8 +26,8 @@ TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
     auto body = std::make_shared<Body>();
     body->mesh = read_mesh(folder / "beam.msh");
     const std::string law = document["law"];
-    for (const Law candidate : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
-                                Law::mooney_rivlin})
+    for (const Law candidate : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean,
+                                Law::stable_neo_hookean, Law::mooney_rivlin})
       if (name(candidate) == law) body->material.law = candidate;
     REQUIRE(name(body->material.law) == law);
     body->material.young = document["material"]["E"];
@@ -36,10 +36,11 @@ TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
     body->contact = document["driven_nodes"].get<std::vector<NodeIndex>>();
     std::sort(body->clamp.begin(), body->clamp.end());
     std::sort(body->contact.begin(), body->contact.end());
-    double rest_energy = 0;   // theirs counts sum V psi(F); psi(I) of the stable law is not zero
+    double rest_energy = 0;  // theirs counts sum V psi(F); psi(I) of the stable law is not zero
     if (body->material.law == Law::stable_neo_hookean) {
       const LawConstants c = law_constants(body->material);
-      rest_energy = quality(body->mesh).volume * (0.5 * c.l * (1 - c.a) * (1 - c.a) - 0.5 * c.m * std::log(4.0));
+      rest_energy =
+          quality(body->mesh).volume * (0.5 * c.l * (1 - c.a) * (1 - c.a) - 0.5 * c.m * std::log(4.0));
     }
     Solver solver(body);
     for (const auto& state : document["states"]) {
@@ -50,7 +51,8 @@ TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
       INFO(x.transpose() << ": " << outcome.state.force.transpose() << ", theirs " << force.transpose());
       CHECK((outcome.state.force - force).norm() < 1e-9 * force.norm());
       const double energy = state["energy"].get<double>() - rest_energy;
-      CHECK(std::abs(outcome.state.energy - energy) < 1e-9 * std::abs(energy) + 1e-14 * std::abs(rest_energy));
+      CHECK(std::abs(outcome.state.energy - energy) <
+            1e-9 * std::abs(energy) + 1e-14 * std::abs(rest_energy));
     }
   }
   CHECK(files > 0);

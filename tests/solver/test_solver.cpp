@@ -18,7 +18,8 @@ bool same_bits(const State& a, const State& b) {
 
 }  // namespace
 
-TEST_CASE("stiffness against central differences of the force, symmetric; energy's gradient is minus the force") {
+TEST_CASE(
+    "stiffness against central differences of the force, symmetric; energy's gradient is minus the force") {
   for (const Law law : all_laws)
     for (const Element element : {Element::linear, Element::quadratic}) {
       Solver solver(block_body(law, 0.4, 1, element));
@@ -31,7 +32,8 @@ TEST_CASE("stiffness against central differences of the force, symmetric; energy
       Mat3 stiffness;
       Vec3 force;
       for (int j = 0; j < 3; ++j) {
-        const State up = solver.reference(x + h * Vec3::Unit(j), 0.006).state, down = solver.reference(x - h * Vec3::Unit(j), 0.006).state;
+        const State up = solver.reference(x + h * Vec3::Unit(j), 0.006).state,
+                    down = solver.reference(x - h * Vec3::Unit(j), 0.006).state;
         stiffness.col(j) = -(up.force - down.force) / (2 * h);
         force[j] = -(up.energy - down.energy) / (2 * h);
       }
@@ -41,7 +43,9 @@ TEST_CASE("stiffness against central differences of the force, symmetric; energy
     }
 }
 
-TEST_CASE("confined stretch and shear, every node held: force is minus P times the area, stiffness its derivative") {
+TEST_CASE(
+    "confined stretch and shear, every node held: force is minus P times the area, stiffness its "
+    "derivative") {
   for (const Law law : all_laws) {
     auto body = std::make_shared<Body>();
     body->mesh = block_mesh(2, 3, 1, Vec3(0.02, 0.03, 0.01));
@@ -68,7 +72,8 @@ TEST_CASE("confined stretch and shear, every node held: force is minus P times t
 TEST_CASE("a state depends on the body and x alone, not on what was solved before") {
   const auto body = block_body(Law::neo_hookean);
   Solver fresh(body), used(body);
-  for (const Vec3& x : {Vec3(0.01, 0.02, 0), Vec3(-0.02, 0, 0.01), Vec3(0.9, 0, 0)}) used.reference(x, 0.006, {.max_iterations = 8});
+  for (const Vec3& x : {Vec3(0.01, 0.02, 0), Vec3(-0.02, 0, 0.01), Vec3(0.9, 0, 0)})
+    used.reference(x, 0.006, {.max_iterations = 8});
   const Vec3 x(-0.01, 0.012, 0.004);
   CHECK(same_bits(fresh.reference(x, 0.006).state, used.reference(x, 0.006).state));
 }
@@ -116,7 +121,8 @@ TEST_CASE("a cancelled solve says so and leaves the solver fit") {
 TEST_CASE("what cannot be reached ends with a status, finite or unknown values, never 'converged'") {
   for (const Law law : {Law::neo_hookean, Law::mooney_rivlin, Law::st_venant_kirchhoff}) {
     Solver solver(block_body(law, 0.45));
-    const SolveOutcome outcome = solver.reference(Vec3(-0.12, 0, 0), 0.02, {.max_iterations = 15});   // through the clamp
+    const SolveOutcome outcome =
+        solver.reference(Vec3(-0.12, 0, 0), 0.02, {.max_iterations = 15});  // through the clamp
     if (outcome.state.status == SolveStatus::converged) {
       CHECK(outcome.state.residual < 1e-7);
       CHECK(outcome.state.force.allFinite());

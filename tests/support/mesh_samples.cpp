@@ -25,8 +25,10 @@ std::string base64(std::string_view data) {
   std::string out;
   for (std::size_t i = 0; i < data.size(); i += 3) {
     std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (i + k < data.size() ? static_cast<unsigned char>(data[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= data.size() ? letters[word >> (18 - 6 * k) & 63] : '=';
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8 | (i + k < data.size() ? static_cast<unsigned char>(data[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += i + k <= data.size() ? letters[word >> (18 - 6 * k) & 63] : '=';
   }
   return out;
 }
@@ -37,7 +39,7 @@ std::string gmsh22(const TetMesh& m, bool binary, bool big = false) {
   s += "$EndMeshFormat\n$PhysicalNames\n2\n0 7 \"held\"\n3 1 \"the body\"\n$EndPhysicalNames\n";
   s += fmt::format("$Nodes\n{}\n", m.nodes.size());
   for (std::size_t i = 0; i < m.nodes.size(); ++i) {
-    const auto tag = static_cast<std::int32_t>(10 * i + 3);       // tags need not be dense
+    const auto tag = static_cast<std::int32_t>(10 * i + 3);  // tags need not be dense
     if (!binary) {
       s += fmt::format("{} {} {} {}\n", tag, m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z());
     } else {
@@ -69,27 +71,38 @@ std::string gmsh22(const TetMesh& m, bool binary, bool big = false) {
 }
 
 std::string gmsh41_text(const TetMesh& m) {
-  std::string s = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n0 7 \"held\"\n$EndPhysicalNames\n";
+  std::string s =
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n0 7 \"held\"\n$EndPhysicalNames\n";
   s += "$Entities\n1 0 0 1\n4 0 0 0 1 7\n9 0 0 0 1 1 1 0 0\n$EndEntities\n";
   s += fmt::format("$Nodes\n2 {} 1 {}\n", m.nodes.size(), m.nodes.size());
   // Two blocks, the second with parametric coordinates.
   const std::size_t half = m.nodes.size() / 2;
-  for (const auto& [from, to, parametric] : {std::tuple{std::size_t{0}, half, 0}, std::tuple{half, m.nodes.size(), 1}}) {
+  for (const auto& [from, to, parametric] :
+       {std::tuple{std::size_t{0}, half, 0}, std::tuple{half, m.nodes.size(), 1}}) {
     s += fmt::format("3 9 {} {}\n", parametric, to - from);
     for (std::size_t i = from; i < to; ++i) s += fmt::format("{}\n", i + 1);
     for (std::size_t i = from; i < to; ++i)
-      s += fmt::format("{} {} {}{}\n", m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z(), parametric ? " 0.1 0.2 0.3" : "");
+      s += fmt::format("{} {} {}{}\n", m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z(),
+                       parametric ? " 0.1 0.2 0.3" : "");
   }
-  s += fmt::format("$EndNodes\n$Elements\n2 {} 1 {}\n0 4 15 2\n1 1\n2 3\n3 9 4 {}\n", m.tets.size() + 2, m.tets.size() + 2, m.tets.size());
+  s += fmt::format("$EndNodes\n$Elements\n2 {} 1 {}\n0 4 15 2\n1 1\n2 3\n3 9 4 {}\n", m.tets.size() + 2,
+                   m.tets.size() + 2, m.tets.size());
   for (std::size_t t = 0; t < m.tets.size(); ++t)
-    s += fmt::format("{} {} {} {} {}\n", t + 3, m.tets[t][0] + 1, m.tets[t][1] + 1, m.tets[t][2] + 1, m.tets[t][3] + 1);
+    s += fmt::format("{} {} {} {} {}\n", t + 3, m.tets[t][0] + 1, m.tets[t][1] + 1, m.tets[t][2] + 1,
+                     m.tets[t][3] + 1);
   return s + "$EndElements\n";
 }
 
 std::string gmsh41_binary(const TetMesh& m) {
-  const auto ints = [](std::string& s, std::initializer_list<std::int32_t> v) { for (const auto i : v) put(s, i); };
-  const auto sizes = [](std::string& s, std::initializer_list<std::uint64_t> v) { for (const auto i : v) put(s, i); };
-  const auto reals = [](std::string& s, std::initializer_list<double> v) { for (const auto i : v) put(s, i); };
+  const auto ints = [](std::string& s, std::initializer_list<std::int32_t> v) {
+    for (const auto i : v) put(s, i);
+  };
+  const auto sizes = [](std::string& s, std::initializer_list<std::uint64_t> v) {
+    for (const auto i : v) put(s, i);
+  };
+  const auto reals = [](std::string& s, std::initializer_list<double> v) {
+    for (const auto i : v) put(s, i);
+  };
   std::string s = "$MeshFormat\n4.1 1 8\n";
   ints(s, {1});
   s += "\n$EndMeshFormat\n$PhysicalNames\n1\n0 7 \"held\"\n$EndPhysicalNames\n$Entities\n";
@@ -101,7 +114,8 @@ std::string gmsh41_binary(const TetMesh& m) {
   for (std::uint64_t i = 0; i < n; ++i) sizes(s, {i + 1});
   for (const Vec3& node : m.nodes) reals(s, {node.x(), node.y(), node.z()});
   s += "\n$EndNodes\n$Elements\n";
-  sizes(s, {2, t + 2, 1, t + 2}), ints(s, {0, 4, 15}), sizes(s, {2, 1, 1, 2, 3}), ints(s, {3, 9, 4}), sizes(s, {t});
+  sizes(s, {2, t + 2, 1, t + 2}), ints(s, {0, 4, 15}), sizes(s, {2, 1, 1, 2, 3}), ints(s, {3, 9, 4}),
+      sizes(s, {t});
   for (std::uint64_t e = 0; e < t; ++e) {
     sizes(s, {e + 3});
     for (const NodeIndex node : m.tets[e]) sizes(s, {static_cast<std::uint64_t>(node) + 1});
@@ -110,7 +124,8 @@ std::string gmsh41_binary(const TetMesh& m) {
 }
 
 std::string vtk(const TetMesh& m, bool binary, bool offsets) {
-  std::string s = fmt::format("# vtk DataFile Version {}\na mesh\n{}\nDATASET UNSTRUCTURED_GRID\n", offsets ? "5.1" : "3.0", binary ? "BINARY" : "ASCII");
+  std::string s = fmt::format("# vtk DataFile Version {}\na mesh\n{}\nDATASET UNSTRUCTURED_GRID\n",
+                              offsets ? "5.1" : "3.0", binary ? "BINARY" : "ASCII");
   const auto reals = [&](double v) { binary ? put(s, v, true) : void(s += fmt::format("{} ", v)); };
   const auto whole = [&](auto v) { binary ? put(s, v, true) : void(s += fmt::format("{} ", v)); };
   s += fmt::format("POINTS {} double\n", m.nodes.size());
@@ -120,7 +135,8 @@ std::string vtk(const TetMesh& m, bool binary, bool offsets) {
     s += fmt::format("\nCELLS {} {}\nOFFSETS vtktypeint64\n", cells + 1, 4 * cells);
     for (std::size_t i = 0; i <= cells; ++i) whole(static_cast<std::int64_t>(4 * i));
     s += "\nCONNECTIVITY vtktypeint64\n";
-    for (const Tet& tet : m.tets) for (const NodeIndex node : tet) whole(static_cast<std::int64_t>(node));
+    for (const Tet& tet : m.tets)
+      for (const NodeIndex node : tet) whole(static_cast<std::int64_t>(node));
   } else {
     s += fmt::format("\nCELLS {} {}\n", cells, 5 * cells);
     for (const Tet& tet : m.tets) {
@@ -137,9 +153,11 @@ enum class VtuKind { ascii, inline_base64, appended_raw, appended_base64 };
 
 std::string vtu(const TetMesh& m, VtuKind kind) {
   std::string points, connectivity, offsets, types, appended, text[4];
-  for (const Vec3& node : m.nodes) for (int k = 0; k < 3; ++k) put(points, node[k]), text[0] += fmt::format("{} ", node[k]);
+  for (const Vec3& node : m.nodes)
+    for (int k = 0; k < 3; ++k) put(points, node[k]), text[0] += fmt::format("{} ", node[k]);
   for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    for (const NodeIndex node : m.tets[t]) put(connectivity, std::int64_t{node}), text[1] += fmt::format("{} ", node);
+    for (const NodeIndex node : m.tets[t])
+      put(connectivity, std::int64_t{node}), text[1] += fmt::format("{} ", node);
     put(offsets, static_cast<std::int64_t>(4 * t + 4)), text[2] += fmt::format("{} ", 4 * t + 4);
     put(types, std::uint8_t{10}), text[3] += "10 ";
   }
@@ -149,15 +167,22 @@ std::string vtu(const TetMesh& m, VtuKind kind) {
     put(sized, static_cast<std::uint64_t>(data.size()));
     sized += data;
     const std::string& ascii = text[number++];
-    const std::string head = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=", type, name, name[0] == 'P' ? 3 : 1);
+    const std::string head =
+        fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=", type, name,
+                    name[0] == 'P' ? 3 : 1);
     if (kind == VtuKind::ascii) return head + "\"ascii\">\n" + ascii + "\n</DataArray>\n";
     if (kind == VtuKind::inline_base64) return head + "\"binary\">\n" + base64(sized) + "\n</DataArray>\n";
     const std::string item = head + fmt::format("\"appended\" offset=\"{}\"/>\n", appended.size());
     appended += kind == VtuKind::appended_raw ? sized : base64(sized);
     return item;
   };
-  std::string s = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
-  s += fmt::format("<UnstructuredGrid>\n<!-- a <comment> -->\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", m.nodes.size(), m.tets.size());
+  std::string s =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+  s += fmt::format(
+      "<UnstructuredGrid>\n<!-- a <comment> -->\n<Piece NumberOfPoints=\"{}\" "
+      "NumberOfCells=\"{}\">\n<Points>\n",
+      m.nodes.size(), m.tets.size());
   s += array("Float64", "Points", points);
   s += "</Points>\n<Cells>\n";
   s += array("Int64", "connectivity", connectivity);
@@ -165,14 +190,17 @@ std::string vtu(const TetMesh& m, VtuKind kind) {
   s += array("UInt8", "types", types);
   s += "</Cells>\n</Piece>\n</UnstructuredGrid>\n";
   if (!appended.empty())
-    s += fmt::format("<AppendedData encoding=\"{}\">\n_{}\n</AppendedData>\n", kind == VtuKind::appended_raw ? "raw" : "base64", appended);
+    s += fmt::format("<AppendedData encoding=\"{}\">\n_{}\n</AppendedData>\n",
+                     kind == VtuKind::appended_raw ? "raw" : "base64", appended);
   return s + "</VTKFile>\n";
 }
 
 std::string medit(const TetMesh& m) {
-  std::string s = fmt::format("MeshVersionFormatted 2\n# a comment\nDimension\n3\nVertices\n{}\n", m.nodes.size());
+  std::string s =
+      fmt::format("MeshVersionFormatted 2\n# a comment\nDimension\n3\nVertices\n{}\n", m.nodes.size());
   for (std::size_t i = 0; i < m.nodes.size(); ++i)
-    s += fmt::format("{} {} {} {}\n", m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z(), i == 0 || i == 2 ? 7 : 0);
+    s += fmt::format("{} {} {} {}\n", m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z(),
+                     i == 0 || i == 2 ? 7 : 0);
   s += fmt::format("Triangles\n1\n1 2 3 0\nTetrahedra\n{}\n", m.tets.size());
   for (const Tet& t : m.tets) s += fmt::format("{} {} {} {} 0\n", t[0] + 1, t[1] + 1, t[2] + 1, t[3] + 1);
   return s + "End\n";
@@ -190,27 +218,31 @@ TetMesh sample_mesh() {
 
 std::map<std::string, std::string> sample_mesh_files() {
   const TetMesh m = sample_mesh();
-  return {{"gmsh22_ascii.msh", gmsh22(m, false)},          {"gmsh22_binary.msh", gmsh22(m, true)},
+  return {{"gmsh22_ascii.msh", gmsh22(m, false)},           {"gmsh22_binary.msh", gmsh22(m, true)},
           {"gmsh22_big_endian.msh", gmsh22(m, true, true)}, {"gmsh41_ascii.msh", gmsh41_text(m)},
-          {"gmsh41_binary.msh", gmsh41_binary(m)},         {"legacy3_ascii.vtk", vtk(m, false, false)},
-          {"legacy3_binary.vtk", vtk(m, true, false)},     {"legacy5_ascii.vtk", vtk(m, false, true)},
-          {"legacy5_binary.vtk", vtk(m, true, true)},      {"ascii.vtu", vtu(m, VtuKind::ascii)},
-          {"inline.vtu", vtu(m, VtuKind::inline_base64)},  {"raw.vtu", vtu(m, VtuKind::appended_raw)},
+          {"gmsh41_binary.msh", gmsh41_binary(m)},          {"legacy3_ascii.vtk", vtk(m, false, false)},
+          {"legacy3_binary.vtk", vtk(m, true, false)},      {"legacy5_ascii.vtk", vtk(m, false, true)},
+          {"legacy5_binary.vtk", vtk(m, true, true)},       {"ascii.vtu", vtu(m, VtuKind::ascii)},
+          {"inline.vtu", vtu(m, VtuKind::inline_base64)},   {"raw.vtu", vtu(m, VtuKind::appended_raw)},
           {"base64.vtu", vtu(m, VtuKind::appended_base64)}, {"medit.mesh", medit(m)}};
 }
 
 Surface unit_cube() {
   Surface s;
   for (int i = 0; i < 8; ++i) s.nodes.emplace_back(i & 1, i >> 1 & 1, i >> 2 & 1);
-  s.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  s.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return s;
 }
 
 std::map<std::string, std::string> surface_files(const Surface& surface) {
-  std::string obj = "# a surface\no body\n", off = fmt::format("OFF\n{} {} 0\n", surface.nodes.size(), surface.triangles.size()), stl = "solid body\n";
+  std::string obj = "# a surface\no body\n",
+              off = fmt::format("OFF\n{} {} 0\n", surface.nodes.size(), surface.triangles.size()),
+              stl = "solid body\n";
   std::string ply_body, ply_binary, ply_big, stl_binary(80, ' ');
   for (const Vec3& n : surface.nodes) {
-    obj += fmt::format("v {} {} {}\n", n.x(), n.y(), n.z()), off += fmt::format("{} {} {}\n", n.x(), n.y(), n.z());
+    obj += fmt::format("v {} {} {}\n", n.x(), n.y(), n.z()),
+        off += fmt::format("{} {} {}\n", n.x(), n.y(), n.z());
     ply_body += fmt::format("{} {} {} 255\n", n.x(), n.y(), n.z());
     for (int k = 0; k < 3; ++k) put(ply_binary, n[k]), put(ply_big, n[k], true);
     put(ply_binary, std::uint8_t{255}), put(ply_big, std::uint8_t{255}, true);
@@ -232,11 +264,19 @@ std::map<std::string, std::string> surface_files(const Surface& surface) {
     stl += " endloop\nendfacet\n";
   }
   const auto header = [&](const char* format) {
-    return fmt::format("ply\nformat {} 1.0\ncomment none\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
-                       "element face {}\nproperty list uchar int vertex_indices\nend_header\n", format, surface.nodes.size(), surface.triangles.size());
+    return fmt::format(
+        "ply\nformat {} 1.0\ncomment none\nelement vertex {}\nproperty double x\nproperty double y\nproperty "
+        "double z\nproperty uchar red\n"
+        "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        format, surface.nodes.size(), surface.triangles.size());
   };
-  return {{"s.obj", obj}, {"s.off", off}, {"text.stl", stl + "endsolid body\n"}, {"binary.stl", stl_binary}, {"text.ply", header("ascii") + ply_body},
-          {"little.ply", header("binary_little_endian") + ply_binary}, {"big.ply", header("binary_big_endian") + ply_big}};
+  return {{"s.obj", obj},
+          {"s.off", off},
+          {"text.stl", stl + "endsolid body\n"},
+          {"binary.stl", stl_binary},
+          {"text.ply", header("ascii") + ply_body},
+          {"little.ply", header("binary_little_endian") + ply_binary},
+          {"big.ply", header("binary_big_endian") + ply_big}};
 }
 
 std::string shared_folder() {

@@ -4,15 +4,15 @@
 #include <map>
 #include <string>
 
-#include "geometry/meshing/surface.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/meshing/surface.hpp"
 
 namespace forefeel::test {
 
-TetMesh sample_mesh();                                    // 3 tetrahedra on 6 nodes, group "held" = {0, 2}
-std::map<std::string, std::string> sample_mesh_files();   // name ("gmsh41_binary.msh") -> content
-Surface unit_cube();                                      // 12 triangles, outward, low corner at the origin
+TetMesh sample_mesh();                                   // 3 tetrahedra on 6 nodes, group "held" = {0, 2}
+std::map<std::string, std::string> sample_mesh_files();  // name ("gmsh41_binary.msh") -> content
+Surface unit_cube();                                     // 12 triangles, outward, low corner at the origin
 std::map<std::string, std::string> surface_files(const Surface& surface);
-std::string shared_folder();                              // where reference data lie; empty where they do not
+std::string shared_folder();  // where reference data lie; empty where they do not
 
 }  // namespace forefeel::test
