@@ -93,7 +93,7 @@ std::vector<State> Laboratory::lattice_states(const Box& box, double h, const Sh
 
 const std::shared_ptr<ReferenceService>& Laboratory::service() {
   if (service_) return service_;
-  service_ = std::make_shared<ReferenceService>(session_input(), globals_.threads);
+  service_ = std::make_shared<ReferenceService>(reference_options(session_input()), globals_.threads);
   if (service_->damage()) warn(globals_, *service_->damage());
   return service_;
 }

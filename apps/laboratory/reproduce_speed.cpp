@@ -158,7 +158,7 @@ Bounds bounds_of(const StudyPlan& plan, const Globals& globals) {
   double cells = 0;
   for (const StudyCell& cell : plan.cells) {
     if (cell.choice[0] != ours_row || cell.choice[1] != 0) continue;
-    ReferenceService references(session_input(plan.scenes[cell.scene]), globals.threads);
+    ReferenceService references(reference_options(session_input(plan.scenes[cell.scene])), globals.threads);
     const SpeedBound guessed = speed_bound(plan, cell, references, true),
                      without = speed_bound(plan, cell, references, false);
     all.guessed *= guessed.speed;

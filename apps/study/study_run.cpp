@@ -152,7 +152,7 @@ class References {
     const std::lock_guard lock(mutex_);
     std::shared_ptr<ReferenceService>& service = services_[key];
     if (service) return service;
-    service = std::make_shared<ReferenceService>(input, threads_);
+    service = std::make_shared<ReferenceService>(reference_options(input), threads_);
     if (service->damage()) warn(globals_, *service->damage());
     return service;
   }

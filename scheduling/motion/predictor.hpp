@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduling/policy/policy.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 
 namespace forefeel {
 

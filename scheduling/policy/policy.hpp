@@ -11,21 +11,9 @@
 #include <vector>
 
 #include "geometry/coverage/state_space.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 
 namespace forefeel {
-
-struct HipSample {
-  double t = 0;                  // [s]
-  Vec3 at = Vec3::Zero();        // [m]
-  Vec3 velocity = Vec3::Zero();  // [m/s]
-};
-
-// Where the HIP will be `horizon` seconds from now, with its standard deviation per axis.
-struct Prediction {
-  double horizon = 0;      // [s]
-  Vec3 at = Vec3::Zero();  // [m]
-  double deviation = 0;    // [m]
-};
 
 // What a policy may look at; immutable while it is asked.
 struct PlannerView {

@@ -273,6 +273,15 @@ void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
   result.work = loop.safety().work();
 }
 
+ReferenceOptions reference_options(const SessionInput& input) {
+  return {.body = input.body,
+          .identity = input.identity,
+          .spacing = input.space.spacing,
+          .box = input.space.box,
+          .displacements = input.displacements,
+          .cache_folder = input.cache_folder};
+}
+
 void check_session(const SessionInput& input, const SessionOptions& options) {
   make_plan(input, options);
   check_known(input);
@@ -321,7 +330,7 @@ SessionResult run_rehearsed(SessionInput input, SessionOptions options, const Sh
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   const bool own = !input.references;
-  if (own) input.references = std::make_shared<ReferenceService>(input, options.threads);
+  if (own) input.references = std::make_shared<ReferenceService>(reference_options(input), options.threads);
   const auto state_file = std::exchange(input.state_file, std::nullopt);
   std::vector<std::string> schedules = policy_names();
   std::erase_if(schedules, [](const std::string& name) {
@@ -381,7 +390,8 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
     return run_rehearsed(given, options, show, when_run, each_position);
   }
   const std::shared_ptr<ReferenceService> shared =
-      given.references ? given.references : std::make_shared<ReferenceService>(given, options.threads);
+      given.references ? given.references
+                       : std::make_shared<ReferenceService>(reference_options(given), options.threads);
   ReferenceService& references = *shared;
   SessionInput input = given;
   if (options.rest_known &&

@@ -25,6 +25,7 @@ namespace forefeel {
 class MpiGroup;
 
 class ReferenceService;
+struct ReferenceOptions;
 
 enum class Clock { real, virtual_time };
 
@@ -97,6 +98,9 @@ struct SessionInput {
   std::filesystem::path scene_folder;
   Vec3 inward = -Vec3::UnitZ();
 };
+
+// What a service of reference solves needs to know of this input.
+ReferenceOptions reference_options(const SessionInput& input);
 
 struct FrameRecord {
   double t = 0;

@@ -41,18 +41,17 @@ ReferenceService::Key ReferenceService::key(const Vec3& x) {
   return key;
 }
 
-ReferenceService::ReferenceService(const SessionInput& input, int threads)
-    : body_(input.body),
-      linear_(linear_basis(input.body, input.space.spacing)),
-      solver_options_{
-          .spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements},
-      box_(input.space.box),
+ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
+    : body_(options.body),
+      linear_(linear_basis(options.body, options.spacing)),
+      solver_options_{.spacing = options.spacing, .tolerance = 1e-6, .displacements = options.displacements},
+      box_(options.box),
       thread_count_(threads > 0 ? static_cast<std::size_t>(threads)
                                 : std::max(1u, std::thread::hardware_concurrency())) {
-  if (input.cache_folder.empty() || input.identity.empty()) return;
-  const std::string name = cache_name(input.identity, input.space.spacing, input.displacements);
-  costs_file_ = input.cache_folder / (name + ".costs.csv");
-  rest_cost_file_ = input.cache_folder / (name + ".rest-cost.csv");
+  if (options.cache_folder.empty() || options.identity.empty()) return;
+  const std::string name = cache_name(options.identity, options.spacing, options.displacements);
+  costs_file_ = options.cache_folder / (name + ".costs.csv");
+  rest_cost_file_ = options.cache_folder / (name + ".rest-cost.csv");
   if (linear_) return;  // three solves are cheaper than a file
   const auto take = [&](const StateFile& file) {
     for (State& state : file.read_all()) {
@@ -60,13 +59,13 @@ ReferenceService::ReferenceService(const SessionInput& input, int threads)
       entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
     }
     if (file.damaged() > 0)
-      damage_ = damage_in_words((input.cache_folder / (name + ".states")).string(), file.damaged(), true);
+      damage_ = damage_in_words((options.cache_folder / (name + ".states")).string(), file.damaged(), true);
   };
-  const std::filesystem::path file = input.cache_folder / (name + ".states");
+  const std::filesystem::path file = options.cache_folder / (name + ".states");
   try {
-    std::filesystem::create_directories(input.cache_folder);
+    std::filesystem::create_directories(options.cache_folder);
     StateFileHeader header{
-        .identity = input.identity, .spacing = input.space.spacing, .box = input.space.box, .notes = {}};
+        .identity = options.identity, .spacing = options.spacing, .box = options.box, .notes = {}};
     header.notes["content"] = "tight solves on the reference branch";
     StateFile cache = StateFile::open_or_create(file, header);
     take(cache);
@@ -77,7 +76,7 @@ ReferenceService::ReferenceService(const SessionInput& input, int threads)
     note_ = fmt::format("no cache of reference solves: {}", problem.what());
     try {  // another run writes it: what it holds serves this one too
       const StateFile cache = StateFile::open_read_only(file);
-      if (cache.header().identity != input.identity) return;
+      if (cache.header().identity != options.identity) return;
       take(cache);
       note_ = fmt::format("the cache of reference solves is only read: {}", problem.what());
     } catch (const std::exception&) {

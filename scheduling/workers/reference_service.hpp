@@ -17,17 +17,26 @@
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/common/types.hpp"
 #include "geometry/states/state_file.hpp"
-#include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/state_solver.hpp"
 
 namespace forefeel {
 
+struct ReferenceOptions {
+  std::shared_ptr<const Body> body;
+  BodyIdentity identity;               // key of the cache; empty: no cache
+  double spacing = 0.006;              // continuation step of the reference branch [m]
+  Box box;                             // recorded_costs() draws its positions here [m]
+  bool displacements = false;          // states hold them
+  std::filesystem::path cache_folder;  // empty: no cache
+};
+
 class ReferenceService {
  public:
   // threads 0: as many as the machine has. Threads start with the first request that is not cached.
-  ReferenceService(const SessionInput& input, int threads);
+  ReferenceService(const ReferenceOptions& options, int threads);
   ~ReferenceService();  // drops what nobody waits for
   ReferenceService(const ReferenceService&) = delete;
   ReferenceService& operator=(const ReferenceService&) = delete;

@@ -78,7 +78,7 @@ TEST_CASE("unknown costs are refused") {
 
 TEST_CASE("recorded costs are measured once, however many ask at the same time; rest has no -0") {
   const SessionInput input = testing::small_input();
-  ReferenceService service(input, 2);
+  ReferenceService service(reference_options(input), 2);
   RecordedCosts lists[4];
   {
     std::vector<std::jthread> threads;
@@ -94,7 +94,7 @@ TEST_CASE("recorded costs are measured once, however many ask at the same time; 
 
 TEST_CASE("a reference is waited for as long as is said, and is there later all the same") {
   const SessionInput input = testing::small_input();
-  ReferenceService service(input, 1);
+  ReferenceService service(reference_options(input), 1);
   const auto now = std::chrono::steady_clock::now();
   const Vec3 x(0.003, -0.002, 0.001), y(0.001, 0.002, -0.003);
   for (int i = 1; i <= 1000; ++i) service.request(1e-6 * i * y);  // what one thread does not do at once

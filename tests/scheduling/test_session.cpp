@@ -115,7 +115,7 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
           std::make_unique<Answering>(make_device("path:lissajous,speed=0.06,tremor=0.0001",
                                                   {.box = input.space.box, .seed = 3, .folder = {}}),
                                       in_turn);
-      ReferenceService references(input, 2);
+      ReferenceService references(reference_options(input), 2);
       plan.cost = make_cost("lognormal:0.03,0.8", 3, [&] { return references.recorded_costs(); });
       RunAnalysis analysis(input, options, references, {});
       SessionResult result;
@@ -743,7 +743,7 @@ TEST_CASE(
   input.cache_folder = folder / "cache";
   const SessionOptions options = virtual_options(0.5);
   const SessionResult first = run_session(input, options);
-  const ReferenceService writing(input, 1);
+  const ReferenceService writing(reference_options(input), 1);
   REQUIRE_FALSE(writing.note());
   const SessionResult second = run_session(input, options);
   const auto only_read = [](const std::string& note) { return note.find("only read") != std::string::npos; };
