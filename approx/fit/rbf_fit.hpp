@@ -59,7 +59,7 @@ class RbfFit {
 
   // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius().
   // Allocates only where `out` was not reserved.
-  void write(Model::Impl& out, const Vec3& hip, double bridge = 0, double half_ball = 0);
+  void write(ModelData& out, const Vec3& hip, double bridge = 0, double half_ball = 0);
   // For tests and benches: always update, or always refit.
   enum class Mode { automatic, update, refit };
   void set_mode(Mode mode) { mode_ = mode; }
@@ -93,21 +93,21 @@ class RbfFit {
   void enter(std::size_t slot);
   void gather();
   void solve();
-  void write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball);
-  void write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& centre);
-  void write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest,
+  void write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball);
+  void write_hull(const ModelData& out, ModelData::Hull& hull, bool near, const Vec3& centre);
+  void write_tangent_of_sum(ModelData& out, const Vec3& hip, std::size_t first, double nearest,
                             double farthest);
-  Mat3 slope_of_sum(const Model::Impl& out, const Vec3& at) const;
-  void set_bound(Model::Impl& out);
+  Mat3 slope_of_sum(const ModelData& out, const Vec3& at) const;
+  void set_bound(ModelData& out);
   void leave(std::size_t slot);
-  bool write_sum(Model::Impl& out);
-  bool has_lost_digits(const Model::Impl& out);
+  bool write_sum(ModelData& out);
+  bool has_lost_digits(const ModelData& out);
   bool refit_is_cheaper() const;
-  bool refine(Model::Impl& out);
-  double misfit(const Model::Impl& out);
-  void constraint(const Model::Impl& out, double* rest) const;
+  bool refine(ModelData& out);
+  double misfit(const ModelData& out);
+  void constraint(const ModelData& out, double* rest) const;
   double ridge(std::size_t slot, std::size_t functional) const;
-  void correct(Model::Impl& out, double by);
+  void correct(ModelData& out, double by);
   Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
 
   ModelOptions options_;

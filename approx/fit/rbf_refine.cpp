@@ -25,7 +25,7 @@ constexpr double settled = 1e-8;          // last correction against the coeffic
 
 }  // namespace
 
-bool RbfFit::has_lost_digits(const Model::Impl& out) {
+bool RbfFit::has_lost_digits(const ModelData& out) {
   const std::size_t n = living_.size(), q = terms_;
   const auto [weakest, inverse] = factor_.weakest_row();
   double least = std::abs(upper_[0]), most = least;
@@ -76,7 +76,7 @@ bool RbfFit::has_lost_digits(const Model::Impl& out) {
 }
 
 // What the model leaves, into misfit_ and, by rows of the factor, into correction_; its largest entry.
-double RbfFit::misfit(const Model::Impl& out) {
+double RbfFit::misfit(const ModelData& out) {
   const std::size_t b = rows_per_slot_;
   exact::loops().misfit(out.power, b == 4, out.padded, out.data.data(), out.stride, out.polynomial[0].data(),
                         given_.data(), given_stride_, misfit_.data());
@@ -99,7 +99,7 @@ double RbfFit::misfit(const Model::Impl& out) {
 }
 
 // -P^T lambda, which should vanish.
-void RbfFit::constraint(const Model::Impl& out, double* rest) const {
+void RbfFit::constraint(const ModelData& out, double* rest) const {
   const std::size_t b = rows_per_slot_, q = terms_;
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t j = 0; j < q; ++j) {
@@ -113,7 +113,7 @@ void RbfFit::constraint(const Model::Impl& out, double* rest) const {
 }
 
 // Adds the correction `by` times (1 or -1) to the model.
-void RbfFit::correct(Model::Impl& out, double by) {
+void RbfFit::correct(ModelData& out, double by) {
   const std::size_t b = rows_per_slot_;
   for (std::size_t c = 0; c < 3; ++c) {
     const double* lambda = correction_.data() + c * row_stride_;
@@ -131,7 +131,7 @@ bool RbfFit::refit_is_cheaper() const {
 }
 
 // False where it did not converge: more has been lost than the factor can bring back.
-bool RbfFit::refine(Model::Impl& out) {
+bool RbfFit::refine(ModelData& out) {
   const std::size_t q = terms_, m = factor_.rows();
   for (std::size_t i = 0; i < living_.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) {

@@ -32,7 +32,7 @@ void RbfFit::solve() {
 
 // Back from the projected kernel to phi: only the polynomial changes, by -s sum_b lambda_b v_b.
 // False where the factor has lost too much for it.
-bool RbfFit::write_sum(Model::Impl& out) {
+bool RbfFit::write_sum(ModelData& out) {
   solve();
   const std::size_t m = factor_.rows();
   double* all = orthogonal_.data() + terms_ * row_stride_;
@@ -81,7 +81,7 @@ double largest_of(const double* values, std::size_t n) {
 }  // namespace
 
 // The bound B; where no stiffness is known, twice the largest secant from the mean of the states stands for K.
-void RbfFit::set_bound(Model::Impl& out) {
+void RbfFit::set_bound(ModelData& out) {
   double largest = 0;
   for (std::size_t s = 0; s < slots_; ++s)
     largest = std::max(largest, slot_array(share)[s] * slot_array(stiffness_norm)[s]);
@@ -108,12 +108,12 @@ void RbfFit::set_bound(Model::Impl& out) {
     }
   }
   out.largest_stiffness = largest;
-  out.bound = (largest_of(slot_array(force_norm), slots_) + largest * out.hold) / Model::Impl::full_share;
+  out.bound = (largest_of(slot_array(force_norm), slots_) + largest * out.hold) / ModelData::full_share;
 }
 
 // Tangent, hold distance and bound (see model_data.hpp). Shares fall to zero at the farthest state and with a
 // state's weight, so that the tangent moves gradually as the set does.
-void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, double half_ball) {
+void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball) {
   const sums::Loops& loops = sums::loops();
   Vec3 y = scaled(hip);
   if (const double distance = y.stableNorm(); !(distance < 1e8)) {  // so far that distances would overflow
@@ -203,7 +203,7 @@ void RbfFit::write_tangent(Model::Impl& out, const Vec3& hip, double bridge, dou
 
 // The planes about the states: those of the nearer side, drawn to their mean where they count less, or of both
 // sides, drawn to the HIP, which is between them however little the far one counts.
-void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool near, const Vec3& centre) {
+void RbfFit::write_hull(const ModelData& out, ModelData::Hull& hull, bool near, const Vec3& centre) {
   if (!weighted_) {
     const double* y = out.data.data();
     return hull.set(y, y + out.stride, y + 2 * out.stride, alive_, out.trust);
@@ -237,7 +237,7 @@ void RbfFit::write_hull(const Model::Impl& out, Model::Impl::Hull& hull, bool ne
 
 // Where not every stiffness is known: the force of a state and the slope of the sum there, never steeper than
 // what is known; the mean of those about as near as the nearest where the HIP is outside, where it may count.
-void RbfFit::write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t first, double nearest,
+void RbfFit::write_tangent_of_sum(ModelData& out, const Vec3& hip, std::size_t first, double nearest,
                                   double farthest) {
   const Sample& base = slot_[first].sample;
   out.tangent_at = base.at;
@@ -272,7 +272,7 @@ void RbfFit::write_tangent_of_sum(Model::Impl& out, const Vec3& hip, std::size_t
   out.tangent_force = sum / total + out.tangent_jacobian * at;
 }
 
-Mat3 RbfFit::slope_of_sum(const Model::Impl& out, const Vec3& at) const {
+Mat3 RbfFit::slope_of_sum(const ModelData& out, const Vec3& at) const {
   const Vec3 y = scaled(at);
   double f[3], j[9];
   Mat3 slope;
@@ -284,7 +284,7 @@ Mat3 RbfFit::slope_of_sum(const Model::Impl& out, const Vec3& at) const {
   return norm > out.largest_stiffness ? Mat3(slope * (out.largest_stiffness / norm)) : slope;
 }
 
-void RbfFit::write(Model::Impl& out, const Vec3& hip, double bridge, double half_ball) {
+void RbfFit::write(ModelData& out, const Vec3& hip, double bridge, double half_ball) {
   out.clear();
   if (alive_ == 0) return;
   out.reserve(alive_, level_.hermite);

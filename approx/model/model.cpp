@@ -5,21 +5,10 @@
 #include <cmath>
 
 #include "approx/loops/kernel_sums.hpp"
+#include "approx/model/lattice_field.hpp"
 #include "approx/model/model_data.hpp"
-#include "approx/predecessors/methods.hpp"
-#include "approx/select/neighbours.hpp"
 
 namespace forefeel {
-
-std::string_view name(Kernel kernel) {
-  return kernel == Kernel::linear ? "linear" : kernel == Kernel::cubic ? "cubic" : "quintic";
-}
-std::string_view name(Data data) {
-  return data == Data::force ? "force" : "force+stiffness";
-}
-std::string_view name(Select select) {
-  return select == Select::label ? "label" : "nearest";
-}
 
 namespace {
 
@@ -86,7 +75,7 @@ double step(double t, double& derivative) {
 
 }  // namespace
 
-void Model::Impl::reserve(std::size_t wanted, bool with_stiffness) {
+void ModelData::reserve(std::size_t wanted, bool with_stiffness) {
   const std::size_t rounded = (wanted + 7) / 8 * 8;
   states.reserve(rounded);
   const std::size_t arrays = with_stiffness ? 15 : 6;
@@ -97,7 +86,7 @@ void Model::Impl::reserve(std::size_t wanted, bool with_stiffness) {
   }
 }
 
-void Model::Impl::clear() {
+void ModelData::clear() {
   states.clear();
   lattice.reset();
   power = 0;
@@ -111,7 +100,7 @@ void Model::Impl::clear() {
   bridge = 0;
 }
 
-void Model::Impl::prepare() {
+void ModelData::prepare() {
   if (power == 0 || !(quick > 0)) return;
   const double each = full_share * bound / std::sqrt(3.0) * (1 - 1e-15);  // so that |f| keeps below
   for (int d = 0; d < 3; ++d) {
@@ -127,18 +116,18 @@ void Model::Impl::prepare() {
   quick_sum = loops->quick[hermite ? 1 : 0][power / 2];
 }
 
-void Model::Impl::raw(const double y[3], double f[3]) const noexcept {
+void ModelData::raw(const double y[3], double f[3]) const noexcept {
   (hermite ? loops->hermite : loops->plain)(power, padded, data.data(), stride, polynomial[0].data(), y, f);
 }
 
-void Model::Impl::raw(const double y[3], double f[3], double j[9]) const noexcept {
+void ModelData::raw(const double y[3], double f[3], double j[9]) const noexcept {
   (hermite ? loops->hermite_jacobian : loops->plain_jacobian)(power, padded, data.data(), stride,
                                                               polynomial[0].data(), y, f, j);
 }
 
 // E = (sum g_k^8)^(1/8), g_k the distance beyond plane k where positive: smooth, and within a few per cent of
 // the distance to the polytope.
-double Model::Impl::Hull::outside(const double y[3], double gradient[3]) const noexcept {
+double ModelData::Hull::outside(const double y[3], double gradient[3]) const noexcept {
   double g[13], largest = 0;
   for (int k = 0; k < 13; ++k) {
     const double along = axes.d[k][0] * y[0] + axes.d[k][1] * y[1] + axes.d[k][2] * y[2];
@@ -160,8 +149,8 @@ double Model::Impl::Hull::outside(const double y[3], double gradient[3]) const n
   return largest * root;
 }
 
-void Model::Impl::Hull::set(const double* px, const double* py, const double* pz, std::size_t n,
-                            double trusted) {
+void ModelData::Hull::set(const double* px, const double* py, const double* pz, std::size_t n,
+                          double trusted) {
   sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
   for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
@@ -182,11 +171,11 @@ Vec3 on_lattice(const LatticeField& field, const Vec3& x, Mat3* jacobian) noexce
 }
 
 // Force (and Jacobian over x) at x; one path for both.
-Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
+Vec3 bounded(const ModelData& m, const Vec3& x, Mat3* jacobian) noexcept {
   if (m.lattice) return on_lattice(*m.lattice, x, jacobian);
   if (jacobian != nullptr) jacobian->setZero();
   if (!m.known) return Vec3::Zero();
-  const double keep = Model::Impl::full_share * m.bound;
+  const double keep = ModelData::full_share * m.bound;
   const Vec3 y = (x - m.centre) * m.inverse_scale;
   const double y2 = y.squaredNorm();
   const auto rbf = [&](Mat3* gradient) {
@@ -237,13 +226,13 @@ Vec3 bounded(const Model::Impl& m, const Vec3& x, Mat3* jacobian) noexcept {
 
 }  // namespace
 
-Model::Model() : impl_(std::make_unique<Impl>()) {}
+Model::Model() : impl_(std::make_unique<ModelData>()) {}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 
 Vec3 Model::force(const Vec3& x) const noexcept {
-  const Impl& m = *impl_;
+  const ModelData& m = *impl_;
   Vec3 f;
   // nearly always: the sum alone, far below the bound
   if (m.quick_sum == nullptr || !m.quick_sum(m.alone, x.data(), f.data())) f = bounded(m, x, nullptr);

@@ -9,28 +9,14 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
+#include "approx/model/model_options.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 
-enum class Kernel { linear, cubic, quintic };
-enum class Data { force, force_and_stiffness };
-enum class Select { label, nearest };
-std::string_view name(Kernel kernel);
-std::string_view name(Data data);  // "force", "force+stiffness"
-std::string_view name(Select select);
-
-struct ModelOptions {
-  Kernel kernel = Kernel::cubic;
-  Data data = Data::force;
-  std::size_t neighbours = 100;  // n
-  Select select = Select::label;
-  double ridge = 0;   // >= 0, on the kernel's diagonal in units of phi(radius of the set), for noisy states
-  double length = 0;  // distance between states where the set itself does not tell [m]; 0: unknown
-};
+struct ModelData;  // model_data.hpp
 
 // Immutable once published; a fixed capacity lets the planner refill a released one without allocating.
 class Model {
@@ -55,12 +41,11 @@ class Model {
   void reserve(const ModelOptions& options);  // what an updater with these options will need
   std::uint64_t serial() const noexcept;      // grows with every update of one updater; 0 for the empty model
 
-  struct Impl;
-  Impl& impl() { return *impl_; }
-  const Impl& impl() const { return *impl_; }
+  ModelData& impl() { return *impl_; }
+  const ModelData& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<ModelData> impl_;
 };
 
 }  // namespace forefeel

@@ -20,13 +20,14 @@
 
 #include "approx/loops/aligned.hpp"
 #include "approx/loops/kernel_sums.hpp"
-#include "approx/model/model.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/states/state.hpp"
 
 namespace forefeel {
 
-class LatticeField;  // methods.hpp
+class LatticeField;
 
-struct Model::Impl {
+struct ModelData {
   static constexpr double full_share = 0.8;  // of the bound, up to which a force is left as it is
   const sums::Loops* loops = &sums::loops();
   std::vector<StateId> states;

@@ -13,14 +13,12 @@
 // stiffness known or secant |F_i - F_j| / |x_i - x_j| of a state and the nearest to it: beyond that the force
 // is shortened, so that what these methods do far from their states can be compared, but slams no device.
 
-#include <array>
-#include <cstdint>
 #include <span>
 #include <string_view>
-#include <unordered_map>
 #include <variant>
 #include <vector>
 
+#include "approx/model/lattice_field.hpp"
 #include "approx/select/updater.hpp"
 #include "geometry/index/point_octree.hpp"
 
@@ -34,28 +32,6 @@ struct MethodOptions {
   ModelOptions model{};     // offline_rbf
   double spacing = 0.006;   // lattice methods [m]
   std::size_t centres = 0;  // of rbf_network, see centres_of()
-};
-
-// The states by their lattice position; states off the lattice are left out.
-class LatticeField {
- public:
-  LatticeField(std::span<const State> states, double spacing, bool cubic);
-  Vec3 force(const Vec3& x) const;
-  std::size_t size() const { return forces_.size(); }
-
- private:
-  using Index = std::array<std::int32_t, 3>;
-  const Vec3* at(const Index& index) const;
-  Vec3 ghost(Index index, const Index& cell, int axis) const;
-  bool whole(const Index& cell) const;
-  static Vec3 into(const Index& cell, const Vec3& k);  // what of the cell is nearest to k, in spacings
-  Vec3 inside(const Index& cell, const Vec3& k) const;
-
-  double spacing_;
-  bool cubic_;
-  std::unordered_map<std::uint64_t, Vec3> forces_;
-  std::vector<Index> whole_;  // cells with all corners, by the lowest of them
-  std::vector<Vec3> points_, values_;
 };
 
 class DeflectionCurves {

@@ -23,7 +23,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "approx/model/model.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 
@@ -36,34 +37,6 @@ struct Neighbour {
   double reach = 1;
   bool operator==(const Neighbour&) const = default;
 };
-
-// n where members have weights: of fewer states one that comes or goes decides alone how steep the force is,
-// however little it counts. (Of one neighbour there is nothing to weigh.)
-constexpr std::size_t weighted_neighbours(const ModelOptions& options) {
-  const std::size_t n = options.neighbours, least = options.data == Data::force ? 20 : 16;
-  return options.select == Select::label && n > 1 && n < least ? least : n;
-}
-// n where they have not: without stiffness of fewer the polynomial is hardly determined, so that what takes over where
-// a safe region ends would differ by more than the JND.
-constexpr std::size_t nearest_neighbours(const ModelOptions& options) {
-  const std::size_t n = options.neighbours, least = options.data == Data::force ? 20 : 1;
-  return options.select == Select::label && n > 1 && n < least ? least : n;
-}
-// How many come in between two sides, each of which would have about half of n.
-constexpr std::size_t bridging_neighbours(const ModelOptions& options) {
-  const std::size_t n = weighted_neighbours(options);
-  return options.select == Select::label && n > 1 ? (n < 32 ? n : 32) : 0;
-}
-constexpr std::size_t most_neighbours(const ModelOptions& options) {
-  return weighted_neighbours(options) + weighted_neighbours(options) / 6 + bridging_neighbours(options);
-}
-// A set with weights is held by as many places about it that carry the affine fit of the set and count
-// hardly: a polynomial term that one state more would determine alone comes in gradually too. (Stiffness
-// determines a linear one.)
-constexpr std::size_t affine_places(const ModelOptions& options) {
-  const bool determined = options.data == Data::force_and_stiffness && options.kernel == Kernel::cubic;
-  return options.select == Select::label && !determined ? 10 : 0;
-}
 
 class NeighbourSelector {
  public:

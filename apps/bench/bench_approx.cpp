@@ -323,7 +323,7 @@ class Bench {
       m.evaluate = quantile(ours, 0.5);
       return;
     }
-    const Model::Impl& data = model.impl();
+    const ModelData& data = model.impl();
     std::vector<double> positions(3 * n), coefficients(3 * n + 12);
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -343,7 +343,7 @@ class Bench {
 
   // r^5 on force and stiffness, quadratic p.
   void time_hermite(const Model& model, const std::vector<Vec3>& at, Measured& m) {
-    const Model::Impl& data = model.impl();
+    const ModelData& data = model.impl();
     const std::size_t n = m.n;
     std::vector<double> centres(15 * n), polynomial(30);
     for (std::size_t i = 0; i < n; ++i)

@@ -10,6 +10,7 @@
 #include "apps/bench/bench_approx.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
+#include "solver/lattice/generate.hpp"
 
 namespace forefeel::bench {
 namespace {

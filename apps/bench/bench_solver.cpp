@@ -24,6 +24,7 @@
 #include "geometry/coverage/state_space.hpp"
 #include "solver/baselines/baseline.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "solver/lattice/generate.hpp"
 
 namespace forefeel {
 namespace {

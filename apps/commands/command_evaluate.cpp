@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "approx/judge/leave_one_out.hpp"
+#include "approx/model/model_options.hpp"
 #include "approx/predecessors/methods.hpp"
 #include "approx/select/updater.hpp"
 #include "apps/classify/repeated_states.hpp"
@@ -18,7 +19,6 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
-#include "scheduling/render/session_model.hpp"
 
 namespace forefeel {
 namespace {

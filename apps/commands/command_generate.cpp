@@ -20,6 +20,7 @@
 #include "geometry/index/lattice_room.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "solver/lattice/generate.hpp"
 
 namespace forefeel {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
+#include "approx/model/model_options.hpp"
 #include "apps/console/interrupt.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/placement/placement.hpp"
-#include "scheduling/render/session_model.hpp"
 
 namespace forefeel {
 namespace {

@@ -11,6 +11,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "solver/kernels/revision.hpp"
+#include "solver/lattice/generate.hpp"
 
 namespace forefeel {
 namespace {

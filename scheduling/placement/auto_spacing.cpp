@@ -10,6 +10,7 @@
 #include <span>
 
 #include "scheduling/motion/random.hpp"
+#include "solver/lattice/generate.hpp"
 
 namespace forefeel {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "approx/model/model_options.hpp"
 #include "scheduling/motion/halton.hpp"
 #include "scheduling/motion/random.hpp"
-#include "scheduling/render/session_model.hpp"
 
 namespace forefeel {
 namespace {

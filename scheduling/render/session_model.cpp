@@ -4,9 +4,8 @@
 
 #include <algorithm>
 
+#include "approx/model/lattice_field.hpp"
 #include "approx/model/model_data.hpp"
-#include "approx/predecessors/methods.hpp"
-#include "approx/select/neighbours.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
@@ -28,38 +27,13 @@ void check_method(const std::string& method) {
 
 namespace {
 
-constexpr std::size_t always =
-    32;  // neighbours that are never capped: sets of fewer are made in ways of their own
-constexpr double most_bytes = 1e9;
-
-double matrix_bytes(ModelOptions options, std::size_t neighbours) {
-  options.neighbours = neighbours;
-  const double rows_each = options.data == Data::force ? 1 : 4, spare = 1.125;
-  const double rows =
-      rows_each * spare * static_cast<double>(most_neighbours(options) + affine_places(options));
-  return rows * rows * sizeof(double);
-}
-
 ModelOptions at_first(ModelOptions options, const StateSpace& space) {
-  options.neighbours = std::min(options.neighbours, always);  // of at most `few` states
+  options.neighbours = std::min(options.neighbours, uncapped_neighbours);  // of at most `few` states
   options.length = apart_at_first * space.options().spacing;
   return options;
 }
 
 }  // namespace
-
-ModelOptions for_states(ModelOptions options, std::size_t states) {
-  const std::size_t asked = options.neighbours;
-  options.neighbours = std::min(asked, std::max(states, always));
-  if (matrix_bytes(options, options.neighbours) <= most_bytes) return options;
-  std::size_t low = always, high = options.neighbours;  // the one fits, the other does not
-  while (high - low > 1)
-    (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
-  throw InputError("model.neighbours",
-                   fmt::format("is {}, and there may be {} states: a model of so many takes {:.2g} GB, "
-                               "expected at most {} neighbours",
-                               asked, states, 1e-9 * matrix_bytes(options, options.neighbours), low));
-}
 
 SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
     : space_(space),
@@ -96,7 +70,7 @@ bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* rep
   if (near_.empty()) space_.nearest(hip, 1, near_);
   states_.clear();
   for (const StateId id : near_) states_.push_back(space_[id]);
-  Model::Impl& model = out.impl();
+  ModelData& model = out.impl();
   model.clear();
   model.states.assign(near_.begin(), near_.end());
   model.lattice = std::make_shared<const LatticeField>(states_, space_.options().spacing, cubic_);

@@ -17,10 +17,6 @@ namespace forefeel {
 
 void check_method(const std::string& method);  // InputError lists the names
 
-// What models of at most so many states need: no more neighbours than there can be. The models are the same.
-// InputError for model.neighbours where the matrix of one model would take more than a gigabyte.
-ModelOptions for_states(ModelOptions options, std::size_t states);
-
 class SessionModel {
  public:
   // The space must outlive it; both belong to one thread.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "approx/model/model_options.hpp"
 #include "geometry/common/csv_table.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/index/lattice_room.hpp"

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
-#include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 namespace {

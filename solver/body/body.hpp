@@ -39,4 +39,7 @@ struct Body {
 // node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5). Returns warnings (nu > 0.45 locks …).
 std::vector<std::string> check(const Body& body, const std::string& where);
 
+// True where f = -K x exactly: one factorisation gives every state.
+bool is_linear(const Body& body);
+
 }  // namespace forefeel

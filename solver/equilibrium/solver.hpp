@@ -3,10 +3,10 @@
 // u = 0 on the clamp, u = x on the contact. Force f = -sum of dW/du over the contact nodes; condensed stiffness
 // K = -df/dx = H_cc - H_cf H_ff^{-1} H_fc. Residual reported: |r| / max(|f|, 1e-12 E L^2).
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "geometry/states/state.hpp"
@@ -70,28 +70,5 @@ std::optional<bool> second_way(Solver& solver, const State& state, double spacin
                                const SolveOptions& options = {});
 // False where that is not known.
 bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
-
-// True where f = -K x exactly, so that three solves give the whole state space.
-bool is_linear(const Body& body);
-
-struct GenerateOptions {
-  double spacing = 0.006;
-  Box box;
-  int threads = 0;          // 0: all
-  double tolerance = 1e-6;  // force, relative
-  bool want_displacements = false;
-  std::stop_token stop;
-};
-struct GenerateReport {
-  std::size_t solved = 0, failed = 0, resumed = 0;
-  double seconds = 0;
-  int threads = 0;
-};
-// Fills the lattice outward from rest. A state is multivalued where its straight way jumps within its last two steps,
-// where another way ended elsewhere, or where its force is not what its neighbours' stiffnesses foretell. known: states already there (skipped, failed ones not retried). sink is
-// called from one thread at a time with each new state, failed ones included; progress(done, total) likewise.
-GenerateReport generate_lattice(std::shared_ptr<const Body> body, const GenerateOptions& options,
-                                const std::vector<State>& known, const std::function<void(State)>& sink,
-                                const std::function<void(std::size_t, std::size_t)>& progress);
 
 }  // namespace forefeel

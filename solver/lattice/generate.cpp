@@ -9,6 +9,7 @@
 
 #include "geometry/coverage/state_space.hpp"
 #include "solver/equilibrium/linear_body.hpp"
+#include "solver/lattice/generate.hpp"
 #include "solver/lattice/sweep.hpp"
 
 namespace forefeel {

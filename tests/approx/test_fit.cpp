@@ -136,7 +136,7 @@ TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their lev
     for (const auto& [kernel, data] : cases) {
       CAPTURE(plane, name(kernel), name(data));
       const Model model = fit(states, {.kernel = kernel, .data = data}, Vec3::Zero());
-      const Model::Impl& impl = model.impl();
+      const ModelData& impl = model.impl();
       const Judge judge(states, impl.power, impl.degree, impl.hermite);
       for (int q = 0; q < 50; ++q) {
         const Vec3 x = plane ? on_plane() : on_line();

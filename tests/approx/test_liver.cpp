@@ -13,6 +13,7 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "solver/lattice/generate.hpp"
 
 using namespace forefeel;
 

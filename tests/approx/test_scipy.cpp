@@ -11,6 +11,7 @@
 #include "approx/select/updater.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "solver/lattice/generate.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

@@ -5,6 +5,7 @@
 
 #include "block_body.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "solver/lattice/generate.hpp"
 
 using namespace forefeel;
 
