@@ -12,6 +12,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/report.hpp"
+#include "apps/picture/summary_json.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -194,25 +195,25 @@ class PredictionScores {
   std::vector<PredictionScore> scores_;
 };
 
-std::string share(const nlohmann::ordered_json& value) {
-  return value.is_number() ? fmt::format("{:.1f} %", 100 * value.get<double>()) : "unknown";
+std::string share(double value) {
+  return std::isfinite(value) ? fmt::format("{:.1f} %", 100 * value) : "unknown";
 }
 
-void tell(const Globals& globals, const nlohmann::ordered_json& s, const fs::path& run) {
-  const auto& in = s["time_in"];
+void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) {
   say(globals,
       fmt::format(
           "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved, {} used",
-          s["frames"].get<std::size_t>(), s["clock"].get<std::string>(),
-          s["deadline"]["missed"].get<std::size_t>(), s["states"]["start"].get<std::size_t>(),
-          s["states"]["solved"].get<std::size_t>(), s["states"]["used"].get<std::size_t>()));
-  say(globals, fmt::format("time in safe {}, sparse {}, gap {}, blank {}", share(in["safe"]),
-                           share(in["sparse"]), share(in["gap"]), share(in["blank"])));
+          s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual", s.deadline.missed,
+          s.states.start, s.states.solved, s.states.used));
+  say(globals, fmt::format("time in safe {}, sparse {}, gap {}, blank {}", share(s.time_in[Label::safe]),
+                           share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
+                           share(s.time_in[Label::blank])));
+  const SessionSummary::Errors& error = s.error.samples;
   say(globals,
       fmt::format("{} model switches, {} frames over the JND bound; error p50 {}, p95 {}, within JND {}",
-                  s["switch"]["count"].get<std::size_t>(), s["switch"]["frames_over_jnd"].get<std::size_t>(),
-                  share(s["error"]["p50"]), share(s["error"]["p95"]), share(s["error"]["within_jnd"])));
-  for (const auto& note : s["notes"]) say(globals, note.get<std::string>());
+                  s.switching.count, s.switching.frames_over_jnd, share(error.p50), share(error.p95),
+                  share(error.within_jnd)));
+  for (const std::string& note : s.run.notes) say(globals, note);
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
@@ -330,19 +331,20 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const ReportPictures pictures = begin_pictures(result, meanwhile.slices);
   write_run_files(run, result, options);
   meanwhile.states.get();
-  nlohmann::ordered_json summary = summary_json(result, input, options);
+  const SessionSummary summary = summarise(result, input, options);
+  nlohmann::ordered_json document = to_json(summary);
   const auto asked = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
-  summary["interrupted"] = result.interrupted;
-  summary["frames_asked"] = asked;
-  summary["spacing"] = scene.space.spacing;
-  if (scene.chosen_spacing) summary["spacing_auto"] = to_json(*scene.chosen_spacing);
-  summary["prediction"] = predictions.json();  // [s], [m]
-  summary["provenance"] = provenance(scene.hash);
+  document["interrupted"] = result.interrupted;
+  document["frames_asked"] = asked;
+  document["spacing"] = scene.space.spacing;
+  if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
+  document["prediction"] = predictions.json();  // [s], [m]
+  document["provenance"] = provenance(scene.hash);
   OutputFile file(run / "summary.json");
-  file.write(summary.dump(2) + "\n");
+  file.write(document.dump(2) + "\n");
   file.commit();
-  write_report(run, summary, scene, pictures);
-  if (globals.json) print_json(summary);
+  write_report(run, summary, document, scene, pictures);
+  if (globals.json) print_json(document);
   if (!globals.json) tell(globals, summary, run);
   if (!result.interrupted) return 0;
   if (result.not_begun)

@@ -17,6 +17,7 @@
 #include "apps/picture/report.hpp"
 #include "apps/picture/study_gantt.hpp"
 #include "apps/picture/study_report.hpp"
+#include "apps/picture/summary_json.hpp"
 #include "apps/study/study_ranking.hpp"
 #include "apps/study/study_run.hpp"
 #include "geometry/common/error.hpp"
@@ -99,18 +100,19 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
   fs::create_directories(folder);
   write_run_files(folder, result, options);
-  auto summary = summary_json(result, input, options);
-  summary["provenance"] = provenance(scene.hash);
+  const SessionSummary summary = summarise(result, input, options);
+  nlohmann::ordered_json document = to_json(summary);
+  document["provenance"] = provenance(scene.hash);
   write_whole(folder / "summary.json",
-              summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-  write_report(folder, summary, scene, begin_pictures(result, begin_slices(result, scene.space)));
+              document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_report(folder, summary, document, scene, begin_pictures(result, begin_slices(result, scene.space)));
   const Figure figure = gantt_figure(result, options.seconds, options.workers);
   const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
   if (svg)
     write_whole(folder / "gantt.svg", *svg);
   else
     warn(globals, "gantt.svg: gnuplot was not found or failed");
-  if (globals.json) print_json(summary);
+  if (globals.json) print_json(document);
   say(globals, fmt::format("{}: {} solves of {} workers in {} s",
                            (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
                            options.workers, options.seconds));

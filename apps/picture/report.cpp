@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
@@ -24,75 +25,53 @@ std::string escaped(const std::string& text) {
   return html_escaped(text);
 }
 
-const Json& at_path(const Json& summary, std::initializer_list<const char*> keys) {
-  static const Json none;
-  const Json* here = &summary;
-  for (const char* key : keys) {
-    if (!here->is_object() || !here->contains(key)) return none;
-    here = &here->at(key);
-  }
-  return *here;
-}
-
 // ---- numbers for people
-// -------------------------------------------------------------------------------------------
 
-std::string shown(const Json& value) {
-  if (value.is_null()) return "–";
-  if (value.is_string()) return escaped(value.get<std::string>());
-  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
-  if (value.is_array()) {
-    std::string text;
-    for (const Json& element : value) text += (text.empty() ? "" : ", ") + shown(element);
-    return text;
-  }
-  return escaped(value.dump());
+std::string shown(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
 }
-
-std::string percent(const Json& share) {
-  if (!share.is_number()) return "–";
-  const double value = 100 * share.get<double>();
+std::string shown(std::size_t value) {
+  return std::to_string(value);
+}
+std::string percent(double share) {
+  if (!std::isfinite(share)) return "–";
+  const double value = 100 * share;
   return value != 0 && value < 0.1 ? fmt::format("{:.2g} %", value) : fmt::format("{:.1f} %", value);
 }
-std::string with_unit(const Json& value, const std::string& unit) {
-  return value.is_null() ? "–" : shown(value) + " " + unit;
+std::string with_unit(double value, const std::string& unit) {
+  return std::isfinite(value) ? shown(value) + " " + unit : "–";
 }
 
 std::string tile(const std::string& value, const std::string& what) {
   return fmt::format("<div class=\"tile\"><b>{}</b><span>{}</span></div>\n", value, what);
 }
 
-std::string tiles(const Json& s) {
+std::string tiles(const SessionSummary& s) {
   std::string html = "<div class=\"tiles\">\n";
-  html += tile(percent(at_path(s, {"error", "within_jnd"})),
-               "of sampled frames within the just noticeable difference");
-  html += tile(percent(at_path(s, {"error", "first_visit", "within_jnd"})), "of first visits within it");
-  html += tile(percent(at_path(s, {"error", "p95"})), "error, 95th percentile");
   html +=
-      tile(shown(at_path(s, {"switch", "frames_over_jnd"})), "frames in which a switch exceeded its bound");
-  html += tile(with_unit(at_path(s, {"switch", "max_jump"}), "N"),
-               "largest change by a switch in one frame; " +
-                   with_unit(at_path(s, {"switch", "max_jump_undamped"}), "N") + " undamped");
-  html += tile(percent(at_path(s, {"time_in", "safe"})), "of the time in safe regions");
-  html += tile(shown(at_path(s, {"states", "solved"})),
-               "states solved; " + shown(at_path(s, {"states", "used"})) + " used by a model");
-  if (at_path(s, {"clock"}) == "real")
-    html += tile(shown(at_path(s, {"deadline", "missed"})),
-                 "deadlines missed of " + shown(at_path(s, {"frames"})) + " frames; a frame costs " +
-                     with_unit(at_path(s, {"deadline", "cost_us", "p50"}), "µs"));
+      tile(percent(s.error.samples.within_jnd), "of sampled frames within the just noticeable difference");
+  html += tile(percent(s.error.first_visit.within_jnd), "of first visits within it");
+  html += tile(percent(s.error.samples.p95), "error, 95th percentile");
+  html += tile(shown(s.switching.frames_over_jnd), "frames in which a switch exceeded its bound");
+  html += tile(with_unit(s.switching.max_jump, "N"), "largest change by a switch in one frame; " +
+                                                         with_unit(s.switching.max_jump_undamped, "N") +
+                                                         " undamped");
+  html += tile(percent(s.time_in[Label::safe]), "of the time in safe regions");
+  html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
+  if (s.settings.clock == Clock::real)
+    html += tile(shown(s.deadline.missed), "deadlines missed of " + shown(s.run.frames) +
+                                               " frames; a frame costs " +
+                                               with_unit(s.deadline.cost_us.p50, "µs"));
   return html + "</div>\n";
 }
 
 // ---- sections
-// -----------------------------------------------------------------------------------------------------
 
-std::string legend(const Json& summary) {
+std::string legend(const SessionSummary& summary) {
   std::string html = "<p class=\"legend\">";
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank}) {
-    const std::string key(name(label));
-    html += fmt::format("<span><i style=\"background:{}\"></i>{} {}</span>", colour(label), key,
-                        percent(at_path(summary, {"time_in", key.c_str()})));
-  }
+  for (const Label label : all_labels)
+    html += fmt::format("<span><i style=\"background:{}\"></i>{} {}</span>", colour(label), name(label),
+                        percent(summary.time_in[label]));
   return html + "<span class=\"muted\">share of the time</span></p>\n";
 }
 
@@ -112,7 +91,7 @@ Picture drawn(Make make) {
       .share();
 }
 
-std::string pictures(const Json& summary, const ReportPictures& drawings) {
+std::string pictures(const SessionSummary& summary, const ReportPictures& drawings) {
   if (!have_gnuplot())
     return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
   std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(summary) +
@@ -122,21 +101,31 @@ std::string pictures(const Json& summary, const ReportPictures& drawings) {
   return html;
 }
 
-std::string by_label_table(const Json& summary) {
-  const Json& by_label = at_path(summary, {"error", "by_label"});
-  if (!by_label.is_object() || by_label.empty()) return "";
-  std::string html = "<h2>Error by label</h2>\n<table><tr><th>label</th>";
-  const Json& first = by_label.front();
-  if (!first.is_object()) return "";
-  for (const auto& [key, value] : first.items()) html += "<th>" + escaped(key) + "</th>";
-  html += "</tr>\n";
-  for (const auto& [label, row] : by_label.items()) {
-    html += "<tr><td>" + escaped(label) + "</td>";
-    for (const auto& [key, value] : row.items())
-      html += "<td class=\"n\">" + (key == "within_jnd" ? percent(value) : shown(value)) + "</td>";
-    html += "</tr>\n";
+std::string by_label_table(const SessionSummary& summary) {
+  std::string html =
+      "<h2>Error by label</h2>\n<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
+      "<th>max</th><th>within_jnd</th></tr>\n";
+  const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
+  for (const Label label : all_labels) {
+    const SessionSummary::Errors& row = summary.error.by_label[label];
+    html += fmt::format("<tr><td>{}</td>", name(label)) + cell(shown(row.samples)) + cell(shown(row.p50)) +
+            cell(shown(row.p95)) + cell(shown(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
   }
   return html + "</table>\n";
+}
+
+// ---- the whole document, key by key
+
+std::string printed(const Json& value) {
+  if (value.is_null()) return "–";
+  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_number_float()) return shown(value.get<double>());
+  if (value.is_array()) {
+    std::string text;
+    for (const Json& element : value) text += (text.empty() ? "" : ", ") + printed(element);
+    return text;
+  }
+  return escaped(value.dump());
 }
 
 void rows_of(const Json& value, const std::string& path, std::string& html) {
@@ -144,15 +133,15 @@ void rows_of(const Json& value, const std::string& path, std::string& html) {
     for (const auto& [key, child] : value.items())
       rows_of(child, path.empty() ? key : path + "." + key, html);
   } else {
-    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", escaped(path), shown(value));
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", escaped(path), printed(value));
   }
 }
 
-std::string all_numbers(const Json& summary) {
+std::string all_numbers(const Json& document) {
   std::string html =
       "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
   std::string single;
-  for (const auto& [key, value] : summary.items()) {
+  for (const auto& [key, value] : document.items()) {
     if (key == "provenance" || key == "notes") continue;
     if (!value.is_object()) {
       rows_of(value, key, single);
@@ -167,20 +156,18 @@ std::string all_numbers(const Json& summary) {
   return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div></details>\n";
 }
 
-std::string notes(const Json& summary, const Scene& scene) {
+std::string notes(const SessionSummary& summary, const Scene& scene) {
   std::vector<std::string> lines = scene.warnings;
-  if (const Json& given = at_path(summary, {"notes"}); given.is_array())
-    for (const Json& line : given)
-      if (line.is_string()) lines.push_back(line.get<std::string>());
+  lines.insert(lines.end(), summary.run.notes.begin(), summary.run.notes.end());
   if (lines.empty()) return "";
   std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
   for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";
   return html + "</ul>\n";
 }
 
-std::string provenance_section(const Json& summary) {
+std::string provenance_section(const Json& document) {
   std::string rows;
-  rows_of(at_path(summary, {"provenance"}), "", rows);
+  if (const auto found = document.find("provenance"); found != document.end()) rows_of(*found, "", rows);
   return "<h2>Provenance</h2>\n<table class=\"wide\">\n" + rows + "</table>\n";
 }
 
@@ -216,17 +203,17 @@ ReportPictures begin_pictures(const SessionResult& result, Picture slices) {
   return drawings;
 }
 
-void write_report(const std::filesystem::path& run_folder, const Json& s, const Scene& scene,
-                  const ReportPictures& drawings) {
+void write_report(const std::filesystem::path& run_folder, const SessionSummary& s, const Json& document,
+                  const Scene& scene, const ReportPictures& drawings) {
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
       "seed {}; {} tetrahedra, {}</p>\n",
-      escaped(scene.file.stem().string()), shown(at_path(s, {"seconds"})), shown(at_path(s, {"clock"})),
-      shown(at_path(s, {"policy"})), shown(at_path(s, {"switch", "rule"})), shown(at_path(s, {"workers"})),
-      shown(at_path(s, {"select"})), shown(at_path(s, {"seed"})), scene.body->mesh.tets.size(),
-      name(scene.body->material.law));
-  html += tiles(s) + notes(s, scene) + pictures(s, drawings) + by_label_table(s) + all_numbers(s) +
-          provenance_section(s);
+      escaped(scene.file.stem().string()), shown(s.run.seconds),
+      s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
+      name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
+      scene.body->mesh.tets.size(), name(scene.body->material.law));
+  html += tiles(s) + notes(s, scene) + pictures(s, drawings) + by_label_table(s) + all_numbers(document) +
+          provenance_section(document);
   OutputFile file(run_folder / "report.html");
   file.write(html_page("Forefeel: " + scene.file.filename().string(), html));
   file.commit();

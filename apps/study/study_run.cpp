@@ -15,9 +15,10 @@
 #include <thread>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/picture/summary_json.hpp"
 #include "apps/study/study_speed.hpp"
 #include "geometry/common/output_file.hpp"
-#include "scheduling/record/run_files.hpp"
+#include "scheduling/record/summary_columns.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
@@ -31,15 +32,6 @@ namespace fs = std::filesystem;
 bool depends_on_wall_time(const std::string& path) {
   return path.starts_with("deadline.cost_us") || path.starts_with("deadline.lateness_us") ||
          path == "wall_seconds" || path == "realtime_priority" || path == "memory_locked";
-}
-
-void flatten(const nlohmann::ordered_json& value, const std::string& path, CellColumns& columns) {
-  if (value.is_object()) {
-    for (const auto& [key, child] : value.items())
-      flatten(child, path.empty() ? key : path + '.' + key, columns);
-  } else if (!value.is_array()) {  // notes
-    columns[path] = depends_on_wall_time(path) ? nlohmann::ordered_json(nullptr) : value;
-  }
 }
 
 double quantile95(std::vector<double> values) {
@@ -231,7 +223,9 @@ CellColumns run_sustained(const StudyPlan& plan, const StudyCell& cell, const Se
 CellColumns cell_columns(const SessionResult& result, const SessionInput& input,
                          const SessionOptions& options) {
   CellColumns columns = CellColumns::object();
-  flatten(summary_json(result, input, options), "", columns);
+  for (const Column& column : summary_columns(summarise(result, input, options)))
+    columns[column.name] =
+        depends_on_wall_time(column.name) ? nlohmann::ordered_json(nullptr) : to_json(column.value);
   add_first_visits(result, options.switching, 0.07, columns);
   add_solver_time(result, options.seconds, columns);
   columns["cost"] = options.cost;
@@ -259,9 +253,9 @@ StudyCell with_load_found(const StudyPlan& plan, const StudyCell& cell, const Se
   double too_little = 0, too_much = 0;  // demands
   for (int i = 0; i < tries && least > near; ++i) {
     const SessionResult result = run_cell(plan, trial, input, {});
-    const auto load = summary_json(result, input, trial.options)["load"];
-    if (result.interrupted || !load.is_number()) break;
-    const double met = load.get<double>() / cell.load_to_find;
+    const double load = summarise(result, input, trial.options).load;
+    if (result.interrupted || !std::isfinite(load)) break;
+    const double met = load / cell.load_to_find;
     if (std::abs(std::log(met)) < least) {
       least = std::abs(std::log(met));
       best.options.cost = trial.options.cost;

@@ -1,19 +1,13 @@
+#include "scheduling/record/summary.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "scheduling/record/needed_states.hpp"
-#include "scheduling/record/run_files.hpp"
 
 namespace forefeel {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 // Nearest-rank quantile of sorted values; unknown when there are none.
 double quantile(const std::vector<double>& sorted, double q) {
@@ -22,12 +16,10 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
 
-Json timing(std::vector<double> values) {
+SessionSummary::Timing timing(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   std::sort(values.begin(), values.end());
-  return {{"p50", number(quantile(values, 0.5))},
-          {"p99", number(quantile(values, 0.99))},
-          {"max", number(quantile(values, 1))}};
+  return {.p50 = quantile(values, 0.5), .p99 = quantile(values, 0.99), .max = quantile(values, 1)};
 }
 
 double jnd(const Vec3& force, const SwitchOptions& options) {
@@ -35,7 +27,7 @@ double jnd(const Vec3& force, const SwitchOptions& options) {
 }
 
 template <class Choose>
-Json errors(const SessionResult& result, const SwitchOptions& options, bool with_max, Choose choose) {
+SessionSummary::Errors errors_of(const SessionResult& result, const SwitchOptions& options, Choose choose) {
   std::vector<double> sorted;
   std::size_t within = 0;
   for (const FrameRecord& f : result.frames) {
@@ -44,44 +36,39 @@ Json errors(const SessionResult& result, const SwitchOptions& options, bool with
     within += (f.force - f.reference).norm() <= jnd(f.reference, options);
   }
   std::sort(sorted.begin(), sorted.end());
-  Json json{{"samples", sorted.size()},
-            {"p50", number(quantile(sorted, 0.5))},
-            {"p95", number(quantile(sorted, 0.95))}};
-  if (with_max) json["max"] = number(quantile(sorted, 1));
-  json["within_jnd"] =
-      number(sorted.empty() ? unknown : static_cast<double>(within) / static_cast<double>(sorted.size()));
-  return json;
+  return {.samples = sorted.size(),
+          .p50 = quantile(sorted, 0.5),
+          .p95 = quantile(sorted, 0.95),
+          .max = quantile(sorted, 1),
+          .within_jnd =
+              sorted.empty() ? unknown : static_cast<double>(within) / static_cast<double>(sorted.size())};
 }
 
-Json error_json(const SessionResult& result, const SwitchOptions& options) {
-  const auto sampled = [](const FrameRecord& f) { return f.sampled; };
-  Json json{{"reference", "tight solves on the reference branch"}};
-  json.update(errors(result, options, true, sampled));
-  Json parts, medians;
-  const std::pair<const char*, double FrameRecord::*> columns[] = {
-      {"approximation", &FrameRecord::approximation},
-      {"switch", &FrameRecord::switching},
-      {"staleness", &FrameRecord::staleness}};
-  for (const auto& [key, member] : columns) {
-    std::vector<double> sorted;
-    for (const FrameRecord& f : result.frames)
-      if (f.sampled && std::isfinite(f.*member)) sorted.push_back(f.*member);
-    std::sort(sorted.begin(), sorted.end());
-    parts[key] = number(quantile(sorted, 0.95));
-    medians[key] = number(quantile(sorted, 0.5));
-  }
-  json["parts"] = parts;
-  json["parts_p50"] = medians;
-  Json by_label;
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    by_label[std::string(name(label))] = errors(
-        result, options, true, [label](const FrameRecord& f) { return f.sampled && f.label == label; });
-  json["by_label"] = by_label;
-  json["first_visit"] = errors(result, options, false, [](const FrameRecord& f) { return f.first_visit; });
-  return json;
+// The finite values of one part of the error at the samples, sorted.
+std::vector<double> sorted_part(const SessionResult& result, double FrameRecord::*part) {
+  std::vector<double> sorted;
+  for (const FrameRecord& f : result.frames)
+    if (f.sampled && std::isfinite(f.*part)) sorted.push_back(f.*part);
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
 }
 
-Json deadline_json(const SessionResult& result, const SessionOptions& options) {
+SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options) {
+  SessionSummary::Error error;
+  error.samples = errors_of(result, options, [](const FrameRecord& f) { return f.sampled; });
+  const std::vector<double> approximation = sorted_part(result, &FrameRecord::approximation),
+                            switching = sorted_part(result, &FrameRecord::switching),
+                            staleness = sorted_part(result, &FrameRecord::staleness);
+  error.parts_p95 = {quantile(approximation, 0.95), quantile(switching, 0.95), quantile(staleness, 0.95)};
+  error.parts_p50 = {quantile(approximation, 0.5), quantile(switching, 0.5), quantile(staleness, 0.5)};
+  for (const Label label : all_labels)
+    error.by_label[label] =
+        errors_of(result, options, [label](const FrameRecord& f) { return f.sampled && f.label == label; });
+  error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.first_visit; });
+  return error;
+}
+
+SessionSummary::Deadline deadline_of(const SessionResult& result, const SessionOptions& options) {
   std::size_t missed = 0;
   std::vector<double> cost, lateness;
   for (const FrameRecord& f : result.frames) {
@@ -89,11 +76,10 @@ Json deadline_json(const SessionResult& result, const SessionOptions& options) {
     lateness.push_back(f.lateness_us);
     missed += f.cost_us + f.lateness_us > options.frame * 1e6;
   }
-  return {
-      {"missed", missed}, {"cost_us", timing(std::move(cost))}, {"lateness_us", timing(std::move(lateness))}};
+  return {.missed = missed, .cost_us = timing(std::move(cost)), .lateness_us = timing(std::move(lateness))};
 }
 
-Json states_json(const SessionResult& result) {
+SessionSummary::States states_of(const SessionResult& result) {
   std::size_t used = 0;
   std::vector<double> age;
   for (const DispatchRecord& d : result.dispatch) {
@@ -103,16 +89,17 @@ Json states_json(const SessionResult& result) {
   }
   std::sort(age.begin(), age.end());
   const auto [start, solved, failed] = result.start_solved_failed;
-  return {{"start", start},
-          {"solved", solved},
-          {"used", used},
-          {"wasted", solved - std::min(used, solved)},
-          {"preempted", result.preempted},
-          {"failed", failed},
-          {"age_at_use_ms", {{"p50", number(quantile(age, 0.5))}, {"p99", number(quantile(age, 0.99))}}}};
+  return {.start = start,
+          .solved = solved,
+          .used = used,
+          .wasted = solved - std::min(used, solved),
+          .preempted = result.preempted,
+          .failed = failed,
+          .age_at_use_ms_p50 = quantile(age, 0.5),
+          .age_at_use_ms_p99 = quantile(age, 0.99)};
 }
 
-// Largest |sum of dF| within any window of given length.
+// Largest |sum of dF| within any window of given length [s].
 double drift(const SessionResult& result, double window) {
   std::vector<Vec3> sum(result.frames.size() + 1, Vec3::Zero());
   for (std::size_t k = 0; k < result.frames.size(); ++k) sum[k + 1] = sum[k] + result.frames[k].switch_delta;
@@ -126,26 +113,22 @@ double drift(const SessionResult& result, double window) {
   return most;
 }
 
-Json switch_json(const SessionResult& result, const SessionOptions& options) {
-  double jump = 0, undamped = 0;
-  std::size_t over = 0;
+SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule rule) {
+  SessionSummary::Switching found{.count = result.switches.size(), .rule = rule};
   for (const FrameRecord& f : result.frames) {
-    jump = std::max(jump, f.switch_change);
-    undamped = std::max(undamped, f.undamped_jump);
-    over += f.switch_change > f.switch_bound;
+    found.max_jump = std::max(found.max_jump, f.switch_change);
+    found.max_jump_undamped = std::max(found.max_jump_undamped, f.undamped_jump);
+    found.frames_over_jnd += f.switch_change > f.switch_bound;
   }
-  return {{"count", result.switches.size()},
-          {"rule", name(options.switching.rule)},
-          {"max_jump", jump},
-          {"max_jump_undamped", undamped},
-          {"frames_over_jnd", over},
-          {"drift",
-           {{"ms50", drift(result, 0.05)}, {"ms100", drift(result, 0.1)}, {"ms300", drift(result, 0.3)}}}};
+  found.drift_50ms = drift(result, 0.05);
+  found.drift_100ms = drift(result, 0.1);
+  found.drift_300ms = drift(result, 0.3);
+  return found;
 }
 
-// States needed per second of motion, those known at the start left out, over states solved per second by the workers
-// when all are busy: a job takes its worker the solves and a message each way.
-double load(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
+// States needed per second of motion, those known at the start left out, over states solved per second while every
+// worker is busy. A job takes its worker the solves and a message each way.
+double load_of(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
   const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
   NeededStates needed(input.space.box, h);
   for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) needed.know(result.states[i].at);
@@ -159,42 +142,54 @@ double load(const SessionResult& result, const SessionInput& input, const Sessio
   return static_cast<double>(needed.count()) / seconds / rate;
 }
 
+ByLabel<double> time_in_labels(const SessionResult& result) {
+  ByLabel<std::size_t> frames;
+  for (const FrameRecord& f : result.frames) ++frames[f.label];
+  ByLabel<double> shares;
+  for (const Label label : all_labels)
+    shares[label] = static_cast<double>(frames[label]) /
+                    static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
+  return shares;
+}
+
+SessionSummary::Settings settings_of(const SessionOptions& options) {
+  return {.clock = options.clock,
+          .workers = options.workers,
+          .policy = options.policy,
+          .select = options.model.select,
+          .seed = options.seed,
+          .device = options.replay ? "replay:" + options.replay->string() : options.device};
+}
+
+SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {
+  // Rounding may leave the last frame out of a run that went to its end.
+  const bool whole = static_cast<double>(result.frames.size()) > options.seconds / options.frame - 0.75;
+  return {.seconds = whole ? options.seconds : static_cast<double>(result.frames.size()) * options.frame,
+          .frames = result.frames.size(),
+          .first_guess = !result.switches.empty() && result.switches.front().cause == "guess",
+          .wall_seconds = result.wall_seconds,
+          .realtime_priority = result.realtime_priority,
+          .memory_locked = result.memory_locked,
+          .notes = result.notes};
+}
+
 }  // namespace
 
-Json summary_json(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
-  std::size_t in[4] = {0, 0, 0, 0};
-  for (const FrameRecord& f : result.frames) ++in[static_cast<std::size_t>(f.label)];
-  Json time_in;
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    time_in[std::string(name(label))] = static_cast<double>(in[static_cast<std::size_t>(label)]) /
-                                        static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
-  Json json;
-  json["clock"] = options.clock == Clock::real ? "real" : "virtual";
-  const bool whole = static_cast<double>(result.frames.size()) > options.seconds / options.frame - 0.75;
-  json["seconds"] = whole ? options.seconds : static_cast<double>(result.frames.size()) * options.frame;
-  json["frames"] = result.frames.size();
-  json["deadline"] = deadline_json(result, options);
-  json["states"] = states_json(result);
-  json["time_in"] = time_in;
-  json["switch"] = switch_json(result, options);
-  json["error"] = error_json(result, options.switching);
-  json["load"] = number(load(result, input, options));
-  json["energy"] = {{"generated_J", number(result.generated_energy)}, {"work_J", number(result.work)}};
-  json["safety"] = {{"clamped", result.clamped},
-                    {"slewed", result.slewed},
-                    {"stale", result.stale},
-                    {"non_finite", result.non_finite}};
-  json["workers"] = options.workers;
-  json["policy"] = options.policy;
-  json["select"] = name(options.model.select);
-  json["seed"] = options.seed;
-  json["device"] = options.replay ? "replay:" + options.replay->string() : options.device;
-  json["first_guess"] = !result.switches.empty() && result.switches.front().cause == "guess";
-  json["wall_seconds"] = result.wall_seconds;
-  json["realtime_priority"] = result.realtime_priority;
-  json["memory_locked"] = result.memory_locked;
-  json["notes"] = result.notes;
-  return json;
+SessionSummary summarise(const SessionResult& result, const SessionInput& input,
+                         const SessionOptions& options) {
+  return {.settings = settings_of(options),
+          .run = run_of(result, options),
+          .deadline = deadline_of(result, options),
+          .states = states_of(result),
+          .time_in = time_in_labels(result),
+          .switching = switching_of(result, options.switching.rule),
+          .error = error_of(result, options.switching),
+          .load = load_of(result, input, options),
+          .energy = {.generated = result.generated_energy, .work = result.work},
+          .safety = {.clamped = result.clamped,
+                     .slewed = result.slewed,
+                     .stale = result.stale,
+                     .non_finite = result.non_finite}};
 }
 
 }  // namespace forefeel

@@ -143,14 +143,6 @@ struct SwitchRecord {
   double fit_us = unknown;   // real clock only
 };
 
-struct Quantiles {
-  double p50 = unknown, p95 = unknown, p99 = unknown, max = unknown;
-};
-struct ErrorSummary {
-  std::size_t samples = 0;
-  double p50 = unknown, p95 = unknown, max = unknown, within_jnd = unknown;
-};
-
 struct SessionResult {
   std::vector<FrameRecord> frames;
   std::vector<DispatchRecord> dispatch;
@@ -161,7 +153,7 @@ struct SessionResult {
   bool not_begun = false;          // interrupted while the clairvoyant policy rehearsed: no frames, no solves
   std::vector<std::string> notes;  // what the system did not permit, what failed
   std::vector<std::string> warnings;  // of files that were read, one line each
-  // Everything that summary.json holds but provenance is derived from the above in run_files.hpp.
+  // scheduling/record/summary.hpp derives what summary.json holds from the above.
   std::array<std::size_t, 3> start_solved_failed{};
   std::size_t preempted = 0;
   double generated_energy = 0, work = 0;  // energy observer [J]

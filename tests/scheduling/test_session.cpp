@@ -8,13 +8,13 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
 
 #include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/run_files.hpp"
+#include "scheduling/record/summary_columns.hpp"
 #include "scheduling/session/session_parts.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
@@ -162,9 +162,8 @@ TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND
     options.reference_step = 0.05;
     const auto share = [&](const std::string& policy) {
       options.policy = policy;
-      return summary_json(run_session(small_input(), options), small_input(),
-                          options)["error"]["first_visit"]["within_jnd"]
-          .get<double>();
+      return summarise(run_session(small_input(), options), small_input(), options)
+          .error.first_visit.within_jnd;
     };
     const double bound = share("clairvoyant");
     for (const std::string policy : {"coverage", "nearest", "direction", "clairvoyant-greedy"}) {
@@ -219,17 +218,17 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   CHECK(worst > 0);
   CHECK(worst < 0.02);
 
-  const auto json = summary_json(r, input, options);
-  CHECK(json["states"]["solved"] == 125);
-  CHECK(json["states"]["used"].get<int>() + json["states"]["wasted"].get<int>() == 125);
-  CHECK(json["switch"]["frames_over_jnd"] == 0);
-  CHECK(json["switch"]["count"] == r.switches.size());
-  CHECK(json["deadline"]["cost_us"]["p50"].is_null());
+  const SessionSummary summary = summarise(r, input, options);
+  CHECK(summary.states.solved == 125);
+  CHECK(summary.states.used + summary.states.wasted == 125);
+  CHECK(summary.switching.frames_over_jnd == 0);
+  CHECK(summary.switching.count == r.switches.size());
+  CHECK(std::isnan(summary.deadline.cost_us.p50));
   double shares = 0;
-  for (const auto& share : json["time_in"]) shares += share.get<double>();
+  for (const Label label : all_labels) shares += summary.time_in[label];
   CHECK(shares == Approx(1));
-  CHECK(json["error"]["samples"].get<std::size_t>() > 40);
-  CHECK(json["load"].get<double>() > 0);
+  CHECK(summary.error.samples.samples > 40);
+  CHECK(summary.load > 0);
 }
 
 TEST_CASE(
@@ -340,13 +339,13 @@ TEST_CASE("the first guess has no say where states come from elsewhere, and is r
   std::filesystem::create_directories(folder / "solved");
   std::filesystem::create_directories(folder / "arrived");
   write_run_files(folder / "solved", solved, options);
-  CHECK(summary_json(solved, small_input(), options)["first_guess"] == true);
+  CHECK(summarise(solved, small_input(), options).run.first_guess);
   SessionOptions arriving = options;
   arriving.arrivals = folder / "late.csv";
   const SessionResult arrived = run_session(small_input(), arriving);
   for (const FrameRecord& f : arrived.frames)
     if (f.known == 0) REQUIRE(f.force == Vec3::Zero());
-  CHECK(summary_json(arrived, small_input(), arriving)["first_guess"] == false);
+  CHECK_FALSE(summarise(arrived, small_input(), arriving).run.first_guess);
   write_run_files(folder / "arrived", arrived, arriving);
   for (const auto& [run, recorded] : {std::pair{"solved", &solved}, std::pair{"arrived", &arrived}}) {
     CAPTURE(run);
@@ -390,63 +389,65 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
 TEST_CASE("summary: every key of the contract") {
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.2);
-  const auto json = summary_json(run_session(input, options), input, options);
-  for (const std::string pointer : {"/clock",
-                                    "/seconds",
-                                    "/frames",
-                                    "/deadline/missed",
-                                    "/deadline/cost_us/p50",
-                                    "/deadline/cost_us/p99",
-                                    "/deadline/cost_us/max",
-                                    "/deadline/lateness_us/p50",
-                                    "/deadline/lateness_us/p99",
-                                    "/deadline/lateness_us/max",
-                                    "/states/start",
-                                    "/states/solved",
-                                    "/states/used",
-                                    "/states/wasted",
-                                    "/states/preempted",
-                                    "/states/failed",
-                                    "/states/age_at_use_ms/p50",
-                                    "/states/age_at_use_ms/p99",
-                                    "/time_in/safe",
-                                    "/time_in/sparse",
-                                    "/time_in/gap",
-                                    "/time_in/blank",
-                                    "/switch/count",
-                                    "/switch/rule",
-                                    "/switch/max_jump",
-                                    "/switch/max_jump_undamped",
-                                    "/switch/frames_over_jnd",
-                                    "/switch/drift/ms50",
-                                    "/switch/drift/ms100",
-                                    "/switch/drift/ms300",
-                                    "/error/reference",
-                                    "/error/samples",
-                                    "/error/p50",
-                                    "/error/p95",
-                                    "/error/max",
-                                    "/error/within_jnd",
-                                    "/error/parts/approximation",
-                                    "/error/parts/switch",
-                                    "/error/parts/staleness",
-                                    "/error/by_label/safe",
-                                    "/error/first_visit/p50",
-                                    "/error/first_visit/p95",
-                                    "/error/first_visit/within_jnd",
-                                    "/load",
-                                    "/energy/generated_J",
-                                    "/energy/work_J",
-                                    "/safety/clamped",
-                                    "/safety/slewed",
-                                    "/safety/stale",
-                                    "/safety/non_finite",
-                                    "/workers",
-                                    "/policy",
-                                    "/select",
-                                    "/seed"}) {
-    CAPTURE(pointer);
-    CHECK(json.contains(nlohmann::ordered_json::json_pointer(pointer)));
+  std::set<std::string> names;
+  for (const Column& column : summary_columns(summarise(run_session(input, options), input, options)))
+    CHECK(names.insert(column.name).second);
+  for (const std::string key : {"clock",
+                                "seconds",
+                                "frames",
+                                "deadline.missed",
+                                "deadline.cost_us.p50",
+                                "deadline.cost_us.p99",
+                                "deadline.cost_us.max",
+                                "deadline.lateness_us.p50",
+                                "deadline.lateness_us.p99",
+                                "deadline.lateness_us.max",
+                                "states.start",
+                                "states.solved",
+                                "states.used",
+                                "states.wasted",
+                                "states.preempted",
+                                "states.failed",
+                                "states.age_at_use_ms.p50",
+                                "states.age_at_use_ms.p99",
+                                "time_in.safe",
+                                "time_in.sparse",
+                                "time_in.gap",
+                                "time_in.blank",
+                                "switch.count",
+                                "switch.rule",
+                                "switch.max_jump",
+                                "switch.max_jump_undamped",
+                                "switch.frames_over_jnd",
+                                "switch.drift.ms50",
+                                "switch.drift.ms100",
+                                "switch.drift.ms300",
+                                "error.reference",
+                                "error.samples",
+                                "error.p50",
+                                "error.p95",
+                                "error.max",
+                                "error.within_jnd",
+                                "error.parts.approximation",
+                                "error.parts.switch",
+                                "error.parts.staleness",
+                                "error.by_label.safe.p95",
+                                "error.first_visit.p50",
+                                "error.first_visit.p95",
+                                "error.first_visit.within_jnd",
+                                "load",
+                                "energy.generated_J",
+                                "energy.work_J",
+                                "safety.clamped",
+                                "safety.slewed",
+                                "safety.stale",
+                                "safety.non_finite",
+                                "workers",
+                                "policy",
+                                "select",
+                                "seed"}) {
+    CAPTURE(key);
+    CHECK(names.contains(key));
   }
 }
 
@@ -586,9 +587,9 @@ TEST_CASE("real clock: renders, solves and reports") {
     CHECK(state.usable());
     CHECK(state.has_stiffness());
   }
-  const auto json = summary_json(r, input, options);
-  CHECK(json["clock"] == "real");
-  CHECK(json["deadline"]["cost_us"]["p50"].is_number());
+  const SessionSummary summary = summarise(r, input, options);
+  CHECK(summary.settings.clock == Clock::real);
+  CHECK(std::isfinite(summary.deadline.cost_us.p50));
   if (!r.realtime_priority) CHECK(!r.notes.empty());  // said so
 }
 

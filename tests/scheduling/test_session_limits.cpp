@@ -7,10 +7,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "geometry/common/error.hpp"
 #include "run_logs.hpp"
+#include "scheduling/record/summary.hpp"
 #include "scheduling/session/session_parts.hpp"
 #include "small_body.hpp"
 
@@ -47,7 +47,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   REQUIRE(result.notes.size() == 1);
   CHECK_THAT(result.notes[0], Catch::Contains("interrupted while it rehearses"));
   CHECK(std::filesystem::exists(folder / "session.states"));
-  CHECK(summary_json(result, input, options)["seconds"] == 0);
+  CHECK(summarise(result, input, options).run.seconds == 0);
 }
 
 TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {

@@ -1,0 +1,32 @@
+#include "apps/picture/summary_json.hpp"
+
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+namespace forefeel {
+
+nlohmann::ordered_json to_json(const ColumnValue& value) {
+  return std::visit(
+      [](const auto& held) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>)
+          return nlohmann::ordered_json(nullptr);
+        else
+          return nlohmann::ordered_json(held);
+      },
+      value);
+}
+
+nlohmann::ordered_json to_json(const SessionSummary& summary) {
+  nlohmann::ordered_json document;
+  for (const Column& column : summary_columns(summary)) {
+    nlohmann::ordered_json* place = &document;  // "error.parts.switch": an object in an object
+    std::size_t begin = 0;
+    for (std::size_t dot; (dot = column.name.find('.', begin)) != std::string::npos; begin = dot + 1)
+      place = &(*place)[column.name.substr(begin, dot - begin)];
+    (*place)[column.name.substr(begin)] = to_json(column.value);
+  }
+  document["notes"] = summary.run.notes;
+  return document;
+}
+
+}  // namespace forefeel

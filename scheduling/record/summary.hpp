@@ -1,0 +1,108 @@
+#pragma once
+// What a session amounts to: every number that summary.json holds, as a type. Times are in s and forces in N unless the
+// name says otherwise, shares in [0, 1]. NaN means unknown: nothing was measured.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/coverage/coverage.hpp"
+#include "scheduling/session/session.hpp"
+
+namespace forefeel {
+
+inline constexpr std::array all_labels{Label::safe, Label::sparse, Label::gap, Label::blank};
+
+// One value for each label.
+template <class Value>
+struct ByLabel {
+  std::array<Value, all_labels.size()> values{};
+  Value& operator[](Label label) { return values[static_cast<std::size_t>(label)]; }
+  const Value& operator[](Label label) const { return values[static_cast<std::size_t>(label)]; }
+};
+
+struct SessionSummary {
+  // Nearest-rank quantiles of times per frame [us]; unknown under the virtual clock.
+  struct Timing {
+    double p50 = unknown, p99 = unknown, max = unknown;
+  };
+  // Of the render loop: a frame is missed where cost and lateness together exceed its length.
+  struct Deadline {
+    std::size_t missed = 0;
+    Timing cost_us, lateness_us;
+  };
+  // used: taken into some model. wasted: solved, never used.
+  struct States {
+    std::size_t start = 0, solved = 0, used = 0, wasted = 0, preempted = 0, failed = 0;
+    double age_at_use_ms_p50 = unknown,
+           age_at_use_ms_p99 = unknown;  // from the end of the solve to its first use
+  };
+  // Of the change of models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window of 50, 100 or
+  // 300 ms.
+  struct Switching {
+    std::size_t count = 0;
+    SwitchRule rule = SwitchRule::smooth;
+    double max_jump = 0, max_jump_undamped = 0;
+    std::size_t frames_over_jnd = 0;
+    double drift_50ms = 0, drift_100ms = 0, drift_300ms = 0;
+  };
+  // Relative errors |F - f| / max(|f|, f0); within_jnd: share of the samples whose error a hand cannot tell.
+  struct Errors {
+    std::size_t samples = 0;
+    double p50 = unknown, p95 = unknown, max = unknown, within_jnd = unknown;
+  };
+  struct Parts {
+    double approximation = unknown, switching = unknown, staleness = unknown;
+  };
+  // samples: positions at equal distances along the path. first_visit: the first frames in their lattice cells.
+  struct Error {
+    Errors samples;
+    Parts parts_p95, parts_p50;
+    ByLabel<Errors> by_label;
+    Errors first_visit;
+  };
+  struct Energy {
+    double generated = 0, work = 0;  // [J]
+  };
+  // Frames in which a safety rule acted.
+  struct Safety {
+    std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
+  };
+  // What was asked for.
+  struct Settings {
+    Clock clock = Clock::real;
+    int workers = 0;
+    std::string policy;
+    Select select = Select::label;
+    std::uint64_t seed = 0;
+    std::string device;  // "replay:RUN" where a run is replayed
+  };
+  // How the run itself went.
+  struct Run {
+    double seconds = 0;  // of motion
+    std::size_t frames = 0;
+    bool first_guess = false;  // the session began with the guess of a stiffness
+    double wall_seconds = 0;
+    bool realtime_priority = false, memory_locked = false;
+    std::vector<std::string> notes;  // what the system did not permit, what failed
+  };
+
+  Settings settings;
+  Run run;
+  Deadline deadline;
+  States states;
+  ByLabel<double> time_in;  // share of the frames
+  Switching switching;
+  Error error;
+  double load =
+      unknown;  // lattice states that the motion needs per second, over states that the workers solve per second
+  Energy energy;
+  Safety safety;
+};
+
+SessionSummary summarise(const SessionResult& result, const SessionInput& input,
+                         const SessionOptions& options);
+
+}  // namespace forefeel

@@ -1,0 +1,26 @@
+#pragma once
+// A summary as a list of named values, in the order of summary.json. Names are the keys joined by dots
+// ("error.first_visit.p95"); the notes, a list of lines, are left out.
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scheduling/record/summary.hpp"
+
+namespace forefeel {
+
+// Nothing (unknown), yes or no, a whole number, a number, a text.
+using ColumnValue = std::variant<std::monostate, bool, std::uint64_t, double, std::string>;
+
+struct Column {
+  std::string name;
+  ColumnValue value;
+};
+
+ColumnValue column_value(double value);  // nothing where it is not finite
+
+std::vector<Column> summary_columns(const SessionSummary& summary);
+
+}  // namespace forefeel
