@@ -186,7 +186,7 @@ void write_report(const std::filesystem::path& folder, const std::vector<HardCas
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed || !std::filesystem::is_directory(folder))
-    throw InputError(folder.string(), "cannot be made, expected a folder to write the report to");
+    throw InputError({.file = folder.string()}, "cannot be made, expected a folder to write the report to");
   OutputFile table(folder / "hard_cases.csv"), page(folder / "hard_cases.html");
   std::string head, rows;
   for (const char* column : columns) {

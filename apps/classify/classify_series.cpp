@@ -31,7 +31,7 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
   const RunTable table = RunTable::read(folder / "dispatch.csv");
   for (const char* column : {"x", "y", "z", "finished", "status"})
     if (!table.has(column))
-      throw InputError((folder / "dispatch.csv").string(),
+      throw InputError({.file = (folder / "dispatch.csv").string()},
                        fmt::format("has no column {}, expected the file of a run", column));
   std::vector<Arrival> arrivals;
   for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -127,7 +127,7 @@ Hip read_hip(const fs::path& folder) {
     hip.force.emplace_back(table.number(row, "fx"), table.number(row, "fy"), table.number(row, "fz"));
   }
   if (hip.t.empty())
-    throw InputError((folder / "frames.csv").string(), "holds no frames, expected columns t,x,y,z");
+    throw InputError({.file = (folder / "frames.csv").string()}, "holds no frames, expected columns t,x,y,z");
   return hip;
 }
 

@@ -35,7 +35,7 @@ double parsed(std::string_view cell) {
 
 RunTable RunTable::read(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw InputError(file.string(), "cannot be read, expected a file of a run");
+  if (!in) throw InputError({.file = file.string()}, "cannot be read, expected a file of a run");
   RunTable table;
   std::ostringstream all;
   all << in.rdbuf();
@@ -58,7 +58,7 @@ RunTable RunTable::read(const std::filesystem::path& file) {
           fmt::format("{}:{}", file.string(), number),
           fmt::format("has {} cells, expected {}", table.cells_.size() - before, table.columns_.size()));
   }
-  if (table.columns_.empty()) throw InputError(file.string(), "is empty, expected a header line");
+  if (table.columns_.empty()) throw InputError({.file = file.string()}, "is empty, expected a header line");
   return table;
 }
 

@@ -225,7 +225,7 @@ void check_memory(const ModelOptions& options, std::size_t states) {
   try {
     for_states(options, states);
   } catch (const InputError& error) {
-    throw InputError("--neighbours", std::string(error.what()).substr(error.where().size() + 2));
+    throw InputError("--neighbours", error.problem());
   }
 }
 

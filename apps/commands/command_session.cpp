@@ -120,17 +120,17 @@ void warn_in_vain(const Globals& globals, const Scene& scene, const SessionArgum
   std::vector<std::string> vain = scheduling_options(given);
   if (given.device) vain.insert(vain.begin(), "--device");
   for (const auto& [key, place] : scene.scheduling)
-    if (place.starts_with("--set ")) vain.push_back(place);
+    if (!place.option.empty()) vain.push_back(place.text());
   if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));
 }
 
 // Nothing is solved where states arrive at given times: what is said of solving is in vain.
 void warn_of_solving(const Globals& globals, const Scene& scene, const SessionArguments& given) {
   if (given.replay || (!given.arrivals && scene.arrivals_place.empty())) return;
-  const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place;
+  const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place.text();
   std::vector<std::string> options = scheduling_options(given);
   if (given.mpi) options.push_back("--mpi");
-  for (const auto& [key, place] : scene.scheduling) options.push_back(place);
+  for (const auto& [key, place] : scene.scheduling) options.push_back(place.text());
   if (!options.empty())
     warn(globals, fmt::format("{}: without effect where states arrive at given times ({})",
                               fmt::join(options, ", "), arrivals));
@@ -246,13 +246,13 @@ void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, S
 // What is wrong with the device, the cost or the box was said by the scene unless it was given here: names file, line and key.
 InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given,
                         const Globals& globals) {
-  const std::string problem =
-      std::string(error.what()).substr(std::min(std::string(error.what()).size(), error.where().size() + 2));
-  const auto of = [&](const char* kind, bool here, const std::string& place) {
-    return error.where().starts_with(kind) && !here ? place : std::string();
+  if (!error.place().file.empty()) return error;
+  const std::string &key = error.place().key, &problem = error.problem();
+  const auto of = [&](const char* kind, bool here, const InputPlace& place) {
+    return key == kind && !here ? place : InputPlace{};
   };
-  if (error.where().starts_with("session.") || error.where().starts_with("model.")) {
-    const std::string key = error.where(), option = key.substr(key.find('.') + 1);
+  if (key.starts_with("session.") || key.starts_with("model.")) {
+    const std::string option = key.substr(key.find('.') + 1);
     const std::pair<const char*, bool> options[] = {{"seconds", given.seconds.has_value()},
                                                     {"workers", given.workers.has_value()},
                                                     {"policy", given.policy.has_value()},
@@ -261,18 +261,16 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
     for (const auto& [name, here] : options)
       if (here && key == std::string("session.") + name) return {"--" + option, problem};
     for (const std::string& set : globals.set)
-      if (set.starts_with(key + "=")) return {"--set " + key, problem};
-    return {scene.file.string() + ": " + key, problem};
+      if (set.starts_with(key + "=")) return {InputPlace{.option = "--set", .key = key}, problem};
+    return {InputPlace{.file = scene.file.string(), .key = key}, problem};
   }
-  if (const std::string place = of("state_space.box", false, scene.box_place); !place.empty())
+  if (const InputPlace place = of("state_space.box", false, scene.box_place); !place.empty())
     return {place, problem};
-  std::string place = of("device", given.device.has_value(), scene.device_place);
+  InputPlace place = of("device", given.device.has_value(), scene.device_place);
   if (place.empty()) place = of("cost", given.cost.has_value(), scene.cost_place);
   if (place.empty()) return error;
-  const std::size_t space = error.where().find(' ');  // "device path:press,speed=x"
-  return {place, space == std::string::npos
-                     ? problem
-                     : fmt::format("'{}' {}", error.where().substr(space + 1), problem)};
+  const std::optional<std::string>& spec = error.place().value;  // "path:press,speed=x"
+  return {place, spec ? fmt::format("'{}' {}", *spec, problem) : problem};
 }
 
 int run_session_command(const Globals& globals, const SessionArguments& given,

@@ -114,8 +114,7 @@ void check_generate_to_error(const Scene& scene) {
   try {
     for_states(scene.model, lattice(scene.space.box, scene.space.spacing).size());
   } catch (const InputError& error) {
-    throw InputError(scene.file.string() + ": " + error.where(),
-                     std::string(error.what()).substr(error.where().size() + 2));
+    throw InputError({.file = scene.file.string(), .key = error.place().key}, error.problem());
   }
 }
 

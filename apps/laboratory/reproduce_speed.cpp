@@ -298,7 +298,8 @@ void check_speed_overrides(const Globals& globals) {
     const std::string key = text.substr(0, text.find('='));
     for (const char* own : {"workers", "seconds", "clock", "seed"})
       if (plain(key) == own)
-        throw InputError("--set " + key, "is what `speed` sets itself, expected another key");
+        throw InputError({.option = "--set", .key = key},
+                         "is what `speed` sets itself, expected another key");
     for (const Step& step : steps())
       for (std::size_t from = 0, end; (end = step.changes.find('\n', from)) != std::string::npos;
            from = end + 1)
@@ -354,10 +355,10 @@ void check_speed(const Laboratory& laboratory, const ReproduceOptions& runs, con
     trial.take_back();
     // The study is gone then: "out/speed.toml:7: session.device" is no place to look at.
     for (const char* name : {built_in_file, study_file}) {
-      const std::string file = (folder / name).string() + ":", whole = error.what();
-      if (!error.where().starts_with(file)) continue;
-      const std::size_t end = whole.find(": ", file.size() - 1);
-      throw InputError("reproduce speed", whole.substr(end == std::string::npos ? file.size() : end + 2));
+      const InputPlace& place = error.place();
+      if (place.file != (folder / name).string()) continue;
+      throw InputError("reproduce speed",
+                       place.key.empty() ? error.problem() : place.key + ": " + error.problem());
     }
     throw;
   } catch (...) {

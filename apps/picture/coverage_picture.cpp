@@ -299,7 +299,7 @@ std::string png_panel(const CoveragePicture& picture, const Slice& slice, int nu
 
 void write_coverage_png(const std::filesystem::path& file, const CoveragePicture& picture) {
   if (!have_gnuplot())
-    throw InputError(file.string(), "a PNG needs gnuplot, which is missing; expected .svg");
+    throw InputError({.file = file.string()}, "a PNG needs gnuplot, which is missing; expected .svg");
   check_writable(file);
   std::filesystem::path temporary = file;
   temporary += ".part";
@@ -332,7 +332,8 @@ void write_coverage_png(const std::filesystem::path& file, const CoveragePicture
   if (!pipe || pclose(pipe) != 0 || !written || !std::filesystem::exists(temporary)) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
-    throw InputError(file.string(), "gnuplot could not draw it, expected a gnuplot with pngcairo, or .svg");
+    throw InputError({.file = file.string()},
+                     "gnuplot could not draw it, expected a gnuplot with pngcairo, or .svg");
   }
   std::filesystem::rename(temporary, file);
 }

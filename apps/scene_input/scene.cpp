@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 // -------------------------------------------------------------------------------------------
 
 std::string read_text(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError(file.string(), "no such file, expected a scene (TOML)");
+  if (!fs::exists(file)) throw InputError({.file = file.string()}, "no such file, expected a scene (TOML)");
   std::ifstream in(file, std::ios::binary);
   if (!fs::is_regular_file(file) || !in)
-    throw InputError(file.string(), "cannot be read, expected a scene (TOML)");
+    throw InputError({.file = file.string()}, "cannot be read, expected a scene (TOML)");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -37,7 +37,7 @@ toml::table parse_scene(const fs::path& file) {
   } catch (const toml::parse_error& error) {
     std::string problem(error.description());
     std::ranges::replace(problem, '\n', ' ');
-    throw InputError(fmt::format("{}:{}", file.string(), error.source().begin.line), "not TOML: " + problem);
+    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
   }
 }
 
@@ -68,7 +68,10 @@ void drop_alternatives(const std::string& section, const std::string& key, toml:
 
 void override_key(toml::table& scene, const std::string& text, std::set<std::string>& overridden) {
   const std::size_t equals = text.find('=');
-  const std::string where = "--set " + text;
+  const InputPlace where =
+      equals == std::string::npos
+          ? InputPlace{.option = "--set", .key = text}
+          : InputPlace{.option = "--set", .key = text.substr(0, equals), .value = text.substr(equals + 1)};
   if (equals == std::string::npos || equals == 0)
     throw InputError(where, "has no value, expected key.path=value");
   const std::string path = text.substr(0, equals);
@@ -111,7 +114,8 @@ void choose_spacing_of(const SceneTable& table, Scene& scene) {
     scene.warnings.push_back(fmt::format(
         "{}: no spacing that was tried makes safe mean an error below {:g} % in {:g} % of it; the finest is "
         "taken",
-        table.where("spacing"), 100 * scene.tolerance, 100 - 100 * scene.chosen_spacing->allowed_share));
+        table.where("spacing").text(), 100 * scene.tolerance,
+        100 - 100 * scene.chosen_spacing->allowed_share));
 }
 
 void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, Scene& scene) {

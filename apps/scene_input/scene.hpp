@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/scene_input/scene_spacing.hpp"
+#include "geometry/common/error.hpp"
 #include "scheduling/session/session.hpp"
 
 namespace forefeel {
@@ -28,11 +29,10 @@ struct Scene {
   SessionOptions session;        // .model is the same as above
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   std::string hash;              // of the scene as overridden, without comments
-  std::string device_place, cost_place,
-      box_place;               // where the scene says them: "liver.toml:30: session.device"
-  std::string arrivals_place;  // empty where it does not
+  // Where the scene gives these keys: liver.toml:30: session.device. Arrivals: empty where it gives none.
+  InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
   // Of scheduling_keys() those that are written, not defaulted, each with its place.
-  std::vector<std::pair<std::string, std::string>> scheduling;
+  std::vector<std::pair<std::string, InputPlace>> scheduling;
   std::vector<std::string> warnings;
   std::string body_source;  // the sections that make the body, as text
 };

@@ -136,18 +136,18 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
 
 // What is said of a section as a whole is said at the key that made it.
 InputError at_key(const InputError& error, const BodySections& sections, const std::string& file) {
-  const std::string whole = error.what(),
-                    problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
+  const std::string& problem = error.problem();
+  const InputPlace& place = error.place();
   const auto key_of = [](const SceneTable& table, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
       if (table.has(key)) return table.where(key);
     return table.place();
   };
-  if (error.where() == file + ": clamp")
+  if (place.file == file && place.key == "clamp")
     return {key_of(sections.clamp, {"nodes", "group", "below"}), problem};
-  if (error.where() == file + ": contact")
+  if (place.file == file && place.key == "contact")
     return {key_of(sections.contact, {"node", "nodes", "nearest", "group"}), problem};
-  if (error.where() == "phantom") return {key_of(sections.body, {"elements", "phantom"}), problem};
+  if (place.key == "phantom") return {key_of(sections.body, {"elements", "phantom"}), problem};
   return error;
 }
 

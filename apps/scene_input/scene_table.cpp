@@ -72,28 +72,28 @@ SceneTable::SceneTable(const toml::table* table, std::string path, std::string f
   }
 }
 
-std::string SceneTable::where(const std::string& key) const {
+InputPlace SceneTable::where(const std::string& key) const {
   for (std::string path = full(key);;) {
-    if (overridden_->contains(path)) return "--set " + full(key);
+    if (overridden_->contains(path)) return {.option = "--set", .key = full(key)};
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
   const toml::node* value = node(key);
   if (value && value->source().begin)
-    return fmt::format("{}:{}: {}", file_, value->source().begin.line, full(key));
+    return {.file = file_, .line = value->source().begin.line, .key = full(key)};
   const std::string below = full(key) + ".";  // a table that only overrides speak of
   const bool made =
       std::ranges::any_of(*overridden_, [&](const std::string& path) { return path.starts_with(below); });
-  return made ? "--set " + full(key) : file_ + ": " + full(key);
+  return made ? InputPlace{.option = "--set", .key = full(key)} : InputPlace{.file = file_, .key = full(key)};
 }
 
-std::string SceneTable::place() const {
+InputPlace SceneTable::place() const {
   if (table_ && table_->source().begin)
-    return fmt::format("{}:{}: {}", file_, table_->source().begin.line, path_);
+    return {.file = file_, .line = table_->source().begin.line, .key = path_};
   if (table_ && !table_->empty())
     return where(std::string(table_->begin()->first.str()));  // made by overrides
-  return fmt::format("{}: {}", file_, path_);
+  return {.file = file_, .key = path_};
 }
 
 InputError SceneTable::wrong(const std::string& key, const std::string& expected) const {

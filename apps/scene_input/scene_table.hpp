@@ -47,8 +47,8 @@ class SceneTable {
   std::optional<Word> word(const std::string& key,
                            const std::vector<std::pair<std::string, Word>>& words) const;
 
-  std::string where(const std::string& key) const;  // "liver.toml:9: material.poisson"
-  std::string place() const;                        // of the table itself: "liver.toml:7: material"
+  InputPlace where(const std::string& key) const;  // liver.toml:9: material.poisson
+  InputPlace place() const;                        // of the table itself: liver.toml:7: material
   InputError wrong(const std::string& key, const std::string& expected) const;  // "<where>: <value> is not …"
 
  private:

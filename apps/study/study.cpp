@@ -31,7 +31,7 @@ const std::vector<std::string> scene_sections{"body",        "material", "clamp"
 std::string read_text(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || !fs::is_regular_file(file))
-    throw InputError(file.string(), "cannot be read, expected a study (TOML)");
+    throw InputError({.file = file.string()}, "cannot be read, expected a study (TOML)");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -43,7 +43,7 @@ toml::table parse(const std::string& text, const fs::path& file) {
   } catch (const toml::parse_error& error) {
     std::string problem(error.description());
     std::ranges::replace(problem, '\n', ' ');
-    throw InputError(fmt::format("{}:{}", file.string(), error.source().begin.line), "not TOML: " + problem);
+    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
   }
 }
 
@@ -94,7 +94,7 @@ class Reader {
   Study read();
 
  private:
-  std::string where(const toml::node* node, const std::string& key) const;
+  InputPlace where(const toml::node* node, const std::string& key) const;
   void check_root() const;
   void read_scene();
   void read_seeds();
@@ -104,20 +104,20 @@ class Reader {
   void read_steps();
   void read_vary();
   StudyAxis read_axis(const std::string& column, const toml::node& node);
-  StudyValue read_value(const std::string& column, const toml::node& node, const std::string& place);
-  StudyValue read_together(const std::string& section, const toml::node& node, const std::string& place);
+  StudyValue read_value(const std::string& column, const toml::node& node, const InputPlace& place);
+  StudyValue read_together(const std::string& section, const toml::node& node, const InputPlace& place);
   void read_baseline();
   void read_sustained();
 
-  std::string scene_key(const std::string& written, const std::string& place, bool pseudo_allowed) const;
-  void claim(const std::string& key, const std::string& place, const std::string& how);
+  std::string scene_key(const std::string& written, const InputPlace& place, bool pseudo_allowed) const;
+  void claim(const std::string& key, const InputPlace& place, const std::string& how);
   std::string rebased(const std::string& key, const toml::node& node) const;
   std::string identity(const std::string& key, const toml::node& node) const;
   void check_combinations() const;
 
   Study study_;
   toml::table root_;
-  std::map<std::string, std::pair<std::string, std::string>> claimed_;  // key -> how, where
+  std::map<std::string, std::pair<std::string, InputPlace>> claimed_;  // key -> how, where
   std::vector<std::string> set_;
   std::vector<std::string> together_;  // keys of the axis being read, where it is a section
 };
@@ -128,10 +128,10 @@ Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin
   root_ = parse(study_.text, study_.file);
 }
 
-std::string Reader::where(const toml::node* node, const std::string& key) const {
+InputPlace Reader::where(const toml::node* node, const std::string& key) const {
   if (node && node->source().begin)
-    return fmt::format("{}:{}: {}", study_.file.string(), node->source().begin.line, key);
-  return study_.file.string() + ": " + key;
+    return {.file = study_.file.string(), .line = node->source().begin.line, .key = key};
+  return {.file = study_.file.string(), .key = key};
 }
 
 void Reader::check_root() const {
@@ -181,7 +181,7 @@ void Reader::read_seeds() {
 // ---- keys: each given once, in one way
 // ---------------------------------------------------------------------------------
 
-std::string Reader::scene_key(const std::string& written, const std::string& place,
+std::string Reader::scene_key(const std::string& written, const InputPlace& place,
                               bool pseudo_allowed) const {
   if (std::ranges::find(short_keys, written) != short_keys.end()) return "session." + written;
   if (pseudo_allowed && (written == "target_load" || written == "speed")) return written;
@@ -202,7 +202,7 @@ std::string Reader::scene_key(const std::string& written, const std::string& pla
 }
 
 // A key and a table that holds it are the same place, and so are the load and the cost it stands for.
-void Reader::claim(const std::string& key, const std::string& place, const std::string& how) {
+void Reader::claim(const std::string& key, const InputPlace& place, const std::string& how) {
   const auto within = [](const std::string& inner, const std::string& outer) {
     return inner == outer || inner.starts_with(outer + ".");
   };
@@ -211,12 +211,12 @@ void Reader::claim(const std::string& key, const std::string& place, const std::
                             (key == "session.cost" && other == "target_load");
     if (within(key, other) || within(other, key) || cost_twice)
       throw InputError(place, fmt::format("{}, but {} is {} ({}); expected it once", how, other, given.first,
-                                          given.second));
+                                          given.second.text()));
     // Those of one axis take turns.
     const bool in_turn = place == given.second || (how == "changed by a step" && how == given.first);
-    if (exclude_each_other(key, other) && !in_turn && !place.starts_with("--set "))
+    if (exclude_each_other(key, other) && !in_turn && place.option.empty())
       throw InputError(place, fmt::format("{}, but {} is {} ({}); expected one of the two", how, other,
-                                          given.first, given.second));
+                                          given.first, given.second.text()));
   }
   if (key == "session.clock" && how != "fixed")
     throw InputError(place, "the clock of a study is virtual, so that its cells repeat; it cannot be varied");
@@ -277,9 +277,10 @@ void Reader::read_set(std::span<const std::string> set) {
       std::erase_if(study_.fixed,
                     [&](const std::string& other) { return other.starts_with(canonical + "="); });
     }
-    claim(canonical, "--set " + key, "fixed");
+    const InputPlace place{.option = "--set", .key = key};
+    claim(canonical, place, "fixed");
     if (key == "session.clock" && text.find("virtual") == std::string::npos)
-      throw InputError("--set " + key, "expected 'virtual': the cells of a study must repeat");
+      throw InputError(place, "expected 'virtual': the cells of a study must repeat");
     study_.fixed.push_back(text);
   }
 }
@@ -287,7 +288,7 @@ void Reader::read_set(std::span<const std::string> set) {
 void Reader::read_fixed_table(const toml::table& table, const std::string& path) {
   for (const auto& [name, node] : in_file_order(table)) {
     const std::string key = path + "." + name;
-    const std::string place = where(node, key);
+    const InputPlace place = where(node, key);
     if (node->is_table() && !(key == "clamp.below")) {
       read_fixed_table(*node->as_table(), key);
       continue;
@@ -312,7 +313,7 @@ void Reader::read_fixed() {
 
 // Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }.
 StudyValue Reader::read_together(const std::string& section, const toml::node& node,
-                                 const std::string& place) {
+                                 const InputPlace& place) {
   const toml::table* table = node.as_table();
   if (!table || table->empty())
     throw InputError(place, fmt::format("holds {}, expected tables of keys of [{}]", toml_of(node), section));
@@ -327,7 +328,7 @@ StudyValue Reader::read_together(const std::string& section, const toml::node& n
   return value;
 }
 
-StudyValue Reader::read_value(const std::string& column, const toml::node& node, const std::string& place) {
+StudyValue Reader::read_value(const std::string& column, const toml::node& node, const InputPlace& place) {
   const std::string key = scene_key(column, place, true);
   if (std::ranges::find(scene_sections, key) != scene_sections.end()) return read_together(key, node, place);
   StudyValue value{.text = shown(node), .overrides = {}, .number = {}};
@@ -393,7 +394,7 @@ void Reader::read_steps() {
                      "expected [[step]] tables, each with a name and the keys it changes");
   StudyAxis axis{.column = "step", .where = where(node, "step"), .values = {}};
   std::map<std::string, std::string> kept;  // what holds so far
-  std::map<std::string, std::string> places;
+  std::map<std::string, InputPlace> places;
   for (const toml::node& element : *list) {
     const toml::table& table = *element.as_table();
     const toml::node* name = table.get("name");
@@ -406,7 +407,7 @@ void Reader::read_steps() {
                          fmt::format("'{}' is used twice, expected each once", label));
     for (const auto& [written, value] : in_file_order(table)) {
       if (written == "name") continue;
-      const std::string place = where(value, "step." + written);
+      const InputPlace place = where(value, "step." + written);
       const std::string key = scene_key(written, place, false);
       std::erase_if(kept, [&](const auto& before) { return exclude_each_other(key, before.first); });
       kept[key] = rebased(key, *value);
@@ -441,7 +442,7 @@ void Reader::read_sustained() {
   SustainedOptions options;
   double* const places[] = {&options.travel, &options.share, &options.tolerance, &options.low, &options.high};
   for (const auto& [name, value] : in_file_order(*node->as_table())) {
-    const std::string place = where(value, "sustained." + name);
+    const InputPlace place = where(value, "sustained." + name);
     const auto found = std::ranges::find(known, name);
     if (found == known.end())
       throw InputError(place, fmt::format("unknown key, did you mean '{}'? Expected one of {}",
@@ -463,7 +464,7 @@ void Reader::read_sustained() {
         fmt::format(
             "searches the speed at which a given number of workers keeps up, but target_load sets what "
             "they keep up with ({}); expected one or the other",
-            load->second.second));
+            load->second.second.text()));
   study_.sustained = options;
   study_.sustained_place = where(node, "sustained");
 }
@@ -521,13 +522,10 @@ Study read_study(const fs::path& file, std::span<const std::string> set) {
 }
 
 InputError located(const Study& study, const InputError& error) {
-  const std::string prefix = "--set ", whole = error.what();
-  if (!error.where().starts_with(prefix)) return error;
-  const std::string key = error.where().substr(prefix.size(), error.where().find('=') - prefix.size());
-  const std::string problem = whole.substr(std::min(whole.size(), error.where().size() + 2));
-  for (std::string path = key;;) {
+  if (error.place().option.empty()) return error;
+  for (std::string path = error.place().key;;) {
     if (const auto found = study.origin.find(path); found != study.origin.end())
-      return {found->second, problem};
+      return {found->second, error.problem()};
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) return error;
     path.resize(dot);

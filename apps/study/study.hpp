@@ -39,8 +39,8 @@ struct StudyValue {
 };
 
 struct StudyAxis {
-  std::string column;  // as written: "policy", "model.kernel", "load", "step"
-  std::string where;   // "study.toml:7: vary.policy"
+  std::string column;     // as written: "policy", "model.kernel", "load", "step"
+  InputPlace where = {};  // study.toml:7: vary.policy
   std::vector<StudyValue> values;
 };
 
@@ -60,8 +60,8 @@ struct Study {
   std::optional<std::size_t> baseline;  // value of axes[0]
   std::vector<std::string> fixed;       // "key.path=TOML"
   std::optional<SustainedOptions> sustained;
-  std::string scene_place, sustained_place;   // "study.toml:1: scene"
-  std::map<std::string, std::string> origin;  // scene key -> where it was given, for messages
+  InputPlace scene_place = {}, sustained_place = {};  // study.toml:1: scene
+  std::map<std::string, InputPlace> origin;           // scene key -> where it was given, for messages
 
   std::size_t combinations() const;  // without seeds
   std::size_t cells() const { return combinations() * seeds.size(); }

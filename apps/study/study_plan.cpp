@@ -66,31 +66,34 @@ std::optional<double> number_of(const Study& study, std::span<const std::size_t>
   return {};
 }
 
-std::string axis_place(const Study& study, const std::string& column) {
+InputPlace axis_place(const Study& study, const std::string& column) {
   for (const StudyAxis& axis : study.axes)
     if (axis.column == column) return axis.where;
-  return study.file.string();
+  return {.file = study.file.string()};
 }
 
 // Where the study, or else the scene, gives a key.
-std::string place_of(const Study& study, const Scene& scene, const std::string& key) {
+InputPlace place_of(const Study& study, const Scene& scene, const std::string& key) {
   for (std::string path = key;;) {
     if (const auto found = study.origin.find(path); found != study.origin.end()) return found->second;
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
-  const std::pair<const char*, const std::string&> places[] = {{"session.device", scene.device_place},
-                                                               {"session.cost", scene.cost_place},
-                                                               {"session.arrivals", scene.arrivals_place},
-                                                               {"state_space.box", scene.box_place}};
+  const std::pair<const char*, const InputPlace&> places[] = {{"session.device", scene.device_place},
+                                                              {"session.cost", scene.cost_place},
+                                                              {"session.arrivals", scene.arrivals_place},
+                                                              {"state_space.box", scene.box_place}};
   for (const auto& [known, place] : places)
-    if (key == known && !place.empty() && place != scene.file.string() + ": " + key) return place;
-  return study.scene_place + ": " + scene.file.string() + ": " + key;  // nobody wrote it
+    if (key == known && !place.empty() && place != InputPlace{.file = scene.file.string(), .key = key})
+      return place;
+  InputPlace nowhere = study.scene_place;  // neither gives it
+  nowhere.key += ": " + scene.file.string() + ": " + key;
+  return nowhere;
 }
 
 // What is wrong with a motion may come from the speed that the study gives, or from the body and the box that it changes.
-std::string place_of_device(const Study& study, const Scene& scene, const std::string& problem) {
+InputPlace place_of_device(const Study& study, const Scene& scene, const std::string& problem) {
   if (problem.starts_with("speed "))
     for (const StudyAxis& axis : study.axes)
       if (axis.column == "speed") return axis.where;
@@ -104,19 +107,18 @@ std::string place_of_device(const Study& study, const Scene& scene, const std::s
 // What a session would refuse, said with the place that gave it.
 InputError placed(const Study& study, const Scene& scene, const SessionOptions& options,
                   const InputError& error) {
-  const std::string& where = error.where();
-  const std::string whole = error.what();
+  const std::string &key = error.place().key, &problem = error.problem(), whole = error.what();
+  const bool of_file = !error.place().file.empty();
   for (const char* section : {"session.", "model.", "state_space."}) {
-    if (!where.starts_with(section)) continue;
-    const std::string place = place_of(study, scene, where),
-                      problem = whole.substr(std::min(whole.size(), where.size() + 2));
-    const bool named = place.ends_with(where) || place.ends_with("." + where.substr(where.rfind('.') + 1));
-    return {place, named ? problem : fmt::format("{} {}", where, problem)};
+    if (of_file || !key.starts_with(section)) continue;
+    const InputPlace place = place_of(study, scene, key);
+    const bool named = place.key.ends_with(key) || place.key.ends_with(key.substr(key.rfind('.')));
+    return {place, named ? problem : fmt::format("{} {}", key, problem)};
   }
-  if (where.starts_with("cost")) return {place_of(study, scene, "session.cost"), whole};
-  if (options.arrivals && where.starts_with(options.arrivals->string()))
+  if (!of_file && key == "cost") return {place_of(study, scene, "session.cost"), whole};
+  if (options.arrivals && error.place().file == options.arrivals->string())
     return {place_of(study, scene, "session.arrivals"), whole};
-  return {place_of_device(study, scene, whole.substr(std::min(whole.size(), where.size() + 2))), whole};
+  return {place_of_device(study, scene, problem), whole};
 }
 
 // All that a session refuses, by its own check.
@@ -142,15 +144,15 @@ void check_cell(const Study& study, const Scene& scene, const SessionInput& inpu
 void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options,
                     std::vector<std::string>& warnings) {
   if (!options.arrivals) return;
-  const std::string arrivals = place_of(study, scene, "session.arrivals");
-  const auto refuse = [&](const std::string& place) { throw InputError(place, no_effect_beside(arrivals)); };
+  const std::string arrivals = place_of(study, scene, "session.arrivals").text();
+  const auto refuse = [&](const InputPlace& place) { throw InputError(place, no_effect_beside(arrivals)); };
   if (study.sustained) refuse(study.sustained_place);
   for (const StudyAxis& axis : study.axes)
     if (axis.column == "target_load") refuse(axis.where);
   std::string passed_over;
   for (const auto& [key, where] : scene.scheduling) {
-    if (where.starts_with("--set ")) refuse(place_of(study, scene, key));  // by the study
-    passed_over += (passed_over.empty() ? "" : ", ") + where;
+    if (!where.option.empty()) refuse(place_of(study, scene, key));  // by the study
+    passed_over += (passed_over.empty() ? "" : ", ") + where.text();
   }
   if (passed_over.empty()) return;
   const std::string warning =
@@ -202,7 +204,7 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
 }
 
 std::string cost_for_load(double load, const SessionOptions& options, double demand,
-                          const std::string& where) {
+                          const InputPlace& where) {
   const double sigma =
       std::log(10.0) / (2 * 1.959964);  // 95 % within a factor of ten, as the paper's 0.1 to 1 s
   const double batch = std::max(options.batch, 1);
@@ -220,7 +222,7 @@ std::string cost_for_load(double load, const SessionOptions& options, double dem
   return fmt::format("lognormal:{},{}", mean * std::exp(-0.5 * sigma * sigma), sigma);
 }
 
-std::string device_at_speed(const std::string& device, double speed, const std::string& where) {
+std::string device_at_speed(const std::string& device, double speed, const InputPlace& where) {
   if (!device.starts_with("path:"))
     throw InputError(where, fmt::format("device '{}' has no speed to set, expected path:NAME", device));
   if (device.find("speed=") != std::string::npos)

@@ -41,9 +41,8 @@ double states_needed_per_second(const Scene& scene, const SessionOptions& option
 // worker gives b states (the batch) in the time of their solves and a message each way:
 //   load = demand / (workers b / (c (1 + (b - 1) batch_share) + 2 latency))
 // InputError at `where` where c is not above 0 (the messages alone are more than the load) or is more than 1e6 s.
-std::string cost_for_load(double load, const SessionOptions& options, double demand,
-                          const std::string& where);
+std::string cost_for_load(double load, const SessionOptions& options, double demand, const InputPlace& where);
 // "path:NAME,speed=V"; InputError for a device that is no path or that names its speed already.
-std::string device_at_speed(const std::string& device, double speed, const std::string& where);
+std::string device_at_speed(const std::string& device, double speed, const InputPlace& where);
 
 }  // namespace forefeel

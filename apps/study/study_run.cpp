@@ -117,10 +117,11 @@ class FolderLock {
   explicit FolderLock(const fs::path& folder) {
     descriptor_ = open((folder / "cells" / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
     if (descriptor_ < 0)
-      throw InputError(folder.string(), "cannot be written, expected a folder for the results");
+      throw InputError({.file = folder.string()}, "cannot be written, expected a folder for the results");
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       close(descriptor_);
-      throw InputError(folder.string(), "another study is writing here, expected a folder of its own");
+      throw InputError({.file = folder.string()},
+                       "another study is writing here, expected a folder of its own");
     }
   }
   ~FolderLock() { close(descriptor_); }

@@ -42,7 +42,7 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
                   const CsvOptions& options) {
   std::ifstream in(file);
   if (!in || std::filesystem::is_directory(file))
-    throw InputError(file.string(), "cannot be read, expected a CSV file");
+    throw InputError({.file = file.string()}, "cannot be read, expected a CSV file");
   const auto wanted = fmt::format("{}", fmt::join(columns, ","));
   std::vector<std::size_t> place;  // of each wanted column in the file
   std::size_t text_place = std::string_view::npos;
@@ -52,7 +52,7 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
   for (std::size_t number = 1; std::getline(in, line); ++number) {
     const auto content = trimmed(line);
     if (content.empty() || content.front() == '#') continue;
-    const auto where = fmt::format("{}:{}", file.string(), number);
+    const InputPlace where{.file = file.string(), .line = number};
     split(content, cells);
     if (place.empty()) {
       double value = 0;
@@ -85,7 +85,8 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
       table.texts.emplace_back(text_place < cells.size() ? cells[text_place] : "");
     table.lines.push_back(number);
   }
-  if (table.rows() == 0) throw InputError(file.string(), fmt::format("holds no rows, expected {}", wanted));
+  if (table.rows() == 0)
+    throw InputError({.file = file.string()}, fmt::format("holds no rows, expected {}", wanted));
   return table;
 }
 

@@ -49,18 +49,19 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
   std::error_code error;
   if (file.empty()) throw InputError("output file", "has no name, expected a path");
   if (is_special(file)) return;
-  if (fs::is_directory(file, error)) throw InputError(file.string(), "is a folder, expected a file to write");
+  if (fs::is_directory(file, error))
+    throw InputError({.file = file.string()}, "is a folder, expected a file to write");
   const fs::path folder = folder_of(file);
   if (!fs::is_directory(folder, error))
-    throw InputError(file.string(),
+    throw InputError({.file = file.string()},
                      fmt::format("cannot be written, folder {} does not exist", folder.string()));
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+    throw InputError({.file = file.string()}, fmt::format("cannot be written: {}", std::strerror(errno)));
   if (fs::exists(file, error) && ::access(file.c_str(), W_OK) != 0)
-    throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+    throw InputError({.file = file.string()}, fmt::format("cannot be written: {}", std::strerror(errno)));
   for (const fs::path& input : read)
     if (!input.empty() && fs::equivalent(file, input, error))
-      throw InputError(file.string(),
+      throw InputError({.file = file.string()},
                        fmt::format("would replace {}, which is read, expected another file", input.string()));
 }
 
@@ -91,7 +92,7 @@ void OutputFile::discard() {
 
 void OutputFile::fail(int error) {
   discard();
-  throw InputError(file_.string(), fmt::format("cannot be written: {}", std::strerror(error)));
+  throw InputError({.file = file_.string()}, fmt::format("cannot be written: {}", std::strerror(error)));
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -120,7 +121,7 @@ void OutputFile::commit() {
   if (::close(std::exchange(descriptor_, -1)) != 0 || ::rename(temporary_.c_str(), file_.c_str()) != 0) {
     const int error = errno;
     ::unlink(temporary_.c_str());
-    throw InputError(file_.string(), fmt::format("cannot be written: {}", std::strerror(error)));
+    throw InputError({.file = file_.string()}, fmt::format("cannot be written: {}", std::strerror(error)));
   }
 }
 

@@ -9,8 +9,6 @@
 #include <cstdlib>
 #include <memory>
 
-#include "geometry/common/error.hpp"
-
 namespace forefeel {
 namespace {
 
@@ -27,9 +25,10 @@ std::string read_file(const std::filesystem::path& file) {
 std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
-    throw InputError(file.string(), "is a folder, expected a file");
+    throw InputError({.file = file.string()}, "is a folder, expected a file");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
-  if (!stream) throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (!stream)
+    throw InputError({.file = file.string()}, fmt::format("cannot be read: {}", std::strerror(errno)));
   std::string content;
   const auto size = std::filesystem::file_size(file, error);
   if (!error) content.reserve(std::min<std::size_t>(size, bytes) + 1);
@@ -40,8 +39,8 @@ std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
     content.append(block, n);
   }
   if (std::ferror(stream.get()))
-    throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
-  if (content.empty()) throw InputError(file.string(), "is empty");
+    throw InputError({.file = file.string()}, fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (content.empty()) throw InputError({.file = file.string()}, "is empty");
   return content;
 }
 
@@ -188,9 +187,9 @@ std::string_view Scanner::bytes(std::size_t n, const char* expected) {
   return result;
 }
 
-std::string Scanner::where() const {
+InputPlace Scanner::where() const {
   const auto end = content_.begin() + static_cast<std::ptrdiff_t>(std::min(token_, content_.size()));
-  return fmt::format("{}:{}", name_, 1 + std::count(content_.begin(), end, '\n'));
+  return {.file = name_, .line = 1 + static_cast<std::size_t>(std::count(content_.begin(), end, '\n'))};
 }
 
 void Scanner::fail(const std::string& problem) const {
@@ -198,7 +197,7 @@ void Scanner::fail(const std::string& problem) const {
 }
 
 void Scanner::fail_binary(const std::string& problem) const {
-  throw InputError(fmt::format("{}: byte {}", name_, position_), problem);
+  throw InputError({.file = name_, .key = fmt::format("byte {}", position_)}, problem);
 }
 
 }  // namespace forefeel

@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "geometry/common/error.hpp"
+
 namespace forefeel {
 
 // Whole content; InputError if missing, a folder, unreadable or empty.
@@ -65,7 +67,7 @@ class Scanner {
   void seek(std::size_t position) { position_ = position; }
   const std::string& name() const { return name_; }
   std::string_view content() const { return content_; }
-  std::string where() const;                                        // "file:line"
+  InputPlace where() const;                                         // file and line of the token read last
   [[noreturn]] void fail(const std::string& problem) const;         // at the token read last
   [[noreturn]] void fail_binary(const std::string& problem) const;  // at this byte
 

@@ -27,7 +27,7 @@ bool is_mesh_file(const std::filesystem::path& file) {
 TetMesh read_mesh(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   if (!is_mesh_file(file))
-    throw InputError(file.string(),
+    throw InputError({.file = file.string()},
                      fmt::format("unknown kind of mesh '{}', expected .msh, .vtk, .vtu or .mesh", extension));
   Scanner in(read_file(file), file.string());
   TetMesh mesh = extension == ".msh"   ? read_gmsh(std::move(in))

@@ -40,8 +40,8 @@ class GmshReader {
         in_.fail(fmt::format("'{:.40}' stands where a $Section was expected", section));
       read_section(section.substr(1));
     }
-    if (!seen_nodes_) throw InputError(in_.name(), "holds no $Nodes section");
-    if (!seen_elements_) throw InputError(in_.name(), "holds no $Elements section");
+    if (!seen_nodes_) throw InputError({.file = in_.name()}, "holds no $Nodes section");
+    if (!seen_elements_) throw InputError({.file = in_.name()}, "holds no $Elements section");
     for (const auto& [group, nodes] : physical_) {
       if (group.first == 3 && covers_all(nodes)) continue;  // "the body" says nothing
       const auto named = names_.find(group);
@@ -96,7 +96,7 @@ class GmshReader {
   }
 
   void skip_section(const std::string& section) {
-    const std::string where = in_.where();
+    const InputPlace where = in_.where();
     if (!in_.skip_past_line("$End" + section))
       throw InputError(where, fmt::format("section ${:.40} has no end", section));
   }

@@ -69,8 +69,8 @@ class MeditReader {
         in_.fail(fmt::format("keyword '{:.40}' is unknown, expected a Medit section", keyword));
     }
     if (!ended && !seen_tetrahedra_)
-      throw InputError(in_.name(), "ends before its Tetrahedra section, the file is cut short");
-    if (!seen_vertices_) throw InputError(in_.name(), "holds no Vertices section");
+      throw InputError({.file = in_.name()}, "ends before its Tetrahedra section, the file is cut short");
+    if (!seen_vertices_) throw InputError({.file = in_.name()}, "holds no Vertices section");
     resolve();
     return std::move(mesh_);
   }
@@ -119,8 +119,8 @@ class MeditReader {
 
   void resolve() const {
     if (greatest_ >= static_cast<std::int64_t>(mesh_.nodes.size()))
-      throw InputError(in_.name(), fmt::format("an element names vertex {}, expected 1 to {}", greatest_ + 1,
-                                               mesh_.nodes.size()));
+      throw InputError({.file = in_.name()}, fmt::format("an element names vertex {}, expected 1 to {}",
+                                                         greatest_ + 1, mesh_.nodes.size()));
   }
 
   Scanner in_;

@@ -16,15 +16,15 @@ void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t
   static const std::set<std::int64_t> flat{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 21, 22, 23, 28, 30, 34, 36};
   if (flat.contains(type)) return;
   if (type != tetra)
-    throw InputError(where,
+    throw InputError({.file = where},
                      fmt::format("cells of VTK type {} are not read, expected linear tetrahedra (10)", type));
   if (nodes.size() != 4)
-    throw InputError(where, fmt::format("a tetrahedron with {} nodes, expected 4", nodes.size()));
+    throw InputError({.file = where}, fmt::format("a tetrahedron with {} nodes, expected 4", nodes.size()));
   Tet tet;
   for (std::size_t k = 0; k < 4; ++k) {
     if (nodes[k] < 0 || nodes[k] >= static_cast<std::int64_t>(mesh.nodes.size()))
-      throw InputError(where, fmt::format("a cell names point {}, expected 0 to {}", nodes[k],
-                                          static_cast<std::int64_t>(mesh.nodes.size()) - 1));
+      throw InputError({.file = where}, fmt::format("a cell names point {}, expected 0 to {}", nodes[k],
+                                                    static_cast<std::int64_t>(mesh.nodes.size()) - 1));
     tet[k] = static_cast<NodeIndex>(nodes[k]);
   }
   mesh.tets.push_back(tet);
@@ -56,12 +56,12 @@ class LegacyReader {
         in_.fail(fmt::format("keyword '{:.40}' is unknown, expected POINTS, CELLS or CELL_TYPES", keyword));
     }
     if (!seen_points_ || !seen_cells_ || !seen_types_)
-      throw InputError(in_.name(),
+      throw InputError({.file = in_.name()},
                        fmt::format("ends without {}, the file is cut short", !seen_points_  ? "POINTS"
                                                                              : !seen_cells_ ? "CELLS"
                                                                                             : "CELL_TYPES"));
     if (types_.size() + 1 != offsets_.size())
-      throw InputError(in_.name(),
+      throw InputError({.file = in_.name()},
                        fmt::format("{} cells, but {} cell types", offsets_.size() - 1, types_.size()));
     for (std::size_t i = 0; i < types_.size(); ++i)
       add_vtk_cell(mesh_, types_[i],
@@ -166,7 +166,7 @@ class LegacyReader {
       offsets_.push_back(connectivity_.size());
     }
     if (connectivity_.size() + n != size)
-      throw InputError(in_.name(),
+      throw InputError({.file = in_.name()},
                        fmt::format("CELLS announces {} entries, {} found", size, connectivity_.size() + n));
   }
 

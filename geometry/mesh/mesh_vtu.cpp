@@ -76,8 +76,10 @@ class VtuReader {
       }
     }
     if (!grid)
-      throw InputError(in_.name(), "is not a VTU file, expected <VTKFile type=\"UnstructuredGrid\">");
-    if (!closed) throw InputError(in_.name(), "ends before </UnstructuredGrid>, the file is cut short");
+      throw InputError({.file = in_.name()},
+                       "is not a VTU file, expected <VTKFile type=\"UnstructuredGrid\">");
+    if (!closed)
+      throw InputError({.file = in_.name()}, "ends before </UnstructuredGrid>, the file is cut short");
     return std::move(mesh_);
   }
 
@@ -93,7 +95,7 @@ class VtuReader {
     if (tag == std::string_view::npos) return;
     const std::size_t close = in_.content().find('>', tag), mark = in_.content().find('_', close);
     if (close == std::string_view::npos || mark == std::string_view::npos)
-      throw InputError(in_.name(), "appended data without '_', the file is cut short");
+      throw InputError({.file = in_.name()}, "appended data without '_', the file is cut short");
     appended_base64_ = in_.content().substr(tag, close - tag).find("base64") != std::string_view::npos;
     appended_ = in_.content().substr(mark + 1);
   }
@@ -139,7 +141,7 @@ class VtuReader {
       return found == tag.attributes.end() ? std::string() : found->second;
     };
     if (get("type") != "UnstructuredGrid")
-      throw InputError(in_.name(),
+      throw InputError({.file = in_.name()},
                        fmt::format("VTKFile of type '{:.40}', expected UnstructuredGrid", get("type")));
     in_.swap_bytes((get("byte_order") == "BigEndian") != (std::endian::native == std::endian::big));
     header_bytes_ = get("header_type") == "UInt64" ? 8 : 4;
@@ -147,11 +149,12 @@ class VtuReader {
     compressed_ = !compressor.empty();
     if (compressed_ && compressor != "vtkZLibDataCompressor")
       throw InputError(
-          in_.name(),
+          {.file = in_.name()},
           fmt::format("compressor {:.40} is not read, expected vtkZLibDataCompressor or none", compressor));
 #ifndef FOREFEEL_ZLIB
     if (compressed_)
-      throw InputError(in_.name(), "its data are compressed, expected plain data (this build has no zlib)");
+      throw InputError({.file = in_.name()},
+                       "its data are compressed, expected plain data (this build has no zlib)");
 #endif
   }
 
@@ -160,7 +163,7 @@ class VtuReader {
     std::int64_t value = 0;
     if (found == tag.attributes.end() || !parse_integer(found->second, value) || value < 0 ||
         value > 0x7fffffff)
-      throw InputError(in_.name(), fmt::format("<Piece> without a count {}", key));
+      throw InputError({.file = in_.name()}, fmt::format("<Piece> without a count {}", key));
     return static_cast<std::size_t>(value);
   }
 
@@ -179,7 +182,7 @@ class VtuReader {
       if (!tag.empty) {
         end = in_.content().find("</DataArray", start);
         if (end == std::string_view::npos)
-          throw InputError(in_.name(), "a DataArray has no end, the file is cut short");
+          throw InputError({.file = in_.name()}, "a DataArray has no end, the file is cut short");
         in_.seek(end);
       }
       const std::string key = section == "Points"  ? "Points"
@@ -191,7 +194,7 @@ class VtuReader {
     }
     for (const char* key : {"Points", "connectivity", "offsets", "types"})
       if (!arrays.contains(key) && (n_cells > 0 || key[0] == 'P'))
-        throw InputError(in_.name(), fmt::format("a piece has no array {}", key));
+        throw InputError({.file = in_.name()}, fmt::format("a piece has no array {}", key));
     join(n_points, n_cells, arrays);
   }
 
@@ -199,7 +202,8 @@ class VtuReader {
     const auto first = static_cast<std::int64_t>(mesh_.nodes.size());
     const std::vector<double> points = values<double>(arrays["Points"]);
     if (points.size() != 3 * n_points)
-      throw InputError(in_.name(), fmt::format("{} coordinates, expected {}", points.size(), 3 * n_points));
+      throw InputError({.file = in_.name()},
+                       fmt::format("{} coordinates, expected {}", points.size(), 3 * n_points));
     for (std::size_t i = 0; i < n_points; ++i)
       mesh_.nodes.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
     if (n_cells == 0) return;
@@ -207,18 +211,18 @@ class VtuReader {
     const std::vector<std::int64_t> offsets = values<std::int64_t>(arrays["offsets"]),
                                     types = values<std::int64_t>(arrays["types"]);
     if (offsets.size() != n_cells || types.size() != n_cells)
-      throw InputError(in_.name(), fmt::format("{} offsets and {} types, expected {}", offsets.size(),
-                                               types.size(), n_cells));
+      throw InputError({.file = in_.name()}, fmt::format("{} offsets and {} types, expected {}",
+                                                         offsets.size(), types.size(), n_cells));
     for (auto& node : connectivity) {
       if (node < 0 || node >= static_cast<std::int64_t>(n_points))
-        throw InputError(in_.name(), fmt::format("a cell names point {}, expected 0 to {}", node,
-                                                 static_cast<std::int64_t>(n_points) - 1));
+        throw InputError({.file = in_.name()}, fmt::format("a cell names point {}, expected 0 to {}", node,
+                                                           static_cast<std::int64_t>(n_points) - 1));
       node += first;
     }
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < n_cells; begin = offsets[i], ++i) {
       if (offsets[i] < begin || offsets[i] > static_cast<std::int64_t>(connectivity.size()))
-        throw InputError(in_.name(), fmt::format("cell offset {} is out of order", offsets[i]));
+        throw InputError({.file = in_.name()}, fmt::format("cell offset {} is out of order", offsets[i]));
       add_vtk_cell(
           mesh_, types[i],
           std::span(connectivity)
@@ -262,7 +266,8 @@ class VtuReader {
     else if (type == "Float32")
       take(float{});
     else if constexpr (std::is_same_v<T, double>)
-      throw InputError(in_.name(), fmt::format("points of type '{:.40}', expected Float32 or Float64", type));
+      throw InputError({.file = in_.name()},
+                       fmt::format("points of type '{:.40}', expected Float32 or Float64", type));
     else if (type == "Int64" || type == "UInt64")
       take(std::int64_t{});
     else if (type == "Int32")
@@ -278,24 +283,24 @@ class VtuReader {
     else if (type == "UInt8")
       take(std::uint8_t{});
     else
-      throw InputError(in_.name(), fmt::format("data of type '{:.40}' are unknown", type));
+      throw InputError({.file = in_.name()}, fmt::format("data of type '{:.40}' are unknown", type));
   }
 
   std::string bytes_of(const Array& array, const std::string& format, const std::string& offset) {
     if (format == "binary") return unpack(trim(array.text), true);
     if (format != "appended")
-      throw InputError(in_.name(),
+      throw InputError({.file = in_.name()},
                        fmt::format("data format '{:.40}', expected ascii, binary or appended", format));
     std::int64_t at = 0;
     if (!parse_integer(offset, at) || at < 0 || static_cast<std::size_t>(at) >= appended_.size())
       throw InputError(
-          in_.name(),
+          {.file = in_.name()},
           fmt::format("appended data at '{:.40}' lie outside the file, which may be cut short", offset));
     return unpack(appended_.substr(static_cast<std::size_t>(at)), appended_base64_);
   }
 
   [[noreturn]] void cut_short() {
-    throw InputError(in_.name(), "binary data are cut short");
+    throw InputError({.file = in_.name()}, "binary data are cut short");
   }
 
   std::uint64_t header_word(std::string_view bytes, std::size_t i) {
@@ -349,14 +354,14 @@ class VtuReader {
                      [[maybe_unused]] std::string& result) {
 #ifdef FOREFEEL_ZLIB
     if (size > 1100 * packed.size() + 1100)
-      throw InputError(in_.name(), "compressed data announce more than they can hold");
+      throw InputError({.file = in_.name()}, "compressed data announce more than they can hold");
     const std::size_t start = result.size();
     result.resize(start + size);
     uLongf written = size;
     if (uncompress(reinterpret_cast<Bytef*>(result.data() + start), &written,
                    reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK ||
         written != size)
-      throw InputError(in_.name(), "compressed data are damaged");
+      throw InputError({.file = in_.name()}, "compressed data are damaged");
 #endif
   }
 

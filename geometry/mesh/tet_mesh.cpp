@@ -76,16 +76,19 @@ struct UnionFind {
 };
 
 void check_indices(const TetMesh& mesh, const std::string& where) {
-  if (mesh.tets.empty()) throw InputError(where, "holds no tetrahedra, expected a tetrahedral mesh");
+  if (mesh.tets.empty())
+    throw InputError({.file = where}, "holds no tetrahedra, expected a tetrahedral mesh");
   const auto n = static_cast<NodeIndex>(mesh.nodes.size());
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
     if (!mesh.nodes[i].allFinite())
-      throw InputError(where, fmt::format("node {} (from 0) has a coordinate that is not finite", i));
+      throw InputError({.file = where},
+                       fmt::format("node {} (from 0) has a coordinate that is not finite", i));
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
     for (const NodeIndex node : mesh.tets[t])
       if (node < 0 || node >= n)
         throw InputError(
-            where, fmt::format("tetrahedron {} (from 0) names node {}, expected 0 to {}", t, node, n - 1));
+            {.file = where},
+            fmt::format("tetrahedron {} (from 0) names node {}, expected 0 to {}", t, node, n - 1));
 }
 
 // In a conforming mesh every inner face is seen once from each side.
@@ -94,7 +97,7 @@ void check_conforming(const TetMesh& mesh, const std::string& where) {
   for (std::size_t i = 1; i < all.size(); ++i)
     if (all[i].sorted == all[i - 1].sorted && all[i].even == all[i - 1].even)
       throw InputError(
-          where,
+          {.file = where},
           fmt::format("tetrahedra {} and {} (from 0) overlap: they lie on the same side of a shared face",
                       all[i - 1].tet, all[i].tet));
 }
@@ -191,8 +194,8 @@ MeshCheck check_and_orient(TetMesh& mesh, const std::string& where) {
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const double volume = tet_volume(mesh, t);
     if (!(std::abs(volume) >= smallest) || volume == 0)
-      throw InputError(where, fmt::format("tetrahedron {} (from 0, nodes {}) has zero volume", t,
-                                          fmt::join(mesh.tets[t], " ")));
+      throw InputError({.file = where}, fmt::format("tetrahedron {} (from 0, nodes {}) has zero volume", t,
+                                                    fmt::join(mesh.tets[t], " ")));
     if (volume > 0 && positive++ == 0) first_positive = t;
     if (volume < 0 && t == positive) first_negative = t;
   }
@@ -202,7 +205,7 @@ MeshCheck check_and_orient(TetMesh& mesh, const std::string& where) {
     result.warnings.push_back("all tetrahedra were turned: their nodes were listed with negative volume");
   } else if (positive != mesh.tets.size()) {
     throw InputError(
-        where,
+        {.file = where},
         fmt::format("mixed orientation: {} of {} tetrahedra have negative volume (tetrahedron {} has, {} "
                     "has not, from 0), expected all alike",
                     mesh.tets.size() - positive, mesh.tets.size(), first_negative, first_positive));

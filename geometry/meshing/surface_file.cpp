@@ -151,7 +151,7 @@ void read_stl_text(Scanner& in, Builder& out) {
       in.fail(fmt::format("'{:.40}' stands where facet or endsolid was expected", word));
     }
   }
-  if (!ended) throw InputError(in.name(), "ends before endsolid, the file is cut short");
+  if (!ended) throw InputError({.file = in.name()}, "ends before endsolid, the file is cut short");
 }
 
 void read_stl(Scanner& in, Builder& out) {
@@ -317,13 +317,14 @@ class PlyReader {
 };
 
 void check_surface(const Surface& surface, std::int64_t greatest, const std::string& where) {
-  if (surface.triangles.empty()) throw InputError(where, "holds no triangles, expected a surface");
+  if (surface.triangles.empty()) throw InputError({.file = where}, "holds no triangles, expected a surface");
   if (greatest >= static_cast<std::int64_t>(surface.nodes.size()))
-    throw InputError(where, fmt::format("a face names vertex {} (from 0), but there are {}", greatest,
-                                        surface.nodes.size()));
+    throw InputError({.file = where}, fmt::format("a face names vertex {} (from 0), but there are {}",
+                                                  greatest, surface.nodes.size()));
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
     if (!surface.nodes[i].allFinite())
-      throw InputError(where, fmt::format("vertex {} (from 0) has a coordinate that is not finite", i));
+      throw InputError({.file = where},
+                       fmt::format("vertex {} (from 0) has a coordinate that is not finite", i));
 }
 
 }  // namespace
@@ -337,7 +338,7 @@ Surface read_surface(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   if (!is_surface_file(file))
     throw InputError(
-        file.string(),
+        {.file = file.string()},
         fmt::format("unknown kind of surface '{}', expected .obj, .off, .stl or .ply", extension));
   Scanner in(read_file(file), file.string());
   Builder out;

@@ -120,8 +120,8 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
     mesh = options.elements == 0 ? fill_as_given(closed, options.name)
                                  : Attempts(input, closed, options, out.repair).run();
   } catch (const InputError& error) {
-    if (error.where() != "surface" || options.name == "surface") throw;
-    throw InputError(options.name, std::string(error.what()).substr(std::string("surface: ").size()));
+    if (error.place().key != "surface" || options.name == "surface") throw;
+    throw InputError(options.name, error.problem());
   }
   if (options.length) match_length(mesh, *options.length, bounding_box(input).centre());
   if (report) out.hausdorff = hausdorff_distance(input, boundary_surface(mesh));

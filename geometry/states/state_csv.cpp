@@ -26,7 +26,7 @@ class CsvReader {
     if (in_.content().starts_with("\xef\xbb\xbf")) in_.seek(3);  // byte order mark
     const std::size_t start = in_.position();
     if (!split())
-      throw InputError(in_.name(),
+      throw InputError({.file = in_.name()},
                        fmt::format("holds no header line, expected {}", fmt::join(required, ",")));
     double number = 0;
     if (header_optional &&
@@ -193,7 +193,8 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
     if (in.has("energy")) state.energy = in.optional("energy");
     states.push_back(std::move(state));
   }
-  if (states.empty()) throw InputError(in.name(), "holds no states, expected rows after the header line");
+  if (states.empty())
+    throw InputError({.file = in.name()}, "holds no states, expected rows after the header line");
   return states;
 }
 
@@ -202,7 +203,7 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   CsvReader in(file, required, true);
   std::vector<Vec3> points;
   while (in.next()) points.push_back(in.vector("x", "y", "z"));
-  if (points.empty()) throw InputError(in.name(), "holds no points, expected rows x,y,z");
+  if (points.empty()) throw InputError({.file = in.name()}, "holds no points, expected rows x,y,z");
   return points;
 }
 
@@ -241,7 +242,7 @@ LoadedStates load_states(const std::filesystem::path& file) {
     return loaded;
   }
   if (content_start.find('\0') != std::string::npos)
-    throw InputError(file.string(), "is neither a state file nor a CSV of states");
+    throw InputError({.file = file.string()}, "is neither a state file nor a CSV of states");
   loaded.states = read_states_csv(file);
   loaded.header.box = {loaded.states.front().at, loaded.states.front().at};
   for (const State& state : loaded.states) {

@@ -30,14 +30,14 @@ namespace fs = std::filesystem;
                         : code == SQLITE_READONLY ? "cannot be written, it is read-only"
                         : code == SQLITE_IOERR    ? "cannot be read or written"
                                                   : "is not a usable state file";
-  throw InputError(where, fmt::format("{} ({})", meaning, sqlite3_errmsg(database)));
+  throw InputError({.file = where}, fmt::format("{} ({})", meaning, sqlite3_errmsg(database)));
 }
 
 Database open_database(const std::string& name, const std::string& where, int flags) {
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(name.c_str(), &raw, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   Database database(raw);
-  if (!database) throw InputError(where, "cannot be opened, no memory");
+  if (!database) throw InputError({.file = where}, "cannot be opened, no memory");
   if (code != SQLITE_OK) fail_database(database.get(), where);
   sqlite3_busy_timeout(database.get(), 5000);
   return database;
@@ -82,13 +82,13 @@ class WriterLock {
     for (;;) {
       descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
       if (descriptor_ < 0)
-        throw InputError(file.string(), fmt::format("cannot be written: {}", std::strerror(errno)));
+        throw InputError({.file = file.string()}, fmt::format("cannot be written: {}", std::strerror(errno)));
       if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         const int error = errno;
         const std::string owner = read_owner();
         ::close(descriptor_);
         throw InputError(
-            file.string(),
+            {.file = file.string()},
             error == EWOULDBLOCK
                 ? fmt::format("is being written by another process{}, expected one writer", owner)
                 : fmt::format("cannot be locked: {}", std::strerror(error)));
@@ -126,23 +126,25 @@ class WriterLock {
 
 void check_signature(const fs::path& file) {
   std::error_code error;
-  if (fs::is_directory(file, error)) throw InputError(file.string(), "is a folder, expected a state file");
+  if (fs::is_directory(file, error))
+    throw InputError({.file = file.string()}, "is a folder, expected a state file");
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (!in) throw InputError({.file = file.string()}, fmt::format("cannot be read: {}", std::strerror(errno)));
   char head[16] = {};
   in.read(head, sizeof head);
-  if (in.gcount() == 0) throw InputError(file.string(), "is empty, expected a state file");
+  if (in.gcount() == 0) throw InputError({.file = file.string()}, "is empty, expected a state file");
   if (in.gcount() != sizeof head || std::memcmp(head, "SQLite format 3", sizeof head) != 0)
-    throw InputError(file.string(), "is not a state file, expected a SQLite database written by forefeel");
+    throw InputError({.file = file.string()},
+                     "is not a state file, expected a SQLite database written by forefeel");
 }
 
 void check_schema(sqlite3* database, const std::string& where) {
   Statement id(database, where, "PRAGMA application_id");
   if (!id.step() || id.integer(0) != application_id)
-    throw InputError(where, "is a database, but not a state file");
+    throw InputError({.file = where}, "is a database, but not a state file");
   Statement version(database, where, "PRAGMA user_version");
   if (!version.step() || version.integer(0) != schema_version)
-    throw InputError(where,
+    throw InputError({.file = where},
                      fmt::format("has schema version {}, expected {}", version.integer(0), schema_version));
   Statement probe(database, where, fmt::format("SELECT {} FROM states LIMIT 0", columns).c_str());
   probe.step();
@@ -220,7 +222,7 @@ void create(const fs::path& file, const StateFileHeader& header) {
   if (::rename(temporary.c_str(), where.c_str()) != 0) {
     const int error = errno;
     fs::remove(temporary, ignored);
-    throw InputError(where, fmt::format("cannot be written: {}", std::strerror(error)));
+    throw InputError({.file = where}, fmt::format("cannot be written: {}", std::strerror(error)));
   }
 }
 
@@ -246,7 +248,7 @@ void check_same_body(const std::string& where, const BodyIdentity& in_file, cons
                            shown(ours, key));
   }
   if (!differs.empty())
-    throw InputError(where, fmt::format("belongs to another body, different: {}", differs));
+    throw InputError({.file = where}, fmt::format("belongs to another body, different: {}", differs));
 }
 
 namespace {
@@ -262,7 +264,8 @@ State read_row(Statement& row, const std::string& where) {
   state.spacing = row.real(i++);
   const std::optional<SolveStatus> status = solve_status(row.text(i++));
   if (!status)
-    throw InputError(where, fmt::format("a state has the unknown status '{:.20}'", row.text(i - 1)));
+    throw InputError({.file = where},
+                     fmt::format("a state has the unknown status '{:.20}'", row.text(i - 1)));
   state.status = *status;
   state.multivalued = row.integer(i++) != 0;
   state.iterations = static_cast<int>(row.integer(i++));
@@ -272,17 +275,17 @@ State read_row(Statement& row, const std::string& where) {
   for (int k = 0; k < 3; ++k) state.parent[k] = row.real(i++);
   if (const std::string_view bytes = row.bytes(i); !bytes.empty()) {
     if (bytes.size() % (3 * sizeof(double)) != 0)
-      throw InputError(where, "a state's displacements are cut short");
+      throw InputError({.file = where}, "a state's displacements are cut short");
     std::vector<double> displacements(bytes.size() / sizeof(double));
     std::memcpy(displacements.data(), bytes.data(), bytes.size());
     state.displacements = std::make_shared<const std::vector<double>>(std::move(displacements));
   }
   if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
-    throw InputError(where, "a state has a position or force that is not finite");
+    throw InputError({.file = where}, "a state has a position or force that is not finite");
   static constexpr double largest_number = 1e100;  // squares must not overflow
   const auto too_large = [](const auto& values) { return (values.array().abs() > largest_number).any(); };
   if (too_large(state.at) || too_large(state.force) || too_large(state.stiffness))
-    throw InputError(where,
+    throw InputError({.file = where},
                      fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
                                  largest_number));
   return state;
@@ -457,7 +460,8 @@ std::string damage_in_words(const std::string& file, std::size_t damaged, bool s
 void StateFile::check_pages() const {
   Statement check(impl_->database.get(), impl_->where, "PRAGMA quick_check(1)");
   if (!check.step() || check.text(0) != "ok")
-    throw InputError(impl_->where, fmt::format("is damaged or no state file ({:.80})", check.text(0)));
+    throw InputError({.file = impl_->where},
+                     fmt::format("is damaged or no state file ({:.80})", check.text(0)));
 }
 
 std::size_t StateFile::damaged() const {
@@ -500,7 +504,7 @@ void insert_states(sqlite3* database, const std::string& where, std::span<const 
 void StateFile::append(std::span<const State> states) {
   if (states.empty()) return;
   if (!impl_->lock)
-    throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+    throw InputError({.file = impl_->where}, "was opened for reading, expected a file opened for appending");
   transact(impl_->database.get(), impl_->where,
            [&] { insert_states(impl_->database.get(), impl_->where, states); });
 }
@@ -508,7 +512,7 @@ void StateFile::append(std::span<const State> states) {
 void StateFile::drop_damaged() {
   if (impl_->damaged.empty()) return;
   if (!impl_->lock)
-    throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+    throw InputError({.file = impl_->where}, "was opened for reading, expected a file opened for appending");
   sqlite3* database = impl_->database.get();
   transact(database, impl_->where, [&] {
     Statement remove(database, impl_->where, "DELETE FROM states WHERE id = ?");
@@ -519,7 +523,7 @@ void StateFile::drop_damaged() {
 
 void StateFile::replace(const StateFileHeader& header, std::span<const State> states) {
   if (!impl_->lock)
-    throw InputError(impl_->where, "was opened for reading, expected a file opened for appending");
+    throw InputError({.file = impl_->where}, "was opened for reading, expected a file opened for appending");
   sqlite3* database = impl_->database.get();
   transact(database, impl_->where, [&] {
     execute(database, impl_->where,

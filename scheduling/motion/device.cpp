@@ -169,7 +169,7 @@ double take_number(Settings& settings, const std::string& spec, const std::strin
   const std::string& text = found->second;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low)
-    throw InputError("device " + spec,
+    throw InputError({.key = "device", .value = spec},
                      fmt::format("{} is '{}', expected a number of at least {}", key, text, low));
   settings.erase(found);
   return value;
@@ -177,7 +177,7 @@ double take_number(Settings& settings, const std::string& spec, const std::strin
 
 void reject_rest(const Settings& settings, const std::string& spec, const std::string& accepted) {
   if (!settings.empty())
-    throw InputError("device " + spec,
+    throw InputError({.key = "device", .value = spec},
                      fmt::format("unknown setting '{}', expected {}", settings.begin()->first, accepted));
 }
 
@@ -192,12 +192,13 @@ std::string take_name(std::string arguments, const std::string& spec, Settings& 
     if (first)
       name = part;
     else if (equals == std::string::npos)
-      throw InputError("device " + spec, fmt::format("'{}' is not a setting, expected key=value", part));
+      throw InputError({.key = "device", .value = spec},
+                       fmt::format("'{}' is not a setting, expected key=value", part));
     else if (!settings.emplace(part.substr(0, equals), part.substr(equals + 1)).second)
-      throw InputError("device " + spec,
+      throw InputError({.key = "device", .value = spec},
                        fmt::format("'{}' is given twice, expected it once", part.substr(0, equals)));
   }
-  if (name.empty()) throw InputError("device " + spec, "expected a name after the colon");
+  if (name.empty()) throw InputError({.key = "device", .value = spec}, "expected a name after the colon");
   return name;
 }
 
@@ -214,8 +215,9 @@ std::unique_ptr<Device> take_path(const std::string& spec, const std::string& na
                                          {"tremor", tremor, 1.0},
                                          {"noise", noise, 1.0}})
     if (value > most)
-      throw InputError("device " + spec, fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most,
-                                                     key == std::string_view("speed") ? "m/s" : "m"));
+      throw InputError({.key = "device", .value = spec},
+                       fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most,
+                                   key == std::string_view("speed") ? "m/s" : "m"));
   if (amplitude > 0) {
     double farthest = 0;
     for (const auto* part : {&shape.lead, &shape.loop})
@@ -244,7 +246,7 @@ double take_grip(Settings& settings, const std::string& spec) {
     }
   if (found->second.find_first_not_of("0123456789.e+-") != std::string::npos)
     throw InputError(
-        "device " + spec,
+        {.key = "device", .value = spec},
         fmt::format("grip is '{}', expected light, medium, firm or a stiffness [N/m]", found->second));
   return take_number(settings, spec, "grip", 0, 1);
 }
@@ -253,8 +255,9 @@ std::unique_ptr<Device> make_hand(const std::string& spec, const std::string& na
                                   const DeviceContext& context) {
   const HandProfile* profile = find_hand_profile(name);
   if (!profile)
-    throw InputError("device " + spec, fmt::format("unknown profile '{}', expected one of {}", name,
-                                                   fmt::join(hand_profile_names(), ", ")));
+    throw InputError(
+        {.key = "device", .value = spec},
+        fmt::format("unknown profile '{}', expected one of {}", name, fmt::join(hand_profile_names(), ", ")));
   std::string target = "press";
   if (const auto found = settings.find("target"); found != settings.end()) {
     target = found->second;
@@ -275,7 +278,8 @@ Vec3 parse_offset(const std::string& spec, std::string text) {
     while (at != end && *at == ' ') ++at;
     const auto [next, error] = std::from_chars(at, end, offset[i]);
     if (error != std::errc{} || !std::isfinite(offset[i]) || (i == 2 && next != end))
-      throw InputError("device " + spec, "offset is not X/Y/Z, expected three finite numbers [m]");
+      throw InputError({.key = "device", .value = spec},
+                       "offset is not X/Y/Z, expected three finite numbers [m]");
     at = next;
   }
   return offset;
@@ -303,7 +307,7 @@ std::unique_ptr<Device> make_device(const std::string& spec, const DeviceContext
   const std::size_t colon = spec.find(':');
   const std::string kind = spec.substr(0, colon);
   if (kind != "path" && kind != "trace" && kind != "hand")
-    throw InputError("device " + spec,
+    throw InputError({.key = "device", .value = spec},
                      fmt::format("unknown kind '{}', expected path:NAME, trace:FILE or hand:PROFILE", kind));
   Settings settings;
   const std::string name =
@@ -325,11 +329,11 @@ Trace read_trace(const std::filesystem::path& file) {
     const double t = table.at(i, 0) - table.at(0, 0);
     const Vec3 x(table.at(i, 1), table.at(i, 2), table.at(i, 3));
     if (!trace.times.empty() && t < trace.times.back())
-      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+      throw InputError({.file = file.string(), .line = table.lines[i]},
                        fmt::format("time goes back to {} s after {} s, expected growing times",
                                    table.at(i, 0), trace.times.back() + table.at(0, 0)));
     if (!trace.times.empty() && t == trace.times.back())
-      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+      throw InputError({.file = file.string(), .line = table.lines[i]},
                        fmt::format("a second row at {} s, expected growing times", table.at(i, 0)));
     trace.times.push_back(t);
     trace.positions.push_back(x);

@@ -116,7 +116,7 @@ void prepare_run_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder))
-    throw InputError(folder.string(), "cannot be made, expected a folder for the files of the run");
+    throw InputError({.file = folder.string()}, "cannot be made, expected a folder for the files of the run");
   check_writable(folder / "frames.csv");
 }
 

@@ -85,7 +85,7 @@ std::size_t most_states(const SessionPlan& plan) {
 void check_near(const Vec3& at, double farthest, const std::filesystem::path& file, std::size_t line) {
   if (!(at.norm() <= farthest))
     throw InputError(
-        fmt::format("{}:{}", file.string(), line),
+        {.file = file.string(), .line = line},
         fmt::format("is {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
                     at.norm(), farthest));
 }
@@ -97,7 +97,7 @@ void check_motion(const SessionPlan& plan) {
     const double distance = plan.device->position(frame_time(k, plan.options.frame), Vec3::Zero()).norm();
     if (!(distance <= most))
       throw InputError(
-          "device " + plan.options.device,
+          {.key = "device", .value = plan.options.device},
           fmt::format("leads {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
                       distance, most));
   }
@@ -201,10 +201,10 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
   std::vector<Arrival> arrivals;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     if (table.at(i, 0) < 0)
-      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+      throw InputError({.file = file.string(), .line = table.lines[i]},
                        "t is negative, expected seconds from the start");
     if (table.at(i, 0) > 86400)
-      throw InputError(fmt::format("{}:{}", file.string(), table.lines[i]),
+      throw InputError({.file = file.string(), .line = table.lines[i]},
                        fmt::format("t is {} s, expected at most 86400, a day", table.at(i, 0)));
     const Vec3 at(table.at(i, 1), table.at(i, 2), table.at(i, 3));
     check_near(at, farthest, file, table.lines[i]);

@@ -70,8 +70,8 @@ double number(const std::string& spec, std::string_view text, double low, bool o
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low ||
       value > 1e6 || (open && value == low))
-    throw InputError("cost " + spec, fmt::format("'{}' is not a number {} {} and at most 1e6", text,
-                                                 open ? "above" : "of at least", low));
+    throw InputError({.key = "cost", .value = spec}, fmt::format("'{}' is not a number {} {} and at most 1e6",
+                                                                 text, open ? "above" : "of at least", low));
   return value;
 }
 
@@ -82,7 +82,8 @@ std::unique_ptr<CostModel> parse(const std::string& spec, std::uint64_t seed) {
   if (kind == "constant") return std::make_unique<ConstantCost>(number(spec, arguments, 0, true));
   if (kind == "lognormal") {
     const std::size_t comma = arguments.find(',');
-    if (comma == std::string::npos) throw InputError("cost " + spec, "expected lognormal:MEDIAN,SIGMA");
+    if (comma == std::string::npos)
+      throw InputError({.key = "cost", .value = spec}, "expected lognormal:MEDIAN,SIGMA");
     const double median = number(spec, std::string_view(arguments).substr(0, comma), 0, true);
     const double sigma = number(spec, std::string_view(arguments).substr(comma + 1), 0, false);
     return std::make_unique<LogNormalCost>(median, sigma, 1e-9, 1e6, seed);
@@ -92,7 +93,7 @@ std::unique_ptr<CostModel> parse(const std::string& spec, std::uint64_t seed) {
     return std::make_unique<LogNormalCost>(std::sqrt(0.1), sigma, 0.1, 1.0, seed);
   }
   if (spec == "recorded") return nullptr;
-  throw InputError("cost " + spec,
+  throw InputError({.key = "cost", .value = spec},
                    "unknown model, expected constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded or paper");
 }
 
@@ -102,7 +103,8 @@ std::unique_ptr<CostModel> make_cost(const std::string& spec, std::uint64_t seed
                                      const std::function<RecordedCosts()>& recorded) {
   if (auto model = parse(spec, seed)) return model;
   RecordedCosts measured = recorded();
-  if (measured.solves.empty()) throw InputError("cost recorded", "no solve of this body could be measured");
+  if (measured.solves.empty())
+    throw InputError({.key = "cost", .value = "recorded"}, "no solve of this body could be measured");
   return std::make_unique<RecordedCost>(std::move(measured), seed);
 }
 

@@ -11,7 +11,7 @@
 namespace forefeel {
 namespace {
 
-void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const std::string& where) {
+void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const InputPlace& where) {
   if (nodes.empty()) throw InputError(where, "no node is in it, expected at least one");
   for (const NodeIndex node : nodes) {
     if (node < 0 || static_cast<std::size_t>(node) >= mesh.nodes.size())
@@ -20,15 +20,16 @@ void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const
   }
 }
 
-void check_material(const Material& material, const std::string& where) {
+void check_material(const Material& material, const std::string& file) {
   if (!(material.young > 0) || !std::isfinite(material.young))
-    throw InputError(where + "material.young", fmt::format("{} Pa, expected more than 0", material.young));
+    throw InputError({.file = file, .key = "material.young"},
+                     fmt::format("{} Pa, expected more than 0", material.young));
   if (!(material.poisson > -1 && material.poisson < 0.5))
-    throw InputError(where + "material.poisson",
+    throw InputError({.file = file, .key = "material.poisson"},
                      fmt::format("{}, expected more than -1 and less than 0.5", material.poisson));
 }
 
-void check_parts(const Body& body, const std::string& where) {
+void check_parts(const Body& body, const std::string& file) {
   const std::vector<int> part = components(body.mesh);
   int parts = 0;
   for (const int p : part) parts = std::max(parts, p + 1);
@@ -38,13 +39,14 @@ void check_parts(const Body& body, const std::string& where) {
       clamped[static_cast<std::size_t>(part[static_cast<std::size_t>(node)])] = 1;
   const auto loose = std::count(clamped.begin(), clamped.end(), 0);
   if (loose > 0)
-    throw InputError(where + "clamp",
+    throw InputError({.file = file, .key = "clamp"},
                      fmt::format("{} of the {} connected parts of the mesh {} no clamped node, "
                                  "expected one in each",
                                  loose, parts, loose == 1 ? "has" : "have"));
   for (const NodeIndex node : body.contact)
     if (part[static_cast<std::size_t>(node)] < 0)
-      throw InputError(where + "contact", fmt::format("node {} belongs to no tetrahedron", node));
+      throw InputError({.file = file, .key = "contact"},
+                       fmt::format("node {} belongs to no tetrahedron", node));
 }
 
 }  // namespace
@@ -79,7 +81,7 @@ std::vector<std::string> element_names() {
 
 namespace {
 // Held along a line at most, a body turns about it and has no single equilibrium.
-void check_held(const Body& body, const std::string& prefix) {
+void check_held(const Body& body, const std::string& file) {
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})
     for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[static_cast<std::size_t>(node)]);
@@ -90,26 +92,26 @@ void check_held(const Body& body, const std::string& prefix) {
   const double length = longest_side(body.mesh);
   for (const Vec3& node : held)
     if ((node - held[0]).cross(far).norm() > 1e-9 * length * length) return;
-  throw InputError(prefix + "clamp",
+  throw InputError({.file = file, .key = "clamp"},
                    "clamp and contact lie on one line, so the body can turn about it, "
                    "expected at least three nodes off a line");
 }
 }  // namespace
 
-std::vector<std::string> check(const Body& body, const std::string& where) {
-  const std::string prefix = where.empty() ? "" : where + ": ";
-  if (body.mesh.tets.empty()) throw InputError(prefix + "body.mesh", "no tetrahedra, expected at least one");
-  check_material(body.material, prefix);
-  check_nodes(body.clamp, body.mesh, prefix + "clamp");
-  check_nodes(body.contact, body.mesh, prefix + "contact");
+std::vector<std::string> check(const Body& body, const std::string& file) {
+  if (body.mesh.tets.empty())
+    throw InputError({.file = file, .key = "body.mesh"}, "no tetrahedra, expected at least one");
+  check_material(body.material, file);
+  check_nodes(body.clamp, body.mesh, {.file = file, .key = "clamp"});
+  check_nodes(body.contact, body.mesh, {.file = file, .key = "contact"});
   std::vector<char> clamped(body.mesh.nodes.size(), 0);
   for (const NodeIndex node : body.clamp) clamped[static_cast<std::size_t>(node)] = 1;
   for (const NodeIndex node : body.contact)
     if (clamped[static_cast<std::size_t>(node)])
-      throw InputError(prefix + "contact",
+      throw InputError({.file = file, .key = "contact"},
                        fmt::format("node {} is clamped, expected a node that can move", node));
-  check_parts(body, prefix);
-  check_held(body, prefix);
+  check_parts(body, file);
+  check_held(body, file);
 
   std::vector<std::string> warnings;
   if (body.material.poisson > 0.45 && body.element == Element::linear)

@@ -35,9 +35,9 @@ struct Body {
   Element element = Element::linear;
 };
 
-// Throws InputError(where.key, …) for what cannot be solved: empty or out-of-range node sets, contact on a clamped
+// Throws InputError(file: key) for what cannot be solved: empty or out-of-range node sets, contact on a clamped
 // node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5). Returns warnings (nu > 0.45 locks …).
-std::vector<std::string> check(const Body& body, const std::string& where);
+std::vector<std::string> check(const Body& body, const std::string& file);
 
 // True where f = -K x exactly: one factorisation gives every state.
 bool is_linear(const Body& body);

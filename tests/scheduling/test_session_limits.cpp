@@ -65,7 +65,7 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
     check_session(wide, options);
     FAIL("accepted");
   } catch (const InputError& error) {
-    CHECK(error.where() == "model.neighbours");
+    CHECK(error.place().key == "model.neighbours");
     CHECK_THAT(error.what(),
                Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
   }
