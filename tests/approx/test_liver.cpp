@@ -14,12 +14,14 @@
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 
 using namespace forefeel;
 
 namespace {
 
-const std::filesystem::path shared_liver = FOREFEEL_SOURCE_DIR "/../shared/data/liver";
+const std::filesystem::path shared_liver = test::source_folder() / "../shared/data/liver";
 
 // The list after "nodes = [" in a section of a scene.
 std::vector<NodeIndex> nodes_of(const std::string& scene, const std::string& section) {
@@ -110,10 +112,7 @@ StateSpace space_of(const Ground& g) {
 TEST_CASE("A liver's flat front: one and two spacings out no worse than was measured before", "[liver]") {
   const Ground& g = ground();
   REQUIRE(g.states.size() > 400);
-  if (!g.real) {
-    WARN("../shared is not there: skipped");
-    return;
-  }
+  if (!g.real) return test::skip("no reference data beside the sources");
   const StateSpace space = space_of(g);
   for (const Row& row : rows)
     for (std::size_t out = 0; out < 2; ++out) {

@@ -13,21 +13,18 @@
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 #include "tests/approx/sets.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 using namespace forefeel::testing;
 
 namespace {
 
-bool have_scipy() {
-  return std::filesystem::exists("/usr/bin/python3") &&
-         std::system("/usr/bin/python3 -c 'import scipy.interpolate' 2>/dev/null") == 0;
-}
-
 std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vector<Vec3>& points,
                                Kernel kernel, std::size_t n) {
-  const auto folder = std::filesystem::temp_directory_path() / ("forefeel_scipy_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder / name).string(); };
   {
     std::ofstream out(file("states.csv")), at(file("points.csv"));
@@ -38,16 +35,16 @@ std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vect
           << s.force[2] << '\n';
     for (const auto& p : points) at << p[0] << ',' << p[1] << ',' << p[2] << '\n';
   }
-  const std::string command = "/usr/bin/python3 " FOREFEEL_SOURCE_DIR "/tests/approx/scipy_oracle.py " +
-                              file("states.csv") + " " + file("points.csv") + " " +
-                              std::string(name(kernel)) + " " + std::to_string(n) + " " + file("forces.csv");
+  const std::string script = (test::source_folder() / "tests/approx/scipy_oracle.py").string();
+  const std::string command = "/usr/bin/python3 '" + script + "' " + file("states.csv") + " " +
+                              file("points.csv") + " " + std::string(name(kernel)) + " " + std::to_string(n) +
+                              " " + file("forces.csv");
   REQUIRE(std::system(command.c_str()) == 0);
   std::ifstream in(file("forces.csv"));
   std::vector<Vec3> forces(points.size());
   char comma;
   for (auto& f : forces) in >> f[0] >> comma >> f[1] >> comma >> f[2];
   REQUIRE(in.good());
-  std::filesystem::remove_all(folder);
   return forces;
 }
 
@@ -81,10 +78,7 @@ StateSpace space_of(const std::vector<State>& states, double spacing) {
 }  // namespace
 
 TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1", "[scipy]") {
-  if (!have_scipy()) {
-    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
-    return;
-  }
+  if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
   const auto states = states_at(lattice_points(4, 0.006));
   std::vector<Vec3> points;
   std::mt19937 random(17);
@@ -95,10 +89,7 @@ TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
 }
 
 TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy]") {
-  if (!have_scipy()) {
-    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
-    return;
-  }
+  if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
   auto body = std::make_shared<Body>();
   body->mesh = phantom("liver");
   body->clamp = body->mesh.groups.at("clamp");

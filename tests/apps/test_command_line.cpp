@@ -2,7 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
 
 using forefeel::test::beam_scene;
 using forefeel::test::Workshop;
@@ -47,7 +48,7 @@ TEST_CASE("usage errors are one line", "[command-line]") {
 
 TEST_CASE("an instruction set that is none is refused at the start", "[command-line]") {
   const Workshop shop;
-  const std::string program = "'" FOREFEEL_BINARY_DIR "/apps/forefeel' ";
+  const std::string program = "'" + forefeel::test::executable() + "' ";
   for (const std::string wrong : {"bogus", "AVX2", "avx2 "}) {
     const Workshop::Outcome outcome = shop.shell("FOREFEEL_ISA='" + wrong + "' " + program + "bench switch");
     INFO(outcome.err);

@@ -2,7 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 
 using forefeel::test::beam_scene;
 using forefeel::test::Workshop;
@@ -37,7 +39,7 @@ json run_json(const Workshop& shop, const std::string& arguments) {
 Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& arguments,
                                   const std::string& begun, double seconds) {
   const Workshop::Outcome outcome =
-      shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments + " --json & p=$!; while ! [ " + begun +
+      shop.shell(forefeel::test::executable() + " " + arguments + " --json & p=$!; while ! [ " + begun +
                  " ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep " + std::to_string(seconds) +
                  "; kill -INT $p; kill -INT $p; wait $p");
   INFO("forefeel " << arguments << " --json\n" << outcome.err);
@@ -87,7 +89,7 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const std::string fine = " --set state_space.spacing=0.0004 --threads 1";  // 9261 states
-  shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel generate beam.toml -o cut.states --quiet" + fine +
+  shop.shell(forefeel::test::executable() + " generate beam.toml -o cut.states --quiet" + fine +
              " & p=$!; while [ ! -s cut.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep "
              "0.2; kill -9 $p");
   const json resumed = run_json(shop, "generate beam.toml -o cut.states" + fine);
@@ -404,9 +406,9 @@ TEST_CASE("a replay says which options it leaves without effect", "[contract]") 
 TEST_CASE("two commands on one cache: both give what one gives, and what they solved is kept", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const std::string session = FOREFEEL_BINARY_DIR
-      "/apps/forefeel session beam.toml --clock virtual --device "
-      "path:circle,speed=0.03 --quiet --seconds ";
+  const std::string session = forefeel::test::executable() +
+                              " session beam.toml --clock virtual --device "
+                              "path:circle,speed=0.03 --quiet --seconds ";
   const auto same = [&](const std::string& a, const std::string& b) {
     for (const char* file : {"frames.csv", "dispatch.csv", "states.csv"})
       CHECK(shop.shell("cmp " + a + "/" + file + " " + b + "/" + file).code == 0);
@@ -417,10 +419,7 @@ TEST_CASE("two commands on one cache: both give what one gives, and what they so
   same("one", "two");
 
   // Held for the whole of a command: what the cache lacks is solved for this command alone.
-  if (shop.shell("command -v flock").code != 0) {
-    WARN("flock is not installed: not tried");
-    return;
-  }
+  if (!forefeel::test::has_command("flock")) return forefeel::test::skip("flock is not installed");
   REQUIRE(shop.shell("rm -r ../cache; " + session + "0.1 -o begun").code == 0);
   const auto notes_of = [&](const std::string& run) {
     return json::parse(shop.shell("cat " + run + "/summary.json").out)["notes"].dump();
@@ -527,11 +526,12 @@ TEST_CASE("a report stands on its own", "[contract]") {
     CHECK_THAT(report, !Catch::Contains(outside));
   for (const char* part : {"first visits", "Provenance", "frames_over_jnd"})
     CHECK_THAT(report, Catch::Contains(part));
-  if (shop.shell("command -v gnuplot").code == 0)
+  if (!forefeel::test::has_command("gnuplot"))
+    forefeel::test::skip("gnuplot is not installed");
+  else
     CHECK_THAT(report, Catch::Contains("<svg") && Catch::Contains("</svg>"));
   // Without gnuplot the report is still there, and says so.
-  const std::string without =
-      "PATH=/nowhere '" FOREFEEL_BINARY_DIR "/apps/forefeel' " + arguments + "-o bare";
+  const std::string without = "PATH=/nowhere '" + forefeel::test::executable() + "' " + arguments + "-o bare";
   REQUIRE(shop.shell(without).code == 0);
   CHECK_THAT(shop.shell("cat bare/report.html").out,
              Catch::Contains("Plots need gnuplot") && !Catch::Contains("<svg"));

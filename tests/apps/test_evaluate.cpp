@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
@@ -15,7 +17,7 @@ using test::Workshop;
 
 namespace {
 
-const std::filesystem::path shared_liver = FOREFEEL_SOURCE_DIR "/../shared/data/liver";
+const std::filesystem::path shared_liver = forefeel::test::source_folder() / "../shared/data/liver";
 
 nlohmann::json run(const Workshop& shop, const std::string& arguments, int code = 0) {
   const Workshop::Outcome outcome = shop.forefeel(arguments);
@@ -54,10 +56,8 @@ json.dump(answers, open("answers.json", "w"))
 
 TEST_CASE("generate, export and evaluate equal SciPy on the liver's states", "[scipy]") {
   const Workshop shop;
-  if (shop.shell("/usr/bin/python3 -c 'import scipy.interpolate'").code != 0) {
-    WARN("/usr/bin/python3 has no scipy.interpolate: skipped");
-    return;
-  }
+  if (!forefeel::test::has_python_module("scipy.interpolate"))
+    return forefeel::test::skip("python3-scipy is not installed");
   std::string scene = "beam.toml --set state_space.spacing=0.002";
   if (std::filesystem::exists(shared_liver / "liver_patch.toml"))
     scene = (shared_liver / "liver_patch.toml").string() + " --set state_space.spacing=0.012";

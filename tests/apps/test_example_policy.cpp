@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace forefeel;
 
@@ -11,7 +12,7 @@ TEST_CASE("a policy of one's own is built and picked up by a study") {
   shop.write("study.toml",
              "scene = \"scene.toml\"\nseeds = [1]\n[vary]\npolicy = [\"ahead\", \"nearest\"]\n");
   CHECK(shop.forefeel("study study.toml -o out").code == 2);  // the plain command line does not know it
-  const auto ran = shop.shell(FOREFEEL_BINARY_DIR "/apps/forefeel_example study study.toml -o out --json");
+  const auto ran = shop.shell(test::executable() + "_example study study.toml -o out --json");
   REQUIRE(ran.code == 0);
   CHECK(ran.json()["cells"] == 2);
   const std::string table = shop.shell("cut -d, -f1 out/cells.csv").out;

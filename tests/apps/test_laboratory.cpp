@@ -12,7 +12,8 @@
 #include "apps/classify/calibration.hpp"
 #include "apps/laboratory/laboratory.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
@@ -396,8 +397,8 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK_THAT(first.err, Catch::Contains("of 200 safe positions") && Catch::Contains("95 % confidence"));
   // Kept, whatever the threads, and the same without what was kept.
   CHECK(shop.forefeel("generate beam.toml --threads 1 --json -o b.states").json()["spacing"] == a["spacing"]);
-  CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" FOREFEEL_BINARY_DIR
-                   "/apps/forefeel' generate beam.toml --threads 1 --json -o c.states")
+  CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" + test::executable() +
+                   "' generate beam.toml --threads 1 --json -o c.states")
             .json()["spacing_auto"] == a["spacing_auto"]);
   // What is kept is checked.
   CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
 
 using forefeel::test::Workshop;
 

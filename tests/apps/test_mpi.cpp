@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 
 using forefeel::test::beam_scene;
 using forefeel::test::Workshop;
@@ -14,7 +16,7 @@ namespace {
 Workshop::Outcome ranks(const Workshop& shop, int count, const std::string& arguments) {
   return shop.shell(
       "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun --oversubscribe -n " +
-      std::to_string(count) + " " FOREFEEL_BINARY_DIR "/apps/forefeel " + arguments);
+      std::to_string(count) + " " + forefeel::test::executable() + " " + arguments);
 }
 
 }  // namespace
@@ -25,10 +27,8 @@ TEST_CASE("a session with its workers in other processes") {
   const Workshop::Outcome alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
   CHECK(alone.code == 2);
   CHECK(alone.error_lines() == 1);
-  if (alone.err.find("no MPI") != std::string::npos || shop.shell("mpirun --version").code != 0) {
-    WARN("this build has no MPI, or there is no mpirun: not tried");
-    return;
-  }
+  if (alone.err.find("no MPI") != std::string::npos) return forefeel::test::skip("this build has no MPI");
+  if (!forefeel::test::has_command("mpirun")) return forefeel::test::skip("mpirun is not installed");
   CHECK(alone.err.find("one rank") != std::string::npos);
 
   const Workshop::Outcome run =

@@ -4,7 +4,7 @@
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
 
 using namespace forefeel;
 using test::beam_scene;

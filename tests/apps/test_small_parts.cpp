@@ -7,7 +7,7 @@
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/sha256.hpp"
 #include "geometry/common/error.hpp"
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
 
 using namespace forefeel;
 

@@ -17,7 +17,9 @@
 #include "apps/study/study_run.hpp"
 #include "apps/study/study_speed.hpp"
 #include "apps/study/study_table.hpp"
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -505,10 +507,7 @@ TEST_CASE("a second writer to the same folder is refused") {
   fs::permissions(folder.path / "out" / "cells" / "lock", fs::perms::owner_all);
   const std::string hold =
       "flock -n '" + (folder.path / "out/cells/lock").string() + "' -c 'echo held; sleep 3'";
-  if (std::system("command -v flock >/dev/null") != 0) {
-    WARN("flock is not installed: not tried");
-    return;
-  }
+  if (!test::has_command("flock")) return test::skip("flock is not installed");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> holder(popen(hold.c_str(), "r"), pclose);
   char line[16];
   REQUIRE(std::fgets(line, sizeof line, holder.get()) != nullptr);
@@ -737,10 +736,10 @@ TEST_CASE("a study that is interrupted keeps what is done, says so, and goes on 
              "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
              "\"fifo\"]\n");
   const auto cut_at = [&](int cells, const std::string& option) {
-    return shop.shell(
-        "mkdir -p out; " FOREFEEL_BINARY_DIR "/apps/forefeel study study.toml -o out --threads 1 " + option +
-        " & p=$!; while [ $(ls out/cells 2>/dev/null | grep -c json) -lt " + std::to_string(cells) +
-        " ] && kill -0 $p 2>/dev/null; do sleep 0.02; done; kill -INT $p; wait $p");
+    return shop.shell("mkdir -p out; " + test::executable() + " study study.toml -o out --threads 1 " +
+                      option + " & p=$!; while [ $(ls out/cells 2>/dev/null | grep -c json) -lt " +
+                      std::to_string(cells) +
+                      " ] && kill -0 $p 2>/dev/null; do sleep 0.02; done; kill -INT $p; wait $p");
   };
   const auto done = [&] { return std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out); };
   const auto cut = cut_at(2, "--quiet");
@@ -776,8 +775,8 @@ TEST_CASE("a study that was killed goes on: no cell is run twice, and the table 
   shop.write("study.toml",
              "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
              "\"fifo\"]\n");
-  shop.shell("mkdir out && (" FOREFEEL_BINARY_DIR
-             "/apps/forefeel study study.toml -o out --quiet --threads 1 & p=$!; "
+  shop.shell("mkdir out && (" + test::executable() +
+             " study study.toml -o out --quiet --threads 1 & p=$!; "
              "while [ $(ls out/cells 2>/dev/null | grep -c json) -lt 2 ] && kill -0 $p 2>/dev/null; do sleep "
              "0.02; done; kill -9 $p; wait $p)");
   const auto count = std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out);

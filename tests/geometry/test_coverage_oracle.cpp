@@ -6,6 +6,9 @@
 #include <random>
 
 #include "geometry/coverage/coverage_query.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
@@ -15,9 +18,10 @@ TEST_CASE("spread, hull membership and gamma equal SciPy's") {
   std::uniform_real_distribution<double> uniform(-4 * h, 4 * h);
   PointOctree points;
   DelaunayIndex delaunay;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path();
-  const std::string states = (folder / "forefeel_oracle_states.csv").string();
-  const std::string queries = (folder / "forefeel_oracle_queries.csv").string();
+  if (!test::has_python_module("scipy.spatial")) return test::skip("python3-scipy is not installed");
+  const test::TemporaryFolder folder;
+  const std::string states = (folder / "states.csv").string();
+  const std::string queries = (folder / "queries.csv").string();
   {
     std::ofstream out(states), ask(queries);
     out.precision(17);
@@ -36,14 +40,8 @@ TEST_CASE("spread, hull membership and gamma equal SciPy's") {
           << query.largest_empty_cone(q, radius, 0).cos_half << ',' << radius << '\n';
     }
   }
-  const std::string command =
-      "/usr/bin/python3 " FOREFEEL_SOURCE_DIR "/tests/geometry/coverage_oracle.py " + states + " " + queries;
-  const int status = std::system(command.c_str());
-  std::filesystem::remove(states);
-  std::filesystem::remove(queries);
-  if (status == 77 * 256 || status == 127 * 256) {
-    WARN("no SciPy under /usr/bin/python3: the oracle is skipped");
-    return;
-  }
-  CHECK(status == 0);
+  const std::string command = "/usr/bin/python3 '" +
+                              (test::source_folder() / "tests/geometry/coverage_oracle.py").string() + "' " +
+                              states + " " + queries;
+  CHECK(std::system(command.c_str()) == 0);
 }

@@ -7,6 +7,8 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/mesh_samples.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -127,10 +129,7 @@ TEST_CASE("a mesh that cannot be written says so and leaves nothing") {
 }
 
 TEST_CASE("real Gmsh 2.2 files", "[shared]") {
-  if (test::shared_folder().empty()) {
-    WARN("no reference data beside the sources, skipped");
-    return;
-  }
+  if (test::shared_folder().empty()) return test::skip("no reference data beside the sources");
   const TetMesh liver = read_mesh(test::shared_folder() + "/liver/liver_1777.msh");
   CHECK(liver.nodes.size() == 501);
   CHECK(liver.tets.size() == 1725);

@@ -7,6 +7,8 @@
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "tests/support/mesh_samples.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -179,10 +181,7 @@ TEST_CASE("phantom surfaces are closed and enclose their bodies") {
 }
 
 TEST_CASE("the real liver is meshed to the asked counts", "[shared]") {
-  if (test::shared_folder().empty()) {
-    WARN("no reference data beside the sources, skipped");
-    return;
-  }
+  if (test::shared_folder().empty()) return test::skip("no reference data beside the sources");
   const Surface liver = read_surface(test::shared_folder() + "/liver/liver-smooth.obj");
   REQUIRE(liver.triangles.size() == 4384);
   for (const std::size_t elements : {1777ul, 8000ul}) {

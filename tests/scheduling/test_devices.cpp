@@ -6,6 +6,7 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "small_body.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
@@ -104,7 +105,7 @@ TEST_CASE("tremor and noise have the asked root mean square and are seeded") {
 }
 
 TEST_CASE("a trace is interpolated through its rows and held after its end") {
-  const testing::ScratchFolder folder("trace");
+  const test::TemporaryFolder folder;
   write(folder / "a.csv", "t,x,y,z\n5,0,0,0\n5.5,0.001,0,0\n6,0.002,0.001,0\n6.5,0.002,0.003,0.001\n");
   DeviceContext where = context;
   where.folder = folder.path();
@@ -122,7 +123,7 @@ TEST_CASE("a trace is interpolated through its rows and held after its end") {
 }
 
 TEST_CASE("bad traces name file and line") {
-  const testing::ScratchFolder folder("bad-trace");
+  const test::TemporaryFolder folder;
   DeviceContext where = context;
   where.folder = folder.path();
   const std::vector<std::pair<std::string, std::string>> cases{

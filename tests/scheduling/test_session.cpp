@@ -19,10 +19,10 @@
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 #include "solver/body/contact_stiffness.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 using testing::logs;
-using testing::ScratchFolder;
 using testing::small_input;
 using testing::virtual_options;
 
@@ -37,7 +37,7 @@ void expect_no_state_twice(const SessionResult& result) {
 }  // namespace
 
 TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
-  const ScratchFolder folder("bytes");
+  const test::TemporaryFolder folder;
   for (const std::string& policy :
        {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
     SessionOptions options = virtual_options(1.5);
@@ -331,7 +331,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the first guess has no say where states come from elsewhere, and is replayed with its run") {
-  const ScratchFolder folder("guess");
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "late.csv") << "t,x,y,z\n0.1,0,0,0\n";
   SessionOptions options = virtual_options(0.2);
   options.cost = "constant:0.4";
@@ -359,7 +359,7 @@ TEST_CASE("the first guess has no say where states come from elsewhere, and is r
 }
 
 TEST_CASE("times that cannot be and a box without room are refused, naming the row or the key") {
-  const ScratchFolder folder("refused");
+  const test::TemporaryFolder folder;
   const auto refused = [&](const char* name, const std::string& rows, bool arrivals) {
     std::ofstream(folder / name) << "t,x,y,z\n" << rows;
     SessionOptions options = virtual_options(0.1);
@@ -493,7 +493,7 @@ TEST_CASE("a linear body needs three solves: states are exact multiples") {
 }
 
 TEST_CASE("arrivals: states are known when the file says") {
-  const ScratchFolder folder("arrivals");
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "a.csv")
       << "t,x,y,z\n0.1,0,0,0\n0.25,0.006,0,0\n0.25,0,0.006,0\n0.05,0,0,0.006\n9,0.012,0,0\n";
   SessionOptions options = virtual_options(0.5);
@@ -520,7 +520,7 @@ TEST_CASE("arrivals: states are known when the file says") {
 }
 
 TEST_CASE("replay: a recorded run gives the same forces again") {
-  const ScratchFolder folder("replay");
+  const test::TemporaryFolder folder;
   SessionOptions options = virtual_options(1);
   options.cost = "lognormal:0.02,0.5";
   options.latency = 0.002;
@@ -542,7 +542,7 @@ TEST_CASE("replay: a recorded run gives the same forces again") {
 }
 
 TEST_CASE("states of the start are used, kept and not solved again") {
-  const ScratchFolder folder("states");
+  const test::TemporaryFolder folder;
   SessionInput input = small_input();
   input.state_file = folder / "a.states";
   const SessionResult first = run_session(input, virtual_options(0.3));
@@ -594,7 +594,7 @@ TEST_CASE("real clock: renders, solves and reports") {
 }
 
 TEST_CASE("bad sessions are refused before anything is solved or written") {
-  const ScratchFolder folder("bad");
+  const test::TemporaryFolder folder;
   const auto refuse = [&](auto change) {
     SessionOptions options = virtual_options(0.1);
     change(options);
@@ -636,7 +636,7 @@ TEST_CASE("session that is killed", "[.]") {
 }
 
 TEST_CASE("kill -9 loses nothing that was committed") {
-  const ScratchFolder folder("kill");
+  const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "a.states";
   const pid_t child = fork();
   if (child == 0) {
@@ -739,7 +739,7 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
 TEST_CASE(
     "two runs of one body share the cache of references: one writes, the other reads, the results are the "
     "same") {
-  const ScratchFolder folder("shared-cache");
+  const test::TemporaryFolder folder;
   SessionInput input = small_input();
   input.cache_folder = folder / "cache";
   const SessionOptions options = virtual_options(0.5);

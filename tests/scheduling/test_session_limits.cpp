@@ -13,15 +13,15 @@
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session_parts.hpp"
 #include "small_body.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 using testing::logs;
-using testing::ScratchFolder;
 using testing::small_input;
 using testing::virtual_options;
 
 TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
-  const ScratchFolder folder("rehearsal");
+  const test::TemporaryFolder folder;
   std::atomic<bool> stop{true};
   SessionOptions options = virtual_options(2);
   options.policy = "clairvoyant";
@@ -51,7 +51,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
 }
 
 TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {
-  const ScratchFolder folder("neighbours");
+  const test::TemporaryFolder folder;
   SessionOptions options = virtual_options(0.5);
   options.cost = "constant:0.002";
   options.model.neighbours = 400;  // of at most 6 x 6 x 6
@@ -123,7 +123,7 @@ TEST_CASE("a second wish to end cuts the patience with references short") {
 }
 
 TEST_CASE("records of the cache of references that are not what was written are solved anew and replaced") {
-  const ScratchFolder folder("damage");
+  const test::TemporaryFolder folder;
   SessionInput input = small_input();
   input.identity = {{"mesh", "small"}};
   input.cache_folder = folder / "cache";

@@ -12,6 +12,8 @@
 #include <sstream>
 
 #include "block_body.hpp"
+#include "tests/support/skip.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
@@ -62,18 +64,14 @@ Vec3 read_total(const std::filesystem::path& file) {
 }  // namespace
 
 TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, within its printed digits") {
-  if (std::system("command -v ccx > /dev/null 2>&1") != 0) {
-    WARN("ccx is not installed: skipped");
-    return;
-  }
-  const auto folder = std::filesystem::temp_directory_path() / fmt::format("forefeel-ccx-{}", getpid());
-  std::filesystem::create_directories(folder);
+  if (!test::has_command("ccx")) return test::skip("calculix-ccx is not installed");
+  const test::TemporaryFolder folder;
   for (const Law law : {Law::linear, Law::st_venant_kirchhoff}) {
     const auto body = block_body(law, 0.4);
     const Vec3 x(-0.004, 0.006, 0.003);
     write_deck(folder / "block.inp", *body, x, law != Law::linear);
-    const std::string command =
-        "cd '" + folder.string() + "' && OMP_NUM_THREADS=1 CCX_NPROC_STIFFNESS=1 ccx block > block.log 2>&1";
+    const std::string command = "cd '" + folder.path().string() +
+                                "' && OMP_NUM_THREADS=1 CCX_NPROC_STIFFNESS=1 ccx block > block.log 2>&1";
     REQUIRE(std::system(command.c_str()) == 0);
     const Vec3 theirs = -read_total(folder / "block.dat");  // they print the force on the body
     REQUIRE(theirs.allFinite());
@@ -81,5 +79,4 @@ TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, withi
     INFO(name(law) << ": " << ours.force.transpose() << ", CalculiX " << theirs.transpose());
     CHECK((ours.force - theirs).norm() < 2e-6 * ours.force.norm());
   }
-  std::filesystem::remove_all(folder);
 }

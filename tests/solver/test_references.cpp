@@ -8,15 +8,15 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "solver/body/law.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 
 using namespace forefeel;
 
 TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
-  const std::filesystem::path folder = FOREFEEL_SOURCE_DIR "/../shared/data/beam";
-  if (!std::filesystem::exists(folder / "beam.msh")) {
-    WARN("no reference data at " << folder << ": skipped");
-    return;
-  }
+  const std::filesystem::path folder = std::filesystem::path(test::shared_folder()) / "beam";
+  if (!std::filesystem::exists(folder / "beam.msh"))
+    return test::skip("no reference data at " + folder.string());
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;

@@ -279,10 +279,4 @@ std::map<std::string, std::string> surface_files(const Surface& surface) {
           {"big.ply", header("binary_big_endian") + ply_big}};
 }
 
-std::string shared_folder() {
-  const std::filesystem::path folder = std::filesystem::path(FOREFEEL_SOURCE_DIR) / ".." / "shared" / "data";
-  std::error_code error;
-  return std::filesystem::is_directory(folder, error) ? folder.string() : std::string();
-}
-
 }  // namespace forefeel::test

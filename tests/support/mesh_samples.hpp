@@ -13,6 +13,5 @@ TetMesh sample_mesh();                                   // 3 tetrahedra on 6 no
 std::map<std::string, std::string> sample_mesh_files();  // name ("gmsh41_binary.msh") -> content
 Surface unit_cube();                                     // 12 triangles, outward, low corner at the origin
 std::map<std::string, std::string> surface_files(const Surface& surface);
-std::string shared_folder();  // where reference data lie; empty where they do not
 
 }  // namespace forefeel::test

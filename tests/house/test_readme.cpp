@@ -6,16 +6,18 @@
 #include <regex>
 #include <sstream>
 
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
 
-using forefeel::test::Workshop;
+using namespace forefeel::test;
 
 namespace {
 
 namespace fs = std::filesystem;
 
 std::string readme() {
-  std::ifstream in(FOREFEEL_SOURCE_DIR "/README.md");
+  std::ifstream in(source_folder() / "README.md");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -33,9 +35,9 @@ std::string block(const std::string& heading, const std::string& language) {
 
 // The repository as a person sees it, without building it again.
 void lay_out(const Workshop& shop) {
-  fs::create_directory_symlink(FOREFEEL_SOURCE_DIR "/apps", shop.path() / "apps");
+  fs::create_directory_symlink(source_folder() / "apps", shop.path() / "apps");
   fs::create_directories(shop.path() / "build/release");
-  fs::create_directory_symlink(FOREFEEL_BINARY_DIR "/apps", shop.path() / "build/release/apps");
+  fs::create_directory_symlink(build_folder() / "apps", shop.path() / "build/release/apps");
 }
 
 void check_runs(const Workshop& shop, const std::string& script) {
@@ -79,10 +81,7 @@ TEST_CASE("the tour on the phantom, and its states in Python", "[readme]") {
   for (const char* file :
        {"build/tour/liver.states", "build/tour/coverage.svg", "build/tour/run/report.html"})
     CHECK_THAT(files, Catch::Contains(file));
-  if (shop.shell("/usr/bin/python3 -c 'import pandas'").code != 0) {
-    WARN("python3-pandas is not installed: the lines of Python are not run");
-    return;
-  }
+  if (!has_python_module("pandas")) return skip("python3-pandas is not installed");
   shop.write("states.py", block("States in Python", "python"));
   const Workshop::Outcome python = shop.shell("/usr/bin/python3 states.py");
   INFO(python.err);
@@ -106,7 +105,7 @@ TEST_CASE("files that the README names exist", "[readme]") {
   int found = 0;
   for (std::sregex_iterator match(text.begin(), text.end(), path), end; match != end; ++match, ++found) {
     INFO((*match)[1]);
-    CHECK(fs::exists(fs::path(FOREFEEL_SOURCE_DIR) / (*match)[1].str()));
+    CHECK(fs::exists(source_folder() / (*match)[1].str()));
   }
   CHECK(found > 5);
 }

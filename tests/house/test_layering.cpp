@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -87,25 +90,25 @@ std::vector<std::string> heavy_headers_out_of_place(const fs::path& root) {
 }  // namespace
 
 TEST_CASE("no include against the layers", "[layering]") {
-  const std::vector<std::string> broken = against_the_arrows(FOREFEEL_SOURCE_DIR);
+  const std::vector<std::string> broken = against_the_arrows(forefeel::test::source_folder());
   for (const std::string& line : broken) UNSCOPED_INFO(line);
   CHECK(broken.empty());
 }
 
 TEST_CASE("CGAL and TetGen are seen where they are used, and TetGen in one file", "[layering]") {
-  const std::vector<std::string> broken = heavy_headers_out_of_place(FOREFEEL_SOURCE_DIR);
+  const std::vector<std::string> broken = heavy_headers_out_of_place(forefeel::test::source_folder());
   for (const std::string& line : broken) UNSCOPED_INFO(line);
   CHECK(broken.empty());
   std::set<std::string> tetgen;
-  for (const Include& include : includes_of(FOREFEEL_SOURCE_DIR, "geometry"))
+  for (const Include& include : includes_of(forefeel::test::source_folder(), "geometry"))
     if (include.target == "tetgen.h") tetgen.insert(include.file);
   CHECK(tetgen.size() == 1);
 }
 
 TEST_CASE("the check finds what it looks for", "[layering]") {
-  const fs::path root = fs::temp_directory_path() /
-                        ("forefeel-layers-" + std::to_string(std::hash<std::string>{}(FOREFEEL_BINARY_DIR)));
-  for (const auto& [folder, may_see] : allowed) fs::create_directories(root / folder);
+  const forefeel::test::TemporaryFolder folder;
+  const fs::path root = folder.path();
+  for (const auto& [top, may_see] : allowed) fs::create_directories(root / top);
   std::ofstream(root / "approx/bad.hpp")
       << "#pragma once\n#include \"solver/equilibrium/solver.hpp\"\n  #  include <CGAL/Point_3.h>\n";
   std::ofstream(root / "solver/bad.cpp")
@@ -114,5 +117,4 @@ TEST_CASE("the check finds what it looks for", "[layering]") {
   std::ofstream(root / "geometry/fine.cpp") << "#include \"geometry/fine_cgal.hpp\"\n#include <tetgen.h>\n";
   CHECK(against_the_arrows(root).size() == 2);
   CHECK(heavy_headers_out_of_place(root).size() == 2);
-  fs::remove_all(root);
 }

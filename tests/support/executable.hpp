@@ -6,15 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace forefeel::test {
 
 // A fresh folder that is gone at the end; also the working directory of what is run in it.
 class Workshop {
  public:
   Workshop();
-  ~Workshop();
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
 
   struct Outcome {
     int code = -1;  // -1: ended by a signal
@@ -29,7 +28,8 @@ class Workshop {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_;  // holds "work", what commands print, and their cache
+  std::filesystem::path path_ = folder_ / "work";
 };
 
 // One clear line that mentions every word, exit code 2, and no file made, changed in name or left.

@@ -1,6 +1,6 @@
-#include "tests/apps/executable.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
 
-#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -25,31 +25,20 @@ std::string read(const fs::path& file) {
 }  // namespace
 
 Workshop::Workshop() {
-  std::string pattern = (fs::temp_directory_path() / "forefeel-test-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = pattern;
-  fs::create_directory(path_ / "work");
-  path_ /= "work";
-}
-
-Workshop::~Workshop() {
-  std::error_code error;
-  for (const auto& entry : fs::recursive_directory_iterator(path_, error))
-    if (entry.is_directory()) fs::permissions(entry.path(), fs::perms::owner_all, error);
-  fs::remove_all(path_.parent_path(), error);
+  fs::create_directory(path_);
 }
 
 Workshop::Outcome Workshop::shell(const std::string& command) const {
-  const fs::path out = path_.parent_path() / "out", err = path_.parent_path() / "err";
+  const fs::path out = folder_ / "out", err = folder_ / "err";
   const std::string line = "cd '" + path_.string() + "' && export XDG_CACHE_HOME='" +
-                           (path_.parent_path() / "cache").string() + "' && { " + command + "\n} >'" +
-                           out.string() + "' 2>'" + err.string() + "' </dev/null";
+                           (folder_ / "cache").string() + "' && { " + command + "\n} >'" + out.string() +
+                           "' 2>'" + err.string() + "' </dev/null";
   const int status = std::system(line.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
 }
 
 Workshop::Outcome Workshop::forefeel(const std::string& arguments) const {
-  return shell("'" FOREFEEL_BINARY_DIR "/apps/forefeel' " + arguments);
+  return shell("'" + executable() + "' " + arguments);
 }
 
 std::size_t Workshop::Outcome::error_lines() const {
@@ -64,9 +53,7 @@ nlohmann::json Workshop::Outcome::json() const {
 }
 
 fs::path Workshop::write(const std::string& name, const std::string& text) const {
-  fs::create_directories((path_ / name).parent_path());
-  std::ofstream(path_ / name, std::ios::binary) << text;
-  return path_ / name;
+  return folder_.write("work/" + name, text);
 }
 
 std::string Workshop::files() const {

@@ -1,0 +1,15 @@
+#pragma once
+// Where the sources and the build are. Only paths.cpp is compiled with these folders on its command line, so that
+// a compiler cache holds for every other test file in any folder.
+
+#include <filesystem>
+#include <string>
+
+namespace forefeel::test {
+
+std::filesystem::path source_folder();  // the repository
+std::filesystem::path build_folder();   // the build's root, e.g. build/release
+std::string executable();               // the command `forefeel`, as an absolute path
+std::string shared_folder();            // ../shared/data with reference data; empty where there is none
+
+}  // namespace forefeel::test

@@ -1,0 +1,33 @@
+#include "tests/support/skip.hpp"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+namespace forefeel::test {
+namespace {
+
+std::vector<std::string>& reasons() {
+  static std::vector<std::string> all;
+  return all;
+}
+
+}  // namespace
+
+void skip(const std::string& reason) {
+  WARN("skipped: " << reason);
+  reasons().push_back(Catch::getResultCapture().getCurrentTestName() + ": " + reason);
+}
+
+const std::vector<std::string>& skipped() {
+  return reasons();
+}
+
+bool has_command(const std::string& name) {
+  return std::system(("command -v '" + name + "' >/dev/null 2>&1").c_str()) == 0;
+}
+
+bool has_python_module(const std::string& module) {
+  return std::system(("/usr/bin/python3 -c 'import " + module + "' >/dev/null 2>&1").c_str()) == 0;
+}
+
+}  // namespace forefeel::test
