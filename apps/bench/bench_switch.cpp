@@ -298,7 +298,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
       for (std::size_t r = 0; r < rules.size(); ++r) costs[r].push_back(cost_of_a_frame(stream, rules[r]));
     const double none = quantile_of(costs[2], 0.5);
     for (std::size_t r = 0; r < rules.size(); ++r) {
-      const Outcome found = Player(stream, rules[r]).play(laboratory.scene().session.error_floor);
+      const Outcome found = Player(stream, rules[r]).play(laboratory.scene().session.judging.error_floor);
       const double ours = quantile_of(costs[r], 0.5);
       document["rows"].push_back(make_row(laboratory, rules[r], every, ours, none, found));
       if (rules[r] != SwitchRule::none)

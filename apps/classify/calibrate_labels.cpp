@@ -225,7 +225,7 @@ int calibrate_labels(const Globals& globals, const std::string& scene, const std
   CalibrationOptions options{.space = s.space,
                              .inward = s.inward,
                              .tolerance = s.tolerance,
-                             .floor = s.session.error_floor,
+                             .floor = s.session.judging.error_floor,
                              .select = s.model.select,
                              .seed = globals.seed,
                              .threads = globals.threads};

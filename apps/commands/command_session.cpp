@@ -46,49 +46,49 @@ T one_of(const std::string& given, const char* option, std::initializer_list<T> 
 
 SessionOptions options_of(const Scene& scene, const SessionArguments& given, const Globals& globals) {
   SessionOptions options = scene.session;
-  options.model = scene.model;
+  options.model.fit = scene.model;
   if (given.clock) {
     if (*given.clock != "real" && *given.clock != "virtual")
       throw InputError("--clock", fmt::format("is '{}', expected real or virtual", *given.clock));
-    options.clock = *given.clock == "real" ? Clock::real : Clock::virtual_time;
+    options.clock.kind = *given.clock == "real" ? Clock::real : Clock::virtual_time;
   }
-  options.device = given.device.value_or(options.device);
-  options.policy = given.policy.value_or(options.policy);
-  options.predictor = given.predictor.value_or(options.predictor);
-  options.cost = given.cost.value_or(options.cost);
-  options.seconds = given.seconds.value_or(options.seconds);
-  options.latency = given.latency.value_or(options.latency);
-  options.workers = given.workers.value_or(options.workers);
-  if (given.arrivals) options.arrivals = *given.arrivals;
-  if (given.replay) options.replay = *given.replay;
+  options.motion.device = given.device.value_or(options.motion.device);
+  options.planning.policy = given.policy.value_or(options.planning.policy);
+  options.motion.predictor = given.predictor.value_or(options.motion.predictor);
+  options.workers.cost = given.cost.value_or(options.workers.cost);
+  options.clock.seconds = given.seconds.value_or(options.clock.seconds);
+  options.workers.latency = given.latency.value_or(options.workers.latency);
+  options.workers.count = given.workers.value_or(options.workers.count);
+  if (given.arrivals) options.planning.arrivals = *given.arrivals;
+  if (given.replay) options.motion.replay = *given.replay;
   if (given.switching)
     options.switching.rule =
         one_of(*given.switching, "--switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
   if (given.select)
-    options.model.select = one_of(*given.select, "--select", {Select::label, Select::nearest});
-  options.threads = globals.threads;
+    options.model.fit.select = one_of(*given.select, "--select", {Select::label, Select::nearest});
+  options.workers.threads = globals.threads;
   if (globals.seed != 0) options.seed = globals.seed;
   return options;
 }
 
 // A motion that ends is run to its end where it was asked for here, and no longer than the scene says elsewhere.
 double whole_motion(double duration, const SessionOptions& options, bool asked) {
-  if (!std::isfinite(duration)) return options.seconds;
-  const double all = duration + options.frame;  // the last row is a frame of its own
-  return asked ? all : std::min(options.seconds, all);
+  if (!std::isfinite(duration)) return options.clock.seconds;
+  const double all = duration + options.clock.frame;  // the last row is a frame of its own
+  return asked ? all : std::min(options.clock.seconds, all);
 }
 
 // States known at the start, and the file that new ones are appended to.
 void take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
                  SessionInput& input) {
-  input.state_file = fs::path(given.output) / "session.states";
+  input.files.states = fs::path(given.output) / "session.states";
   if (given.states.empty()) return;
   const fs::path file = given.states;
   if (file.extension() == ".csv") {  // measured or foreign states stay as they are
     input.known = read_states_csv(file);
     return;
   }
-  input.state_file = file;
+  input.files.states = file;
   if (!fs::exists(file)) {
     check_writable(file);
     warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states",
@@ -139,14 +139,14 @@ void warn_of_solving(const Globals& globals, const Scene& scene, const SessionAr
 // A run is not written over the one that it replays.
 void keep_replayed(const SessionOptions& options, const fs::path& run) {
   std::error_code error;
-  if (options.replay && fs::equivalent(*options.replay, run, error))
+  if (options.motion.replay && fs::equivalent(*options.motion.replay, run, error))
     throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
 }
 
 // What an earlier run into this folder solved is kept beside, as session-1.states, session-2.states, …
 void set_aside_states_of_last_run(const Globals& globals, const SessionInput& input, const fs::path& run) {
   const fs::path file = run / "session.states";
-  if (input.state_file != file || !fs::exists(file)) return;
+  if (input.files.states != file || !fs::exists(file)) return;
   int k = 1;
   while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
   warn(globals,
@@ -159,7 +159,8 @@ void set_aside_states_of_last_run(const Globals& globals, const SessionInput& in
 }
 
 std::string text_for(const SessionProgress& p) {
-  if (p.phase != "session") return fmt::format("{} {:.0f} of {:.0f}", p.phase, p.t, p.seconds);
+  if (p.phase != SessionPhase::session || p.rehearsals > 0)
+    return fmt::format("{} {:.0f} of {:.0f}", phase_in_words(p), p.t, p.seconds);
   return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved,
                      name(p.label));
 }
@@ -230,7 +231,7 @@ struct Meanwhile {
 };
 
 void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, SessionOptions& options) {
-  if (options.clock != Clock::real)
+  if (options.clock.kind != Clock::real)
     throw InputError(
         "--mpi", "has no use under the virtual clock, whose workers are simulated; expected --clock real");
   if (mpi->ranks() < 2)
@@ -239,8 +240,8 @@ void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, S
   if (given.workers && *given.workers != mpi->ranks() - 1)
     throw InputError("--workers", fmt::format("is {}, but with --mpi the workers are the {} other ranks",
                                               *given.workers, mpi->ranks() - 1));
-  options.workers = mpi->ranks() - 1;
-  options.mpi = mpi;
+  options.workers.count = mpi->ranks() - 1;
+  options.workers.mpi = mpi;
 }
 
 // What is wrong with the device, the cost or the box was said by the scene unless it was given here: names file, line and key.
@@ -279,29 +280,26 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   SessionOptions options = options_of(scene, given, globals);
   warn_of_solving(globals, scene, given);
   if (mpi) join(mpi, given, options);
-  SessionInput input{.body = scene.body,
-                     .identity = scene.identity,
-                     .space = scene.space,
-                     .displacements = scene.displacements,
-                     .known = {},
-                     .state_file = {},
-                     .cache_folder = cache_folder(),
-                     .references = {},
-                     .scene_folder = fs::absolute(scene.file).parent_path(),
-                     .inward = scene.inward};
+  SessionInput input{.touched = {.body = scene.body,
+                                 .identity = scene.identity,
+                                 .space = scene.space,
+                                 .displacements = scene.displacements,
+                                 .inward = scene.inward},
+                     .files = {.cache = cache_folder(), .scene = fs::absolute(scene.file).parent_path()}};
   try {
     check_session(input, options);
   } catch (const InputError& error) {
     throw at_its_place(error, scene, given, globals);
   }
-  if (options.mpi && options.mpi->rank() > 0) {
-    options.mpi->serve(
-        input.body,
-        {.spacing = input.space.spacing, .tolerance = 1e-6, .displacements = input.displacements});
+  if (options.workers.mpi && options.workers.mpi->rank() > 0) {
+    options.workers.mpi->serve(input.touched.body, {.spacing = input.touched.space.spacing,
+                                                    .tolerance = 1e-6,
+                                                    .displacements = input.touched.displacements});
     return 0;
   }
   if (!given.seconds)
-    options.seconds = whole_motion(motion_seconds(input, options), options, given.device || given.replay);
+    options.clock.seconds =
+        whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
   end_if_interrupted("the session began");
   take_states(scene, given, globals, input);
@@ -314,10 +312,10 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
   const InterruptWatch watch;  // also while the files are written
-  options.interrupted = &watch.flag();
-  options.hurried = &watch.hurry();
+  options.stop.interrupted = &watch.flag();
+  options.stop.hurried = &watch.hurry();
   Meanwhile meanwhile;
-  PredictionScores predictions(options.frame);
+  PredictionScores predictions(options.clock.frame);
   const SessionResult result = run_session(
       input, options,
       [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); },
@@ -331,8 +329,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   meanwhile.states.get();
   const SessionSummary summary = summarise(result, input, options);
   nlohmann::ordered_json document = to_json(summary);
-  const auto asked = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
-  document["interrupted"] = result.interrupted;
+  const auto asked = static_cast<std::size_t>(std::llround(options.clock.seconds / options.clock.frame));
+  document["interrupted"] = result.interrupted();
   document["frames_asked"] = asked;
   document["spacing"] = scene.space.spacing;
   if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
@@ -344,14 +342,14 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   write_report(run, summary, document, scene, pictures);
   if (globals.json) print_json(document);
   if (!globals.json) tell(globals, summary, run);
-  if (!result.interrupted) return 0;
-  if (result.not_begun)
+  if (!result.interrupted()) return 0;
+  if (result.end == RunEnd::not_begun)
     warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
                               result.notes.front(), asked));
   else
     warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run "
                               "hold what was done until then",
-                              result.frames.size(), asked, result.start_solved_failed[1]));
+                              result.frames.size(), asked, result.counts.solved));
   flush_warnings();
   return 1;
 }

@@ -88,14 +88,14 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   const Scene& scene = plan.scenes[cell.scene];
   const SessionInput input = session_input(scene);
   SessionOptions options = cell.options;
-  options.threads = globals.threads;
+  options.workers.threads = globals.threads;
   StudyCell alone = cell;
   alone.options = options;
   alone = with_load_found(plan, alone, input);
-  options.cost = alone.options.cost;
+  options.workers.cost = alone.options.workers.cost;
   Progress progress(globals, "session");
   const SessionResult result = run_cell(plan, alone, input, [&](const SessionProgress& p) {
-    progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, p.phase);
+    progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
   });
   const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
   fs::create_directories(folder);
@@ -106,7 +106,7 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   write_whole(folder / "summary.json",
               document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   write_report(folder, summary, document, scene, begin_pictures(result, begin_slices(result, scene.space)));
-  const Figure figure = gantt_figure(result, options.seconds, options.workers);
+  const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
   const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
   if (svg)
     write_whole(folder / "gantt.svg", *svg);
@@ -115,7 +115,7 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
   if (globals.json) print_json(document);
   say(globals, fmt::format("{}: {} solves of {} workers in {} s",
                            (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
-                           options.workers, options.seconds));
+                           options.workers.count, options.clock.seconds));
   return svg ? 0 : 1;
 }
 

@@ -124,7 +124,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   options.error = error;
   options.space = scene.space;
   options.estimate.model = scene.model;
-  options.estimate.floor = scene.session.error_floor;
+  options.estimate.floor = scene.session.judging.error_floor;
   options.seed = globals.seed;
   options.threads = globals.threads;
   options.want_displacements = scene.displacements;

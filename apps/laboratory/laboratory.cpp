@@ -113,16 +113,13 @@ std::vector<State> Laboratory::references(std::span<const Vec3> at, const ShowSh
 }
 
 SessionInput Laboratory::session_input() const {
-  return {.body = scene_.body,
-          .identity = scene_.identity,
-          .space = scene_.space,
-          .displacements = false,
-          .known = {},
-          .state_file = {},
-          .cache_folder = cache_folder(),
-          .references = service_,
-          .scene_folder = fs::absolute(scene_.file).parent_path(),
-          .inward = scene_.inward};
+  return {.touched = {.body = scene_.body,
+                      .identity = scene_.identity,
+                      .space = scene_.space,
+                      .displacements = false,
+                      .inward = scene_.inward},
+          .files = {.cache = cache_folder(), .scene = fs::absolute(scene_.file).parent_path()},
+          .references = service_};
 }
 
 Mat3 lattice_frame(const Vec3& inward) {

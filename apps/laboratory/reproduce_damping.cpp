@@ -86,24 +86,25 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
   laboratory.service()->learn(ground.complete());
   SessionInput input = laboratory.session_input();
   input.known = script.known;
-  input.space = ground.space({}).options();
+  input.touched.space = ground.space({}).options();
   std::vector<Run> runs;
   for (const Way& way : ways()) {
     SessionOptions options = laboratory.scene().session;
-    options.clock = Clock::virtual_time;
-    options.seconds = script.seconds;
-    options.device = "trace:" + std::filesystem::absolute(folder / "damping-motion.csv").string();
-    options.arrivals = folder / "damping-arrivals.csv";
-    options.replay.reset();
-    options.model = way.method.model;
-    options.method = "rbf";
+    options.clock.kind = Clock::virtual_time;
+    options.clock.seconds = script.seconds;
+    options.motion.device = "trace:" + std::filesystem::absolute(folder / "damping-motion.csv").string();
+    options.planning.arrivals = folder / "damping-arrivals.csv";
+    options.motion.replay.reset();
+    options.model.fit = way.method.model;
+    options.model.method = Method::rbf;
     options.switching.rule = way.rule;
-    options.cost = "constant:0.01";
-    options.threads = laboratory.globals().threads;
-    options.reference_step = 1;  // the HIP rests: one reference is enough, below
+    options.workers.cost = "constant:0.01";
+    options.workers.threads = laboratory.globals().threads;
+    options.judging.reference_step = 1;  // the HIP rests: one reference is enough, below
     const double done = static_cast<double>(runs.size()) / 4;
     SessionResult result = run_session(input, options, [&](const SessionProgress& p) {
-      show(done + 0.25 * (p.seconds > 0 ? p.t / p.seconds : 0), fmt::format("{}: {}", way.name, p.phase));
+      show(done + 0.25 * (p.seconds > 0 ? p.t / p.seconds : 0),
+           fmt::format("{}: {}", way.name, phase_in_words(p)));
     });
     runs.push_back({way, std::move(result.frames)});
   }
@@ -133,8 +134,8 @@ std::array<Effect, groups> effects(const Run& run, const Script& script, const J
     if (since < 0) continue;
     const auto g = std::min(groups - 1, static_cast<std::size_t>(since / script.interval));
     Effect& e = found[g];
-    e.jump = std::max(e.jump, b.undamped_jump);
-    e.jump_jnd = std::max(e.jump_jnd, b.undamped_jump / judge.jnd(b.undamped));
+    e.jump = std::max(e.jump, b.step.undamped_jump);
+    e.jump_jnd = std::max(e.jump_jnd, b.step.undamped_jump / judge.jnd(b.undamped));
     const double change = (b.force - a.force).norm();
     e.frame = std::max(e.frame, change);
     e.frame_share = std::max(e.frame_share, change / std::max(a.force.norm(), judge.absolute));
@@ -170,7 +171,7 @@ Reading read(const Run& run, const Script& script, const Judge& judge, const Sta
       ++reading.unsettled;
   }
   for (const FrameRecord& frame : run.frames)
-    if (frame.t >= script.first - 1e-9 && frame.switch_change > frame.switch_bound) ++reading.over_bound;
+    if (frame.t >= script.first - 1e-9 && frame.step.change > frame.step.bound) ++reading.over_bound;
   if (!tight.usable()) return reading;
   const auto error = [&](const FrameRecord& f) {
     return (f.force - tight.force).norm() / std::max(tight.force.norm(), floor);
@@ -364,7 +365,8 @@ Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& optio
       run_ways(laboratory, ground, script, folder,
                [&](double share, const std::string& text) { show(0.4 + 0.6 * share, text); });
   std::vector<Reading> readings;
-  for (const Run& run : runs) readings.push_back(read(run, script, judge, tight, session.error_floor));
+  for (const Run& run : runs)
+    readings.push_back(read(run, script, judge, tight, session.judging.error_floor));
   write_text(folder / "damping.csv", csv(runs, script));
 
   Findings findings;

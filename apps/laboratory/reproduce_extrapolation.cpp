@@ -395,7 +395,7 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
       laboratory, options.depth, [&](double share, const std::string& text) { show(0.6 * share, text); },
       options.gap);
   const SessionOptions& session = laboratory.scene().session;
-  const Judge judge{session.error_floor, session.switching.jnd_share, session.switching.jnd_floor};
+  const Judge judge{session.judging.error_floor, session.switching.jnd_share, session.switching.jnd_floor};
   const Fig2 fig = run_all(laboratory, ground, judge,
                            [&](double share, const std::string& text) { show(0.6 + 0.4 * share, text); });
   write_text(folder / "extrapolation.csv", csv(fig, judge));

@@ -315,7 +315,7 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
   std::vector<Row> rows = methods(states.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     show(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(rows.size()), rows[i].method);
-    measure_errors(rows[i], space, references, laboratory.scene().session.error_floor);
+    measure_errors(rows[i], space, references, laboratory.scene().session.judging.error_floor);
     measure(rows[i], space, options.rounds);
   }
   write_text(folder / "timing.csv", csv(rows));

@@ -186,9 +186,10 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
     slice.states.emplace_back(known, std::move(state));
   };
   for (const DispatchRecord& d : result.dispatch)
-    if ((d.status == "solved" || d.status == "arrived") && std::isfinite(d.finished))
+    if ((d.status == DispatchStatus::solved || d.status == DispatchStatus::arrived) &&
+        std::isfinite(d.finished))
       take(std::isfinite(d.known) ? d.known : d.finished, d.at);
-  for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) take(0.0, result.states[i].at);
+  for (std::size_t i = 0; i < result.counts.start; ++i) take(0.0, result.states[i].at);
   std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
   return drawn([slice = std::move(slice), space] { return slice_figure(slice, space); });
 }

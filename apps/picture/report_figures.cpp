@@ -23,12 +23,16 @@ std::vector<double> values_of(Frames frames, Value value) {
   for (const FrameRecord& frame : frames) values.push_back(value(frame));
   return values;
 }
-std::vector<double> values_of(Frames frames, double FrameRecord::*member) {
-  return values_of(frames, [member](const FrameRecord& f) { return f.*member; });
+std::vector<double> values_of(Frames frames, double Judgement::*member) {
+  return values_of(frames, [member](const FrameRecord& f) { return f.judged.*member; });
 }
-std::vector<double> norms(Frames frames, Vec3 FrameRecord::*member) {
-  return values_of(frames, [member](const FrameRecord& f) {
-    const Vec3& v = f.*member;
+std::vector<double> values_of(Frames frames, double FrameTiming::*member) {
+  return values_of(frames, [member](const FrameRecord& f) { return f.timing.*member; });
+}
+template <class Force>
+std::vector<double> norms(Frames frames, Force force) {
+  return values_of(frames, [force](const FrameRecord& f) {
+    const Vec3& v = force(f);
     return std::hypot(v[0], v[1], v[2]);
   });
 }
@@ -76,10 +80,10 @@ struct Curves {
   double end = 1e-3;  // [s]
 
   explicit Curves(Frames frames)
-      : t(values_of(frames, &FrameRecord::t)),
-        rendered(norms(frames, &FrameRecord::sent)),
-        undamped(norms(frames, &FrameRecord::undamped)),
-        reference(norms(frames, &FrameRecord::reference)) {
+      : t(values_of(frames, [](const FrameRecord& f) { return f.t; })),
+        rendered(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.sent; })),
+        undamped(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.undamped; })),
+        reference(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.judged.reference; })) {
     if (t.size() > 1) end = t.back() + t[1] - t[0];
   }
   std::pair<std::size_t, std::size_t> rows(double from, double until) const {
@@ -293,11 +297,10 @@ Figure time_figure(Frames frames) {
       values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
   std::string script = curves.blocks(0, curves.end, 1400) + common_style + strip_blocks(frames, curves.t) +
                        data_block("known", thinned_curve(curves.t, states, 700));
-  const std::pair<const char*, double FrameRecord::*> parts[] = {
-      {"error", &FrameRecord::error},
-      {"approximation", &FrameRecord::approximation},
-      {"switch", &FrameRecord::switching},
-      {"staleness", &FrameRecord::staleness}};
+  const std::pair<const char*, double Judgement::*> parts[] = {{"error", &Judgement::error},
+                                                               {"approximation", &Judgement::approximation},
+                                                               {"switch", &Judgement::switching},
+                                                               {"staleness", &Judgement::staleness}};
   for (const auto& [part, member] : parts)
     script += data_block(part, scatter(curves.t, values_of(frames, member)));
   script += fmt::format(
@@ -384,13 +387,13 @@ Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space) {
 }
 
 bool has_deadlines(Frames frames) {
-  return std::ranges::any_of(frames, [](const FrameRecord& f) { return std::isfinite(f.cost_us); });
+  return std::ranges::any_of(frames, [](const FrameRecord& f) { return std::isfinite(f.timing.cost_us); });
 }
 
 Figure deadline_figure(Frames frames) {
   double peak = 1;
-  const std::string cost = histogram(values_of(frames, &FrameRecord::cost_us), peak),
-                    late = histogram(values_of(frames, &FrameRecord::lateness_us), peak);
+  const std::string cost = histogram(values_of(frames, &FrameTiming::cost_us), peak),
+                    late = histogram(values_of(frames, &FrameTiming::lateness_us), peak);
   const std::string script =
       data_block("cost", cost) + data_block("late", late) + common_style +
       fmt::format(

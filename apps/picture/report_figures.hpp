@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/coverage/state_space.hpp"
-#include "scheduling/session/session.hpp"
+#include "scheduling/log/session_result.hpp"
 
 namespace forefeel {
 

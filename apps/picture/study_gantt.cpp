@@ -25,8 +25,8 @@ Bars bars_of(const SessionResult& result, double seconds) {
   for (const DispatchRecord& job : result.dispatch) {
     if (job.worker < 0 || !std::isfinite(job.started)) continue;
     const double end = std::min(std::isfinite(job.finished) ? job.finished : seconds, seconds);
-    const bool preempted = job.status == "preempted", used = std::isfinite(job.first_used);
-    const double half = preempted ? 0.1 : used || job.status == "running" ? 0.4 : 0.22;
+    const bool preempted = job.status == DispatchStatus::preempted, used = std::isfinite(job.first_used);
+    const double half = preempted ? 0.1 : used || job.status == DispatchStatus::running ? 0.4 : 0.22;
     std::string& group = preempted ? bars.preempted : used ? bars.used : bars.unused;
     group += fmt::format("{0:.6g} {1} {0:.6g} {2:.6g} {3} {4} {5}\n", job.started, job.worker, end,
                          job.worker - half, job.worker + half, rgb(job.label));

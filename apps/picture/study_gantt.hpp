@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/picture/report_figures.hpp"
-#include "scheduling/session/session.hpp"
+#include "scheduling/log/session_result.hpp"
 
 namespace forefeel {
 

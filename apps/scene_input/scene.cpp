@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "apps/console/suggest.hpp"
+#include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/sha256.hpp"
 
@@ -107,7 +108,7 @@ void choose_spacing_of(const SceneTable& table, Scene& scene) {
                                             .tolerance = scene.tolerance,
                                             .model = scene.model,
                                             .coverage = scene.space.coverage,
-                                            .floor = scene.session.error_floor},
+                                            .floor = scene.session.judging.error_floor},
                                            cache_folder());
   scene.space.spacing = scene.chosen_spacing->spacing;
   if (!scene.chosen_spacing->holds)
@@ -140,9 +141,6 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
   scene.displacements = table.boolean("displacements").value_or(false);
 }
 
-const std::vector<std::pair<std::string, Select>> select_words{{"label", Select::label},
-                                                               {"nearest", Select::nearest}};
-
 ModelOptions read_model(const SceneTable& table) {
   ModelOptions model;
   model.kernel =
@@ -157,27 +155,23 @@ ModelOptions read_model(const SceneTable& table) {
     throw table.wrong("data", "\"force\" with the linear kernel, which has no derivative at a state");
   model.neighbours = static_cast<std::size_t>(
       table.integer("neighbours", 1, 100'000).value_or(model.data == Data::force ? 100 : 25));
-  model.select = table.word("select", select_words).value_or(model.select);
+  model.select = table.word("select", select_words()).value_or(model.select);
   model.ridge = table.number("ridge", not_negative()).value_or(model.ridge);
   return model;
 }
 
 void read_switch(const SceneTable& session, SwitchOptions& options) {
-  options.rule = session
-                     .word<SwitchRule>("switch", {{"paper", SwitchRule::paper},
-                                                  {"smooth", SwitchRule::smooth},
-                                                  {"none", SwitchRule::none}})
-                     .value_or(options.rule);
+  options.rule = session.word("switch", switch_words()).value_or(options.rule);
   const SceneTable jnd = session.sub("jnd", {"share", "floor"});
   options.jnd_share = jnd.number("share", share()).value_or(options.jnd_share);
   options.jnd_floor = jnd.number("floor", positive()).value_or(options.jnd_floor);
 }
 
 void read_limits(const SceneTable& limits, SessionOptions& session) {
-  session.force_limit = limits.number("force", positive()).value_or(session.force_limit);
-  session.slew_limit = limits.number("slew", positive()).value_or(session.slew_limit);
-  session.ramp_seconds = limits.number("ramp", not_negative()).value_or(session.ramp_seconds);
-  session.stale_seconds = limits.number("stale", positive()).value_or(session.stale_seconds);
+  session.safety.force_limit = limits.number("force", positive()).value_or(session.safety.force_limit);
+  session.safety.slew_limit = limits.number("slew", positive()).value_or(session.safety.slew_limit);
+  session.safety.ramp_seconds = limits.number("ramp", not_negative()).value_or(session.safety.ramp_seconds);
+  session.safety.stale_seconds = limits.number("stale", positive()).value_or(session.safety.stale_seconds);
 }
 
 std::optional<fs::path> file_beside(const SceneTable& table, const std::string& key, const fs::path& folder) {
@@ -189,49 +183,46 @@ std::optional<fs::path> file_beside(const SceneTable& table, const std::string& 
 }
 
 void read_session(const SceneTable& table, const fs::path& folder, SessionOptions& session) {
-  session.clock = table.word<Clock>("clock", {{"real", Clock::real}, {"virtual", Clock::virtual_time}})
-                      .value_or(session.clock);
-  session.seconds = table.number("seconds", positive()).value_or(session.seconds);
-  session.device = table.text("device").value_or(session.device);
-  session.policy = table.text("policy").value_or(session.policy);
+  session.clock.kind = table.word("clock", clock_words()).value_or(session.clock.kind);
+  session.clock.seconds = table.number("seconds", positive()).value_or(session.clock.seconds);
+  session.motion.device = table.text("device").value_or(session.motion.device);
+  session.planning.policy = table.text("policy").value_or(session.planning.policy);
   const std::vector<std::string> policies = policy_names();
-  if (std::ranges::find(policies, session.policy) == policies.end())
+  if (std::ranges::find(policies, session.planning.policy) == policies.end())
     throw table.wrong("policy", fmt::format("one of {} (nearest: '{}')", listed(policies),
-                                            nearest_word(session.policy, policies)));
-  session.predictor =
+                                            nearest_word(session.planning.policy, policies)));
+  session.motion.predictor =
       table.word<std::string>("predictor", {{"kalman", "kalman"}, {"constant-velocity", "constant-velocity"}})
-          .value_or(session.predictor);
-  session.method =
-      table
-          .word<std::string>("method", {{"rbf", "rbf"}, {"trilinear", "trilinear"}, {"tricubic", "tricubic"}})
-          .value_or(session.method);
-  session.placement =
-      table
-          .word<std::string>("placement",
-                             {{"lattice", "lattice"}, {"adaptive", "adaptive"}, {"path", "path"}})
-          .value_or(session.placement);
-  if (session.method != "rbf" && session.placement != "lattice")
+          .value_or(session.motion.predictor);
+  session.model.method = table.word("method", method_words()).value_or(session.model.method);
+  session.planning.placement =
+      table.word("placement", placement_words()).value_or(session.planning.placement);
+  if (session.model.method != Method::rbf && session.planning.placement != Placement::lattice)
     throw table.wrong("placement",
                       fmt::format("lattice with method = \"{}\", which interpolates between lattice states",
-                                  session.method));
-  session.workers = static_cast<int>(table.integer("workers", 1, 100000).value_or(session.workers));
+                                  *table.text("method")));
+  session.workers.count =
+      static_cast<int>(table.integer("workers", 1, 100000).value_or(session.workers.count));
   read_switch(table, session.switching);
-  session.update_travel = table.number("update_travel", positive()).value_or(session.update_travel);
-  session.cost = table.text("cost").value_or(session.cost);
-  session.latency = table.number("latency", not_negative()).value_or(session.latency);
-  session.arrivals = file_beside(table, "arrivals", folder);
-  session.batch = static_cast<int>(table.integer("batch", 0, 8).value_or(session.batch));
-  session.batch_share = table.number("batch_share", positive()).value_or(session.batch_share);
-  session.rest_first = table.boolean("rest_first").value_or(session.rest_first);
-  session.first_guess = table.boolean("first_guess").value_or(session.first_guess);
-  session.rest_known = table.boolean("rest_known").value_or(session.rest_known);
-  session.preempt = table.boolean("preempt").value_or(session.preempt);
+  session.model.update_travel =
+      table.number("update_travel", positive()).value_or(session.model.update_travel);
+  session.workers.cost = table.text("cost").value_or(session.workers.cost);
+  session.workers.latency = table.number("latency", not_negative()).value_or(session.workers.latency);
+  session.planning.arrivals = file_beside(table, "arrivals", folder);
+  session.planning.batch = static_cast<int>(table.integer("batch", 0, 8).value_or(session.planning.batch));
+  session.workers.batch_share = table.number("batch_share", positive()).value_or(session.workers.batch_share);
+  session.planning.rest_first = table.boolean("rest_first").value_or(session.planning.rest_first);
+  session.model.first_guess = table.boolean("first_guess").value_or(session.model.first_guess);
+  session.planning.rest_known = table.boolean("rest_known").value_or(session.planning.rest_known);
+  session.planning.preempt = table.boolean("preempt").value_or(session.planning.preempt);
   session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
-  session.error_floor = table.number("error_floor", positive()).value_or(session.error_floor);
-  session.reference_step = table.number("reference_step", positive()).value_or(session.reference_step);
-  session.visit_cell = table.number("visit_cell", not_negative()).value_or(session.visit_cell);
-  session.visit_stride =
-      static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.visit_stride));
+  session.judging.error_floor = table.number("error_floor", positive()).value_or(session.judging.error_floor);
+  session.judging.reference_step =
+      table.number("reference_step", positive()).value_or(session.judging.reference_step);
+  session.judging.visit_cell =
+      table.number("visit_cell", not_negative()).value_or(session.judging.visit_cell);
+  session.judging.visit_stride =
+      static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.judging.visit_stride));
   read_limits(table.sub("limits", {"force", "slew", "ramp", "stale"}), session);
 }
 
@@ -311,7 +302,7 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   scene.model = read_model(model);
   if (model.has("select") && session.has("select"))
     throw session.wrong("select", "only one of model.select and session.select");
-  scene.model.select = session.word("select", select_words).value_or(scene.model.select);
+  scene.model.select = session.word("select", select_words()).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
   scene.device_place = session.where("device");
   scene.cost_place = session.where("cost");
@@ -326,7 +317,7 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
     take_body(read_body(sections, file.parent_path(), file.string(), scene.warnings), scene);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), scene);
   scene.model.length = scene.space.spacing;
-  scene.session.model = scene.model;
+  scene.session.model.fit = scene.model;
   scene.hash = hash_of(table, scene.identity);
   return scene;
 }

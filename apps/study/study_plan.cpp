@@ -116,14 +116,14 @@ InputError placed(const Study& study, const Scene& scene, const SessionOptions& 
     return {place, named ? problem : fmt::format("{} {}", key, problem)};
   }
   if (!of_file && key == "cost") return {place_of(study, scene, "session.cost"), whole};
-  if (options.arrivals && error.place().file == options.arrivals->string())
+  if (options.planning.arrivals && error.place().file == options.planning.arrivals->string())
     return {place_of(study, scene, "session.arrivals"), whole};
   return {place_of_device(study, scene, problem), whole};
 }
 
 // All that a session refuses, by its own check.
 void check_cell(const Study& study, const Scene& scene, const SessionInput& input, SessionOptions options) {
-  const std::string device = options.device;
+  const std::string device = options.motion.device;
   const auto check = [&] {
     try {
       check_session(input, options);
@@ -133,8 +133,8 @@ void check_cell(const Study& study, const Scene& scene, const SessionInput& inpu
   };
   if (!study.sustained) return check();
   for (const double speed : {study.sustained->low, study.sustained->high}) {
-    options.device = device_at_speed(device, speed, study.sustained_place);
-    options.seconds = study.sustained->travel / speed;
+    options.motion.device = device_at_speed(device, speed, study.sustained_place);
+    options.clock.seconds = study.sustained->travel / speed;
     check();
   }
 }
@@ -143,7 +143,7 @@ void check_cell(const Study& study, const Scene& scene, const SessionInput& inpu
 // passed over with a warning where the study brings the arrivals.
 void check_arrivals(const Study& study, const Scene& scene, const SessionOptions& options,
                     std::vector<std::string>& warnings) {
-  if (!options.arrivals) return;
+  if (!options.planning.arrivals) return;
   const std::string arrivals = place_of(study, scene, "session.arrivals").text();
   const auto refuse = [&](const InputPlace& place) { throw InputError(place, no_effect_beside(arrivals)); };
   if (study.sustained) refuse(study.sustained_place);
@@ -166,10 +166,11 @@ std::string key_of(const Scene& scene, const SessionOptions& options, const Stud
   hash.add(fmt::format("{}\n{}\n{}\n", format_version, made_by["version"].get<std::string>(),
                        made_by["commit"].get<std::string>()));
   hash.add(scene.hash + "\n");
-  hash.add(fmt::format("{}\n{}\n{}\n{}\n", options.device, options.cost, options.seed, options.seconds));
-  if (const fs::path trace = trace_file(options.device, scene.file.parent_path()); !trace.empty())
+  hash.add(fmt::format("{}\n{}\n{}\n{}\n", options.motion.device, options.workers.cost, options.seed,
+                       options.clock.seconds));
+  if (const fs::path trace = trace_file(options.motion.device, scene.file.parent_path()); !trace.empty())
     hash.add(contents(trace));
-  if (options.arrivals) hash.add(contents(*options.arrivals));
+  if (options.planning.arrivals) hash.add(contents(*options.planning.arrivals));
   if (const auto& s = study.sustained)
     hash.add(fmt::format("sustained {} {} {} {} {}\n", s->travel, s->share, s->tolerance, s->low, s->high));
   return hash.hex();
@@ -179,42 +180,43 @@ std::string key_of(const Scene& scene, const SessionOptions& options, const Stud
 
 SessionInput session_input(const Scene& scene) {
   SessionInput input;
-  input.body = scene.body;
-  input.identity = scene.identity;
-  input.space = scene.space;
-  input.displacements = scene.displacements;
-  input.cache_folder = cache_folder();
-  input.scene_folder = scene.file.parent_path();
-  input.inward = scene.inward;
+  input.touched.body = scene.body;
+  input.touched.identity = scene.identity;
+  input.touched.space = scene.space;
+  input.touched.displacements = scene.displacements;
+  input.files.cache = cache_folder();
+  input.files.scene = scene.file.parent_path();
+  input.touched.inward = scene.inward;
   return input;
 }
 
 double states_needed_per_second(const Scene& scene, const SessionOptions& options) {
-  const auto device = make_device(options.device, {.box = scene.space.box,
-                                                   .inward = scene.inward,
-                                                   .seed = options.seed,
-                                                   .folder = scene.file.parent_path()});
-  const double h = options.visit_cell > 0 ? options.visit_cell : scene.space.spacing;
-  const auto frames = static_cast<std::size_t>(std::llround(options.seconds / options.frame));
+  const auto device = make_device(options.motion.device, {.box = scene.space.box,
+                                                          .inward = scene.inward,
+                                                          .seed = options.seed,
+                                                          .folder = scene.file.parent_path()});
+  const double h = visit_cell(options.judging, scene.space.spacing);
+  const auto frames = static_cast<std::size_t>(std::llround(options.clock.seconds / options.clock.frame));
   NeededStates needed(scene.space.box, h);
-  if (options.rest_known) needed.know(Vec3::Zero());
+  if (options.planning.rest_known) needed.know(Vec3::Zero());
   for (std::size_t k = 0; k < frames; ++k)
-    needed.visit(device->position(static_cast<double>(k) * options.frame, Vec3::Zero()));
-  return static_cast<double>(needed.count()) / options.seconds;
+    needed.visit(device->position(static_cast<double>(k) * options.clock.frame, Vec3::Zero()));
+  return static_cast<double>(needed.count()) / options.clock.seconds;
 }
 
 std::string cost_for_load(double load, const SessionOptions& options, double demand,
                           const InputPlace& where) {
   const double sigma =
       std::log(10.0) / (2 * 1.959964);  // 95 % within a factor of ten, as the paper's 0.1 to 1 s
-  const double batch = std::max(options.batch, 1);
-  const double job = load * options.workers * batch / demand;
-  const double mean = (job - 2 * options.latency) / (1 + (batch - 1) * options.batch_share);
+  const double batch = std::max(options.planning.batch, 1);
+  const double job = load * options.workers.count * batch / demand;
+  const double mean = (job - 2 * options.workers.latency) / (1 + (batch - 1) * options.workers.batch_share);
   if (!(mean > 0))
     throw InputError(
         where,
         fmt::format("holds {}, but a message of {} s each way alone makes the load {:.3g}; expected more",
-                    load, options.latency, 2 * options.latency * demand / (options.workers * batch)));
+                    load, options.workers.latency,
+                    2 * options.workers.latency * demand / (options.workers.count * batch)));
   if (mean > 1e6)
     throw InputError(
         where, fmt::format("holds {}, for which a solve takes {:.3g} s; expected a load of at most {:.3g}",
@@ -244,12 +246,13 @@ StudyPlan plan_study(Study given) {
     const SessionInput input = session_input(scene);
     for (const std::uint64_t seed : study.seeds) {
       StudyCell cell{.choice = choice, .seed = seed, .scene = c, .options = scene.session, .key = {}};
-      cell.options.clock = Clock::virtual_time;
-      cell.options.threads = 1;
+      cell.options.clock.kind = Clock::virtual_time;
+      cell.options.workers.threads = 1;
       cell.options.seed = seed;
       if (const auto speed = number_of(study, choice, "speed"))
-        cell.options.device = device_at_speed(cell.options.device, *speed, axis_place(study, "speed"));
-      if (study.sustained) device_at_speed(cell.options.device, 1, study.sustained_place);
+        cell.options.motion.device =
+            device_at_speed(cell.options.motion.device, *speed, axis_place(study, "speed"));
+      if (study.sustained) device_at_speed(cell.options.motion.device, 1, study.sustained_place);
       check_arrivals(study, scene, cell.options, plan.warnings);
       check_cell(study, scene, input, cell.options);
       if (const auto load = number_of(study, choice, "target_load")) {
@@ -258,9 +261,10 @@ StudyPlan plan_study(Study given) {
           throw InputError(axis_place(study, "target_load"),
                            fmt::format("device '{}' needs no state of the box, expected a "
                                        "motion through it",
-                                       cell.options.device));
-        cell.options.cost = cost_for_load(*load, cell.options, demand, axis_place(study, "target_load"));
-        if (cell.options.device.starts_with("hand:")) {
+                                       cell.options.motion.device));
+        cell.options.workers.cost =
+            cost_for_load(*load, cell.options, demand, axis_place(study, "target_load"));
+        if (cell.options.motion.device.starts_with("hand:")) {
           cell.load_to_find = *load;
           cell.free_demand = demand;
         }

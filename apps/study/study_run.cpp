@@ -43,24 +43,24 @@ double quantile95(std::vector<double> values) {
 
 void add_first_visits(const SessionResult& result, const SwitchOptions& jnd, double tolerance,
                       CellColumns& columns) {
-  const std::pair<const char*, double FrameRecord::*> parts[] = {
-      {"approximation", &FrameRecord::approximation},
-      {"switch", &FrameRecord::switching},
-      {"staleness", &FrameRecord::staleness}};
+  const std::pair<const char*, double Judgement::*> parts[] = {{"approximation", &Judgement::approximation},
+                                                               {"switch", &Judgement::switching},
+                                                               {"staleness", &Judgement::staleness}};
   for (const auto& [name, member] : parts) {
     std::vector<double> values;
     for (const FrameRecord& frame : result.frames)
-      if (frame.first_visit && std::isfinite(frame.*member)) values.push_back(frame.*member);
+      if (frame.judged.first_visit && std::isfinite(frame.judged.*member))
+        values.push_back(frame.judged.*member);
     columns[fmt::format("error.first_visit.parts.{}", name)] = number(quantile95(std::move(values)));
   }
   std::size_t visits = 0, within = 0;
   for (const FrameRecord& frame : result.frames) {
-    if (!frame.first_visit || !frame.reference.allFinite()) continue;
+    if (!frame.judged.first_visit || !frame.judged.reference.allFinite()) continue;
     ++visits;
-    within +=
-        (frame.force - frame.reference).norm() <= std::max(tolerance * frame.reference.norm(), jnd.jnd_floor)
-            ? 1
-            : 0;
+    within += (frame.force - frame.judged.reference).norm() <=
+                      std::max(tolerance * frame.judged.reference.norm(), jnd.jnd_floor)
+                  ? 1
+                  : 0;
   }
   columns["error.first_visit.within_7"] =
       number(visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : unknown);
@@ -71,12 +71,12 @@ void add_solver_time(const SessionResult& result, double end, CellColumns& colum
   double busy = 0, preempted = 0, wasted = 0;
   std::size_t solved = 0, used = 0;
   for (const DispatchRecord& job : result.dispatch) {
-    if (!std::isfinite(job.started) || job.status == "arrived") continue;
+    if (!std::isfinite(job.started) || job.status == DispatchStatus::arrived) continue;
     const double seconds =
         std::max(0.0, std::min(std::isfinite(job.finished) ? job.finished : end, end) - job.started);
     busy += seconds;
-    if (job.status == "preempted") preempted += seconds;
-    if (job.status != "solved") continue;
+    if (job.status == DispatchStatus::preempted) preempted += seconds;
+    if (job.status != DispatchStatus::solved) continue;
     ++solved;
     used += std::isfinite(job.first_used) ? 1 : 0;
     wasted += std::isfinite(job.first_used) ? 0 : seconds;
@@ -105,7 +105,7 @@ std::optional<CellColumns> read_record(const fs::path& folder, const StudyCell& 
 
 void write_record(const fs::path& folder, const StudyCell& cell, const CellColumns& columns) {
   nlohmann::ordered_json record{
-      {"key", cell.key}, {"device", cell.options.device}, {"cost", cell.options.cost}};
+      {"key", cell.key}, {"device", cell.options.motion.device}, {"cost", cell.options.workers.cost}};
   record["columns"] = columns;
   OutputFile out(record_file(folder, cell));
   out.write(record.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
@@ -140,8 +140,8 @@ class References {
  public:
   References(const Globals& globals, int threads) : globals_(globals), threads_(threads) {}
   std::shared_ptr<ReferenceService> of(const SessionInput& input) {
-    std::string key = fmt::format("{} {}", input.space.spacing, input.displacements);
-    for (const auto& [name, hash] : input.identity) key += fmt::format(" {}={}", name, hash);
+    std::string key = fmt::format("{} {}", input.touched.space.spacing, input.touched.displacements);
+    for (const auto& [name, hash] : input.touched.identity) key += fmt::format(" {}={}", name, hash);
     const std::lock_guard lock(mutex_);
     std::shared_ptr<ReferenceService>& service = services_[key];
     if (service) return service;
@@ -182,9 +182,9 @@ class Ticker {
 
 double part_of(const SessionProgress& p) {
   const double share = p.seconds > 0 ? std::clamp(p.t / p.seconds, 0.0, 1.0) : 0.0;
-  if (p.phase.starts_with("rehearsal")) return 0;
-  if (p.phase == "session") return 0.6 * share;
-  return p.phase == "labels" ? 0.6 + 0.3 * share : 0.9 + 0.09 * share;
+  if (p.rehearsals > 0) return 0;
+  if (p.phase == SessionPhase::session) return 0.6 * share;
+  return p.phase == SessionPhase::labels ? 0.6 + 0.3 * share : 0.9 + 0.09 * share;
 }
 
 CellColumns run_plain(const StudyPlan& plan, const StudyCell& cell, const SessionInput& input,
@@ -201,8 +201,9 @@ CellColumns run_sustained(const StudyPlan& plan, const StudyCell& cell, const Se
   std::map<double, CellColumns> seen;
   const auto share_at = [&](double speed) {
     StudyCell trial = cell;
-    trial.options.device = device_at_speed(cell.options.device, speed, plan.study.sustained_place);
-    trial.options.seconds = sought.travel / speed;
+    trial.options.motion.device =
+        device_at_speed(cell.options.motion.device, speed, plan.study.sustained_place);
+    trial.options.clock.seconds = sought.travel / speed;
     const SessionResult result = run_cell(plan, trial, input, {});
     CellColumns columns = cell_columns(result, input, trial.options);
     add_first_visits(result, trial.options.switching, sought.tolerance, columns);
@@ -228,8 +229,8 @@ CellColumns cell_columns(const SessionResult& result, const SessionInput& input,
     columns[column.name] =
         depends_on_wall_time(column.name) ? nlohmann::ordered_json(nullptr) : to_json(column.value);
   add_first_visits(result, options.switching, 0.07, columns);
-  add_solver_time(result, options.seconds, columns);
-  columns["cost"] = options.cost;
+  add_solver_time(result, options.clock.seconds, columns);
+  columns["cost"] = options.workers.cost;
   return columns;
 }
 
@@ -248,23 +249,23 @@ StudyCell with_load_found(const StudyPlan& plan, const StudyCell& cell, const Se
                 corrected = 3;  // from then on halfway between what is too much and what is too little
   constexpr double near = 0.025;
   StudyCell trial = cell, best = cell;
-  trial.options.reference_step = 1e9;  // what is rehearsed is the motion alone
-  trial.options.visit_stride = 1'000'000;
+  trial.options.judging.reference_step = 1e9;  // what is rehearsed is the motion alone
+  trial.options.judging.visit_stride = 1'000'000;
   double demand = cell.free_demand, least = std::numeric_limits<double>::infinity();
   double too_little = 0, too_much = 0;  // demands
   for (int i = 0; i < tries && least > near; ++i) {
     const SessionResult result = run_cell(plan, trial, input, {});
     const double load = summarise(result, input, trial.options).load;
-    if (result.interrupted || !std::isfinite(load)) break;
+    if (result.interrupted() || !std::isfinite(load)) break;
     const double met = load / cell.load_to_find;
     if (std::abs(std::log(met)) < least) {
       least = std::abs(std::log(met));
-      best.options.cost = trial.options.cost;
+      best.options.workers.cost = trial.options.workers.cost;
     }
     (met < 1 ? too_little : too_much) = demand;
     demand = i + 1 < corrected || too_little == 0 || too_much == 0 ? demand * met
                                                                    : std::sqrt(too_little * too_much);
-    trial.options.cost =
+    trial.options.workers.cost =
         cost_for_load(cell.load_to_find, trial.options, demand, plan.study.origin.at("target_load"));
   }
   return best;
@@ -321,8 +322,8 @@ StudyResult run_study(const StudyPlan& plan, const fs::path& folder, const Globa
     for (std::size_t item = next++; item < todo.size() && !watch.raised(); item = next++) {
       try {
         StudyCell cell = plan.cells[todo[item]];
-        cell.options.interrupted = &watch.flag();
-        cell.options.hurried = &watch.hurry();
+        cell.options.stop.interrupted = &watch.flag();
+        cell.options.stop.hurried = &watch.hurry();
         SessionInput input = session_input(plan.scenes[cell.scene]);
         input.references = references.of(input);
         cell = with_load_found(plan, cell, input);

@@ -9,7 +9,7 @@
 namespace forefeel {
 namespace {
 
-std::vector<State> failed_of(const std::vector<State>& states) {
+std::vector<State> failed_of(std::span<const State> states) {
   std::vector<State> failed;
   for (const State& state : states)
     if (!state.usable()) failed.push_back(state);
@@ -22,15 +22,14 @@ double finite(double priority) {
 
 }  // namespace
 
-Planner::Planner(const SessionInput& input, const SessionOptions& options, Generator& generator,
-                 LoopLink& link, Hooks hooks)
-    : options_(options),
+Planner::Planner(PlannerSetup setup, Generator& generator, LoopLink& link, Hooks hooks)
+    : setup_(std::move(setup)),
       generator_(generator),
       link_(link),
       hooks_(std::move(hooks)),
-      space_(input.space),
+      space_(setup_.space),
       solve_seconds_(std::max(hooks_.expected_solve, 1e-6)) {
-  for (const State& state : input.known) {
+  for (const State& state : setup_.known) {
     if (!state.usable() || !space_.insert(state).is_new) continue;
     dispatch_of_.push_back(-1);
     if (state.displacements) {
@@ -40,17 +39,13 @@ Planner::Planner(const SessionInput& input, const SessionOptions& options, Gener
       remember_start(state.at, -1, std::move(known));
     }
   }
-  start_ = space_.size();
-  link_.known.store(static_cast<std::uint32_t>(start_), std::memory_order_release);
-  candidates_ =
-      std::make_unique<Candidates>(space_, failed_of(input.known), check_placement(options.placement));
-  policy_ = make_policy(options.policy, {.seed = options.seed});
-  predictor_ = make_predictor(options.predictor);
-  models_ = std::make_unique<ModelKeeper>(space_, options, link);
-  if (policy_->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, options);
+  counts_.start = space_.size();
+  link_.known.store(static_cast<std::uint32_t>(counts_.start), std::memory_order_release);
+  candidates_ = std::make_unique<Candidates>(space_, failed_of(setup_.known), setup_.placement);
+  models_ = std::make_unique<ModelKeeper>(space_, setup_.model, link);
+  if (setup_.policy->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, setup_.model);
   // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
-  start_limit_ =
-      std::clamp<std::size_t>((std::size_t{1} << 29) / (input.body->mesh.nodes.size() * 96 + 1), 16, 65536);
+  start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (setup_.nodes * 96 + 1), 16, 65536);
 }
 
 // All of the first states, later one in eight: what they teach changes little then.
@@ -60,7 +55,7 @@ void Planner::note_surprise(const State& state) {
   if (space_.size() > all && space_.size() % every != 0) return;
   judge_->forget();
   const Vec3 error = judge_->model_at(state.at).force(state.at) - state.force;
-  const SwitchOptions& jnd = options_.switching;
+  const SwitchOptions& jnd = setup_.jnd;
   surprises_.resize(space_.size(), std::numeric_limits<float>::quiet_NaN());
   surprises_.push_back(
       static_cast<float>(error.norm() / std::max(jnd.jnd_share * state.force.norm(), jnd.jnd_floor)));
@@ -86,8 +81,8 @@ void Planner::receive(JobResult result, double now) {
   record.started = began ? result.started : unknown;
   record.finished = result.finished;
   if (result.state.status == SolveStatus::cancelled) {
-    record.status = began ? "preempted" : "withdrawn";
-    preempted_ += began ? 1 : 0;
+    record.status = began ? DispatchStatus::preempted : DispatchStatus::withdrawn;
+    counts_.preempted += began ? 1 : 0;
     ++preemptions_[candidate.order];
     if (result.partial) partial_[candidate.order] = std::move(result.partial);
     candidates_->put_back(candidate);
@@ -100,19 +95,19 @@ void Planner::receive(JobResult result, double now) {
   }
   jobs_ += slot.counted || slot.rest ? 0 : 1;
   slot.counted = true;
-  note_cost(result.finished - result.started, options_.rest_first && result.state.at.isZero(0));
+  note_cost(result.finished - result.started, setup_.rest_first && result.state.at.isZero(0));
   if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
   if (hooks_.on_state) hooks_.on_state(result.state);
   if (!result.state.usable()) {
-    record.status = "failed";
-    ++failed_;
+    record.status = DispatchStatus::failed;
+    ++counts_.failed;
     candidates_->fail(candidate.at);
     notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(),
                                  result.state.at.y(), result.state.at.z(), name(result.state.status)));
     return;
   }
-  record.status = "solved";
-  ++solved_;
+  record.status = DispatchStatus::solved;
+  ++counts_.solved;
   insert(result.state, result.dispatch);
   remember_start(result.state.at, result.dispatch, std::move(result.equilibrium));
 }
@@ -121,19 +116,19 @@ void Planner::arrive(State state, double now) {
   DispatchRecord record{
       .id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = space_.label(state.at)};
   record.requested = record.finished = record.known = now;
-  record.status = state.usable() ? "arrived" : "failed";
+  record.status = state.usable() ? DispatchStatus::arrived : DispatchStatus::failed;
   const std::int64_t row = record.id;
   dispatches_.push_back(record);
   if (hooks_.on_state) hooks_.on_state(state);
   if (!state.usable())
-    ++failed_;
+    ++counts_.failed;
   else if (insert(state, row))
-    ++solved_;
+    ++counts_.solved;
 }
 
 void Planner::observe(const HipSample& sample) {
   hip_ = sample;
-  predictor_->observe(sample);
+  setup_.predictor->observe(sample);
 }
 
 // What rest takes tells nothing of what the others will.
@@ -174,7 +169,7 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
 }
 
 void Planner::predict(double now) {
-  const bool truth = hooks_.future && knows_the_future(options_.policy);
+  const bool truth = static_cast<bool>(hooks_.future);
   const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0)
                                : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
   const int steps = truth ? 24 : 8;
@@ -182,7 +177,7 @@ void Planner::predict(double now) {
   for (int i = 0; i <= steps; ++i) {
     const double horizon = longest * i / steps;
     Prediction p = truth ? Prediction{.horizon = horizon, .at = hooks_.future(now + horizon), .deviation = 0}
-                         : predictor_->predict(horizon);
+                         : setup_.predictor->predict(horizon);
     p.horizon = horizon;
     if (!p.at.allFinite()) p.at = hip_.at;
     predicted_.push_back(p);
@@ -194,11 +189,11 @@ PlannerView Planner::view(double now) const {
           .now = now,
           .hip = hip_,
           .predicted = predicted_,
-          .solve_seconds = solve_seconds_ + 2 * options_.latency,
+          .solve_seconds = solve_seconds_ + 2 * setup_.latency,
           .workers = generator_.workers(),
           .pending = pending_,
-          .with_stiffness = options_.model.data == Data::force_and_stiffness,
-          .in_cells = options_.method != "rbf",
+          .with_stiffness = setup_.model.fit.data == Data::force_and_stiffness,
+          .in_cells = setup_.model.method != Method::rbf,
           .surprises = surprises_};
 }
 
@@ -213,15 +208,15 @@ void Planner::look(double now) {
   predict(now);
   candidates_->follow(predicted_, now);
   candidates_->request_near(hip_.at, now);
-  if (policy_->reads_regions()) candidates_->refresh_regions();
+  if (setup_.policy->reads_regions()) candidates_->refresh_regions();
   gather_pending(nullptr);
-  policy_->look(view(now));
+  setup_.policy->look(view(now));
 }
 
 void Planner::rank(double now) {
   const auto open = candidates_->open();
   priorities_.resize(open.size());
-  policy_->prioritise(open, view(now), priorities_);
+  setup_.policy->prioritise(open, view(now), priorities_);
   for (double& p : priorities_) p = finite(p);
 }
 
@@ -262,7 +257,7 @@ std::size_t Planner::best_of_many(double now, double& priority) {
       if (!place) continue;
       if (!as_now) {
         again.push_back(top.candidate);
-      } else if (policy_->at_most(top.priority) == top.priority) {
+      } else if (setup_.policy->at_most(top.priority) == top.priority) {
         priority = top.priority;
         return *place;
       } else {
@@ -276,7 +271,7 @@ std::size_t Planner::best_of_many(double now, double& priority) {
       return place;
     }
     worth.resize(again.size());
-    policy_->prioritise(again, view(now), worth);
+    setup_.policy->prioritise(again, view(now), worth);
     for (std::size_t i = 0; i < again.size(); ++i) {
       ranked_.push_back({finite(worth[i]), again[i], pending_.size()});
       std::push_heap(ranked_.begin(), ranked_.end());
@@ -292,7 +287,7 @@ void Planner::plan(double now) {
   if (idle_workers == 0) return consider_preemption(now);
   if (rest_comes_first(now)) return;
   look(now);
-  const bool many = idle_workers > 1 && options_.batch == 1 && std::isfinite(policy_->at_most(1));
+  const bool many = idle_workers > 1 && setup_.batch == 1 && std::isfinite(setup_.policy->at_most(1));
   if (many) rank_for_many(now);
   for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty();
        ++worker) {
@@ -307,14 +302,14 @@ void Planner::plan(double now) {
     dispatch(static_cast<int>(worker), candidate, priority, beside, now);
     pending_.push_back(candidate.at);
     for (const Candidate& c : beside) pending_.push_back(c.at);
-    if (--idle_workers > 0) policy_->pend(view(now));
+    if (--idle_workers > 0) setup_.policy->pend(view(now));
   }
 }
 
 // While nothing is known. The others begin once the hand has moved a third of a spacing, or rest is known: where it goes
 // is worth the few milliseconds until then, since what they begin takes them ten times as long.
 bool Planner::rest_comes_first(double now) {
-  if (!options_.rest_first || !space_.empty()) return false;
+  if (!setup_.rest_first || !space_.empty()) return false;
   if (dispatches_.empty()) {
     const std::optional<Candidate> rest = candidates_->take_rest();
     if (!rest) return false;
@@ -328,7 +323,7 @@ bool Planner::rest_comes_first(double now) {
 // The open candidates next to one, with their priorities.
 std::vector<std::pair<double, Candidate>> Planner::neighbours_of(std::size_t chosen) const {
   std::vector<std::pair<double, Candidate>> near;
-  if (options_.batch < 2) return near;
+  if (setup_.batch < 2) return near;
   const auto open = candidates_->open();
   for (std::size_t i = 0; i < open.size(); ++i)
     if (i != chosen && !open[i].passing &&
@@ -344,7 +339,7 @@ std::vector<Candidate> Planner::take_neighbours(std::vector<std::pair<double, Ca
     return a.first != b.first ? a.first > b.first : a.second.order < b.second.order;
   });
   for (const auto& [priority, candidate] : near) {
-    if (static_cast<int>(taken.size()) + 1 >= options_.batch) break;
+    if (static_cast<int>(taken.size()) + 1 >= setup_.batch) break;
     if (const auto place = candidates_->index_of(candidate))
       taken.push_back(candidates_->refreshed(candidates_->take(*place)));
   }
@@ -358,8 +353,8 @@ std::uint32_t Planner::record_dispatch(int worker, const Candidate& candidate, d
                         .label = candidate.region,
                         .priority = priority};
   record.requested = std::isfinite(candidate.requested) ? candidate.requested : now;
-  record.started = now + options_.latency;  // until the worker tells
-  record.status = "running";
+  record.started = now + setup_.latency;  // until the worker tells
+  record.status = DispatchStatus::running;
   record.worker = worker;
   record.parent = parent;
   dispatches_.push_back(record);
@@ -393,7 +388,7 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority,
 // The two are compared as if neither were being solved. No candidate is cancelled more than twice, so that every one
 // is solved in the end.
 void Planner::consider_preemption(double now) {
-  if (!options_.preempt || candidates_->empty() ||
+  if (!setup_.preempt || candidates_->empty() ||
       now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_))
     return;
   preemption_checked_ = now;
@@ -411,12 +406,12 @@ void Planner::consider_preemption(double now) {
     if (slot.cancelling || slot.rest || enough) continue;
     gather_pending(&slot);
     const PlannerView seen = view(now);
-    policy_->pend(seen);
-    const double gain = policy_->priority(waiting, seen);
+    setup_.policy->pend(seen);
+    const double gain = setup_.policy->priority(waiting, seen);
     const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
     double worth = 0;
     for (const Member& member : slot.members)
-      worth = std::max(worth, policy_->priority(candidates_->refreshed(member.candidate), seen) / left);
+      worth = std::max(worth, setup_.policy->priority(candidates_->refreshed(member.candidate), seen) / left);
     if (gain > 0 && worth < least * gain) {
       least = worth / gain;
       weakest = &slot;
@@ -446,13 +441,13 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
   for (std::size_t i = 0; i < space_.size(); ++i)
     result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
   for (DispatchRecord& record : dispatches_)
-    if (record.status == "running" && std::isnan(record.started)) record.status = "waiting";
+    if (record.status == DispatchStatus::running && std::isnan(record.started))
+      record.status = DispatchStatus::waiting;
   result.dispatch = std::move(dispatches_);
   result.switches = models.take_switches();
-  result.start_solved_failed = {start_, solved_, failed_};
-  result.preempted = preempted_;
-  result.solve_seconds = std::move(costs_);
-  result.jobs = jobs_;
+  result.counts = counts_;
+  result.solver.seconds = std::move(costs_);
+  result.solver.jobs = jobs_;
   result.notes.insert(result.notes.end(), notes_.begin(), notes_.end());
 }
 

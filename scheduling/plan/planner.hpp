@@ -7,20 +7,36 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "scheduling/log/session_result.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/candidates.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
-#include "scheduling/session/session.hpp"
 #include "scheduling/workers/generator.hpp"
 
 namespace forefeel {
+
+// What a planner is made of; read while it is made.
+struct PlannerSetup {
+  StateSpaceOptions space = {};
+  std::span<const State> known = {};  // at the start; failed ones are not tried again
+  std::size_t nodes = 0;              // of the body's mesh: bounds how many solutions are kept to start from
+  std::unique_ptr<Policy> policy = {};
+  std::unique_ptr<Predictor> predictor = {};
+  Placement placement = Placement::lattice;
+  int batch = 1;  // states of one job
+  bool preempt = true, rest_first = true;
+  double latency = 0;  // of a message to or from a worker [s]
+  ModelRecipe model = {};
+  SwitchOptions jnd = {};  // a policy's surprises are measured in its JND
+};
 
 class Planner {
  public:
@@ -29,8 +45,8 @@ class Planner {
     std::function<Vec3(double)> future = {};     // the motion itself, for a policy that knows it
     double expected_solve = 0.01;                // time of a solve, until some were seen [s]
   };
-  Planner(const SessionInput& input, const SessionOptions& options, Generator& generator, LoopLink& link,
-          Hooks hooks);
+  // The generator and the link must outlive it.
+  Planner(PlannerSetup setup, Generator& generator, LoopLink& link, Hooks hooks);
 
   void receive(JobResult result, double now);  // from the generator
   void arrive(State state, double now);        // a state that becomes known without a solve
@@ -39,9 +55,9 @@ class Planner {
   void update(double now, bool time_it = false);  // publishes a model if states or travel call for one
 
   const StateSpace& space() const { return space_; }
-  std::size_t solved() const { return solved_; }
-  std::size_t failed() const { return failed_; }
-  std::size_t preempted() const { return preempted_; }
+  std::size_t solved() const { return counts_.solved; }
+  std::size_t failed() const { return counts_.failed; }
+  std::size_t preempted() const { return counts_.preempted; }
   bool idle() const;                                // nothing runs
   Label label() const { return models_->label(); }  // of the region that chose the newest model
   // Ends the records: what still runs is "running". The planner must not be used after.
@@ -95,15 +111,13 @@ class Planner {
   void note_cost(double seconds, bool at_rest);
   void note_surprise(const State& state);  // before it is inserted
 
-  const SessionOptions options_;
+  const PlannerSetup setup_;  // its `known` is not read later
   Generator& generator_;
   LoopLink& link_;
   Hooks hooks_;
   StateSpace space_;
   std::vector<std::int64_t> dispatch_of_;  // by state id: row of dispatch, -1 from the start
   std::unique_ptr<Candidates> candidates_;
-  std::unique_ptr<Policy> policy_;
-  std::unique_ptr<Predictor> predictor_;
   std::unique_ptr<ModelKeeper> models_;
   std::unique_ptr<SessionModel> judge_;  // models at states that come; null unless the policy asks
   std::vector<float> surprises_;         // by state id
@@ -125,7 +139,8 @@ class Planner {
   std::vector<Ranked> ranked_;
   std::vector<Vec3> pending_;  // where states are being solved
   std::vector<DispatchRecord> dispatches_;
-  std::size_t solved_ = 0, failed_ = 0, preempted_ = 0, start_ = 0, jobs_ = 0;
+  StateCounts counts_;
+  std::size_t jobs_ = 0;
   std::vector<std::string> notes_;
 };
 

@@ -17,14 +17,6 @@ constexpr double coarsest = 4;  // width of the adaptive lattice's first leaves,
 constexpr int deepest = 2;      // how often they may be split: down to the spacing
 }  // namespace
 
-Placement check_placement(const std::string& name) {
-  if (name == "lattice") return Placement::lattice;
-  if (name == "adaptive") return Placement::adaptive;
-  if (name == "path") return Placement::path;
-  throw InputError("session.placement",
-                   fmt::format("unknown placement '{}', expected lattice, adaptive, path", name));
-}
-
 Candidates::Candidates(const StateSpace& space, std::span<const State> failed, Placement placement)
     : space_(space), placement_(placement) {
   for (const State& state : failed) {

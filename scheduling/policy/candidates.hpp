@@ -20,7 +20,6 @@
 namespace forefeel {
 
 enum class Placement { lattice, adaptive, path };
-Placement check_placement(const std::string& name);  // InputError lists the names
 
 class Candidates {
  public:

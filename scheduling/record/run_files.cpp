@@ -41,15 +41,17 @@ Text frames_text(std::span<const FrameRecord> frames, bool real) {
     fmt::format_to(to, ",{},{},{}", name(f.label), f.model, f.known);
     put(out, f.undamped);
     put(out, f.force);
-    for (const double value : {f.switch_change, f.switch_bound, f.motion_change}) put(out, value);
-    fmt::format_to(to, ",{}", f.took_model ? 1 : 0);
-    put(out, f.undamped_jump);
-    fmt::format_to(to, ",{},{}", f.sampled ? 1 : 0, f.first_visit ? 1 : 0);
-    put(out, f.reference);
-    for (const double value : {f.error, f.approximation, f.switching, f.staleness}) put(out, value);
+    for (const double value : {f.step.change, f.step.bound, f.step.motion_change}) put(out, value);
+    fmt::format_to(to, ",{}", f.step.took_model ? 1 : 0);
+    put(out, f.step.undamped_jump);
+    fmt::format_to(to, ",{},{}", f.judged.sampled ? 1 : 0, f.judged.first_visit ? 1 : 0);
+    put(out, f.judged.reference);
+    for (const double value :
+         {f.judged.error, f.judged.approximation, f.judged.switching, f.judged.staleness})
+      put(out, value);
     if (real) {
-      put(out, f.cost_us);
-      put(out, f.lateness_us);
+      put(out, f.timing.cost_us);
+      put(out, f.timing.lateness_us);
     }
     out.push_back('\n');
   }
@@ -89,7 +91,7 @@ void write_dispatch(const std::filesystem::path& file, const SessionResult& resu
     put(out, d.at);
     fmt::format_to(to, ",{}", name(d.label));
     for (const double value : {d.priority, d.requested, d.started, d.finished, d.first_used}) put(out, value);
-    fmt::format_to(to, ",{},{},{}", d.status, d.worker, d.parent);
+    fmt::format_to(to, ",{},{},{}", name(d.status), d.worker, d.parent);
     put(out, d.known);
     out.push_back('\n');
   }
@@ -101,7 +103,7 @@ void write_switches(const std::filesystem::path& file, const SessionResult& resu
   auto to = std::back_inserter(out);
   fmt::format_to(to, "t,model,cause,label,n,replaced,jump_undamped{}\n", real ? ",fit_us" : "");
   for (const SwitchRecord& s : result.switches) {
-    fmt::format_to(to, "{},{},{},{},{},{}", s.t, s.model, s.cause, name(s.label), s.n, s.replaced);
+    fmt::format_to(to, "{},{},{},{},{},{}", s.t, s.model, name(s.cause), name(s.label), s.n, s.replaced);
     put(out, s.jump_undamped);
     if (real) put(out, s.fit_us);
     out.push_back('\n');
@@ -122,7 +124,7 @@ void prepare_run_folder(const std::filesystem::path& folder) {
 
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options) {
-  const bool real = options.clock == Clock::real;
+  const bool real = options.clock.kind == Clock::real;
   std::future<void> others = std::async(std::launch::async, [&] {
     write_dispatch(folder / "dispatch.csv", result);
     write_switches(folder / "switches.csv", result, real);

@@ -31,9 +31,9 @@ SessionSummary::Errors errors_of(const SessionResult& result, const SwitchOption
   std::vector<double> sorted;
   std::size_t within = 0;
   for (const FrameRecord& f : result.frames) {
-    if (!std::isfinite(f.error) || !choose(f)) continue;
-    sorted.push_back(f.error);
-    within += (f.force - f.reference).norm() <= jnd(f.reference, options);
+    if (!std::isfinite(f.judged.error) || !choose(f)) continue;
+    sorted.push_back(f.judged.error);
+    within += (f.force - f.judged.reference).norm() <= jnd(f.judged.reference, options);
   }
   std::sort(sorted.begin(), sorted.end());
   return {.samples = sorted.size(),
@@ -45,26 +45,26 @@ SessionSummary::Errors errors_of(const SessionResult& result, const SwitchOption
 }
 
 // The finite values of one part of the error at the samples, sorted.
-std::vector<double> sorted_part(const SessionResult& result, double FrameRecord::*part) {
+std::vector<double> sorted_part(const SessionResult& result, double Judgement::*part) {
   std::vector<double> sorted;
   for (const FrameRecord& f : result.frames)
-    if (f.sampled && std::isfinite(f.*part)) sorted.push_back(f.*part);
+    if (f.judged.sampled && std::isfinite(f.judged.*part)) sorted.push_back(f.judged.*part);
   std::sort(sorted.begin(), sorted.end());
   return sorted;
 }
 
 SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options) {
   SessionSummary::Error error;
-  error.samples = errors_of(result, options, [](const FrameRecord& f) { return f.sampled; });
-  const std::vector<double> approximation = sorted_part(result, &FrameRecord::approximation),
-                            switching = sorted_part(result, &FrameRecord::switching),
-                            staleness = sorted_part(result, &FrameRecord::staleness);
+  error.samples = errors_of(result, options, [](const FrameRecord& f) { return f.judged.sampled; });
+  const std::vector<double> approximation = sorted_part(result, &Judgement::approximation),
+                            switching = sorted_part(result, &Judgement::switching),
+                            staleness = sorted_part(result, &Judgement::staleness);
   error.parts_p95 = {quantile(approximation, 0.95), quantile(switching, 0.95), quantile(staleness, 0.95)};
   error.parts_p50 = {quantile(approximation, 0.5), quantile(switching, 0.5), quantile(staleness, 0.5)};
   for (const Label label : all_labels)
-    error.by_label[label] =
-        errors_of(result, options, [label](const FrameRecord& f) { return f.sampled && f.label == label; });
-  error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.first_visit; });
+    error.by_label[label] = errors_of(
+        result, options, [label](const FrameRecord& f) { return f.judged.sampled && f.label == label; });
+  error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.judged.first_visit; });
   return error;
 }
 
@@ -72,9 +72,9 @@ SessionSummary::Deadline deadline_of(const SessionResult& result, const SessionO
   std::size_t missed = 0;
   std::vector<double> cost, lateness;
   for (const FrameRecord& f : result.frames) {
-    cost.push_back(f.cost_us);
-    lateness.push_back(f.lateness_us);
-    missed += f.cost_us + f.lateness_us > options.frame * 1e6;
+    cost.push_back(f.timing.cost_us);
+    lateness.push_back(f.timing.lateness_us);
+    missed += f.timing.cost_us + f.timing.lateness_us > options.clock.frame * 1e6;
   }
   return {.missed = missed, .cost_us = timing(std::move(cost)), .lateness_us = timing(std::move(lateness))};
 }
@@ -83,17 +83,19 @@ SessionSummary::States states_of(const SessionResult& result) {
   std::size_t used = 0;
   std::vector<double> age;
   for (const DispatchRecord& d : result.dispatch) {
-    if ((d.status != "solved" && d.status != "arrived") || !std::isfinite(d.first_used)) continue;
+    if ((d.status != DispatchStatus::solved && d.status != DispatchStatus::arrived) ||
+        !std::isfinite(d.first_used))
+      continue;
     ++used;
     age.push_back(1e3 * (d.first_used - d.finished));
   }
   std::sort(age.begin(), age.end());
-  const auto [start, solved, failed] = result.start_solved_failed;
+  const auto& [start, solved, failed, preempted] = result.counts;
   return {.start = start,
           .solved = solved,
           .used = used,
           .wasted = solved - std::min(used, solved),
-          .preempted = result.preempted,
+          .preempted = preempted,
           .failed = failed,
           .age_at_use_ms_p50 = quantile(age, 0.5),
           .age_at_use_ms_p99 = quantile(age, 0.99)};
@@ -102,7 +104,7 @@ SessionSummary::States states_of(const SessionResult& result) {
 // Largest |sum of dF| within any window of given length [s].
 double drift(const SessionResult& result, double window) {
   std::vector<Vec3> sum(result.frames.size() + 1, Vec3::Zero());
-  for (std::size_t k = 0; k < result.frames.size(); ++k) sum[k + 1] = sum[k] + result.frames[k].switch_delta;
+  for (std::size_t k = 0; k < result.frames.size(); ++k) sum[k + 1] = sum[k] + result.frames[k].step.delta;
   if (result.frames.size() < 2) return 0;
   const double frame = result.frames[1].t - result.frames[0].t;
   const auto width =
@@ -116,9 +118,9 @@ double drift(const SessionResult& result, double window) {
 SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule rule) {
   SessionSummary::Switching found{.count = result.switches.size(), .rule = rule};
   for (const FrameRecord& f : result.frames) {
-    found.max_jump = std::max(found.max_jump, f.switch_change);
-    found.max_jump_undamped = std::max(found.max_jump_undamped, f.undamped_jump);
-    found.frames_over_jnd += f.switch_change > f.switch_bound;
+    found.max_jump = std::max(found.max_jump, f.step.change);
+    found.max_jump_undamped = std::max(found.max_jump_undamped, f.step.undamped_jump);
+    found.frames_over_jnd += f.step.change > f.step.bound;
   }
   found.drift_50ms = drift(result, 0.05);
   found.drift_100ms = drift(result, 0.1);
@@ -129,16 +131,17 @@ SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule r
 // States needed per second of motion, those known at the start left out, over states solved per second while every
 // worker is busy. A job takes its worker the solves and a message each way.
 double load_of(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
-  const double h = options.visit_cell > 0 ? options.visit_cell : input.space.spacing;
-  NeededStates needed(input.space.box, h);
-  for (std::size_t i = 0; i < result.start_solved_failed[0]; ++i) needed.know(result.states[i].at);
+  const double h = visit_cell(options.judging, input.touched.space.spacing);
+  NeededStates needed(input.touched.space.box, h);
+  for (std::size_t i = 0; i < result.counts.start; ++i) needed.know(result.states[i].at);
   for (const FrameRecord& f : result.frames) needed.visit(f.at);
-  if (result.frames.empty() || result.solve_seconds.empty() || result.workers == 0) return unknown;
+  if (result.frames.empty() || result.solver.seconds.empty() || result.solver.workers == 0) return unknown;
   const double seconds = result.frames.back().t + (result.frames.size() > 1 ? result.frames[1].t : 0);
-  const double messages =
-      options.clock == Clock::virtual_time ? 2 * options.latency * static_cast<double>(result.jobs) : 0;
-  const double total = std::accumulate(result.solve_seconds.begin(), result.solve_seconds.end(), messages);
-  const double rate = result.workers * static_cast<double>(result.solve_seconds.size()) / total;
+  const double messages = options.clock.kind == Clock::virtual_time
+                              ? 2 * options.workers.latency * static_cast<double>(result.solver.jobs)
+                              : 0;
+  const double total = std::accumulate(result.solver.seconds.begin(), result.solver.seconds.end(), messages);
+  const double rate = result.solver.workers * static_cast<double>(result.solver.seconds.size()) / total;
   return static_cast<double>(needed.count()) / seconds / rate;
 }
 
@@ -153,23 +156,26 @@ ByLabel<double> time_in_labels(const SessionResult& result) {
 }
 
 SessionSummary::Settings settings_of(const SessionOptions& options) {
-  return {.clock = options.clock,
-          .workers = options.workers,
-          .policy = options.policy,
-          .select = options.model.select,
-          .seed = options.seed,
-          .device = options.replay ? "replay:" + options.replay->string() : options.device};
+  return {
+      .clock = options.clock.kind,
+      .workers = options.workers.count,
+      .policy = options.planning.policy,
+      .select = options.model.fit.select,
+      .seed = options.seed,
+      .device = options.motion.replay ? "replay:" + options.motion.replay->string() : options.motion.device};
 }
 
 SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {
   // Rounding may leave the last frame out of a run that went to its end.
-  const bool whole = static_cast<double>(result.frames.size()) > options.seconds / options.frame - 0.75;
-  return {.seconds = whole ? options.seconds : static_cast<double>(result.frames.size()) * options.frame,
+  const bool whole =
+      static_cast<double>(result.frames.size()) > options.clock.seconds / options.clock.frame - 0.75;
+  return {.seconds =
+              whole ? options.clock.seconds : static_cast<double>(result.frames.size()) * options.clock.frame,
           .frames = result.frames.size(),
-          .first_guess = !result.switches.empty() && result.switches.front().cause == "guess",
+          .first_guess = !result.switches.empty() && result.switches.front().cause == SwitchCause::guess,
           .wall_seconds = result.wall_seconds,
-          .realtime_priority = result.realtime_priority,
-          .memory_locked = result.memory_locked,
+          .realtime_priority = result.process.realtime_priority,
+          .memory_locked = result.process.memory_locked,
           .notes = result.notes};
 }
 
@@ -185,11 +191,11 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .switching = switching_of(result, options.switching.rule),
           .error = error_of(result, options.switching),
           .load = load_of(result, input, options),
-          .energy = {.generated = result.generated_energy, .work = result.work},
-          .safety = {.clamped = result.clamped,
-                     .slewed = result.slewed,
-                     .stale = result.stale,
-                     .non_finite = result.non_finite}};
+          .energy = {.generated = result.safety.generated, .work = result.safety.work},
+          .safety = {.clamped = result.safety.clamped,
+                     .slewed = result.safety.slewed,
+                     .stale = result.safety.stale,
+                     .non_finite = result.safety.non_finite}};
 }
 
 }  // namespace forefeel

@@ -5,11 +5,11 @@
 
 namespace forefeel {
 
-ModelKeeper::ModelKeeper(const StateSpace& space, const SessionOptions& options, LoopLink& link)
+ModelKeeper::ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link)
     : space_(space),
       link_(link),
-      travel_(options.update_travel * space.options().spacing),
-      updater_(space, options) {}
+      travel_(recipe.update_travel * space.options().spacing),
+      updater_(space, recipe) {}
 
 Model* ModelKeeper::free_model() {
   while (const auto returned = link_.returned.pop()) free_.push_back(const_cast<Model*>(*returned));
@@ -33,7 +33,10 @@ void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   UpdateReport report;
   const bool known = updater_.update(hip, *model, &report);
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
-  const char* cause = space_.empty() ? "guess" : updated_states_ == 0 ? "first" : grown ? "states" : "travel";
+  const SwitchCause cause = space_.empty()         ? SwitchCause::guess
+                            : updated_states_ == 0 ? SwitchCause::first
+                            : grown                ? SwitchCause::states
+                                                   : SwitchCause::travel;
   // The same set gives the same model, unless it was stepped down to the state nearest to the HIP.
   const bool changed =
       report.refit || report.replaced > 0 || report.n != updated_n_ || !published_ || model->is_tangent();

@@ -6,16 +6,16 @@
 #include <memory>
 #include <vector>
 
+#include "scheduling/log/records.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
-#include "scheduling/session/session.hpp"
 
 namespace forefeel {
 
 class ModelKeeper {
  public:
   // The space and the link must outlive it; one thread owns it and the space.
-  ModelKeeper(const StateSpace& space, const SessionOptions& options, LoopLink& link);
+  ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link);
 
   void update(double now, const Vec3& hip, bool time_it = false);
   Label label() const { return label_; }  // of the region that chose the newest model

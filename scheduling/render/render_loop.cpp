@@ -2,15 +2,11 @@
 
 namespace forefeel {
 
-RenderLoop::RenderLoop(Device& device, LoopLink& link, const SessionOptions& options, std::size_t frames)
+RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames)
     : device_(device),
       link_(link),
       switch_(options.switching),
-      safety_({.force_limit = options.force_limit,
-               .slew_limit = options.slew_limit,
-               .ramp_seconds = options.ramp_seconds,
-               .stale_seconds = options.stale_seconds,
-               .frame = options.frame}),
+      safety_(options.safety, options.frame),
       frame_(options.frame),
       log_(frames) {}
 
@@ -38,20 +34,19 @@ void RenderLoop::frame(std::size_t k) noexcept {
     record.undamped = f.undamped;
     record.model = model_;
     record.known = known;
-    record.took_model = f.took_model;
-    record.undamped_jump = f.undamped_jump;
-    record.switch_change = f.change.norm();
-    record.switch_delta = f.change;
-    record.switch_bound = f.bound;
-    record.motion_change = (f.force - rendered_ - f.change).norm();
+    record.step.took_model = f.took_model;
+    record.step.undamped_jump = f.undamped_jump;
+    record.step.change = f.change.norm();
+    record.step.delta = f.change;
+    record.step.bound = f.bound;
+    record.step.motion_change = (f.force - rendered_ - f.change).norm();
   }
   rendered_ = f.force;
 }
 
 void RenderLoop::note_timing(double cost_us, double lateness_us) noexcept {
   if (done_ == 0) return;
-  log_[done_ - 1].cost_us = cost_us;
-  log_[done_ - 1].lateness_us = lateness_us;
+  log_[done_ - 1].timing = {.cost_us = cost_us, .lateness_us = lateness_us};
 }
 
 void RenderLoop::give_back(const Model* model) noexcept {

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "approx/switch/force_switch.hpp"
+#include "scheduling/log/records.hpp"
 #include "scheduling/motion/device.hpp"
-#include "scheduling/policy/policy.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 #include "scheduling/render/safety.hpp"
 #include "scheduling/render/spsc_queue.hpp"
 #include "scheduling/render/triple_buffer.hpp"
-#include "scheduling/session/session.hpp"
 
 namespace forefeel {
 
@@ -41,9 +41,15 @@ struct LoopLink {
   std::atomic<double> planner_beat{0};   // planner -> loop: session time of its last step [s]
 };
 
+struct RenderOptions {
+  SwitchOptions switching = {};
+  SafetyOptions safety = {};
+  double frame = 1e-3;  // [s]
+};
+
 class RenderLoop {
  public:
-  RenderLoop(Device& device, LoopLink& link, const SessionOptions& options, std::size_t frames);
+  RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames);
 
   // Frame k at t = k * frame. Returns what the planner is told of the HIP.
   void frame(std::size_t k) noexcept;

@@ -1,9 +1,25 @@
 #include "scheduling/render/safety.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "scheduling/common/option_check.hpp"
+
 namespace forefeel {
+
+void check(const SafetyOptions& o) {
+  using detail::expect_option, detail::positive;
+  expect_option(positive(o.force_limit), "force_limit",
+                fmt::format("is {}, expected a force above 0 N", o.force_limit));
+  expect_option(positive(o.slew_limit), "slew_limit",
+                fmt::format("is {}, expected N/s above 0", o.slew_limit));
+  expect_option(std::isfinite(o.ramp_seconds) && o.ramp_seconds >= 0, "ramp_seconds",
+                fmt::format("is {}, expected 0 s or more", o.ramp_seconds));
+  expect_option(positive(o.stale_seconds), "stale_seconds",
+                fmt::format("is {}, expected a time above 0 s", o.stale_seconds));
+}
 
 Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept {
   Vec3 force = rendered;
@@ -13,7 +29,7 @@ Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, double t, double age) no
   }
   const bool stale = age > options_.stale_seconds;
   if (stale) ++counts_.stale;
-  gain_ = std::clamp(gain_ + (stale ? -1 : 1) * options_.frame / 0.2, 0.0, 1.0);
+  gain_ = std::clamp(gain_ + (stale ? -1 : 1) * frame_ / 0.2, 0.0, 1.0);
   force *= gain_;
   if (t < options_.ramp_seconds) force *= std::max(t, 0.0) / options_.ramp_seconds;
 
@@ -23,7 +39,7 @@ Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, double t, double age) no
     ++counts_.clamped;
   }
   const Vec3 step = force - last_;
-  const double most = options_.slew_limit * options_.frame, wanted = step.norm();
+  const double most = options_.slew_limit * frame_, wanted = step.norm();
   if (wanted > most) {
     force = last_ + most / wanted * step;
     ++counts_.slewed;

@@ -15,12 +15,14 @@
 namespace forefeel {
 
 struct SafetyOptions {
-  double force_limit = 12;     // [N]
+  double force_limit = 12;     // that of an omega.3; a device with a lower limit of its own keeps that [N]
   double slew_limit = 1000;    // [N/s]
-  double ramp_seconds = 0.1;   // [s]
-  double stale_seconds = 0.5;  // [s]
-  double frame = 1e-3;         // [s]
+  double ramp_seconds = 0.1;   // start-up [s]
+  double stale_seconds = 0.5;  // watchdog [s]
 };
+
+// InputError names the key of a value that cannot be used.
+void check(const SafetyOptions& options);
 
 struct SafetyCounts {
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;  // frames
@@ -28,7 +30,7 @@ struct SafetyCounts {
 
 class Safety {
  public:
-  explicit Safety(SafetyOptions options) : options_(options) {}
+  Safety(SafetyOptions options, double frame) : options_(options), frame_(frame) {}  // frame [s]
   // rendered: by the switch; age: time since the planner's last sign of life [s]. Returns what the device gets [N].
   Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept;
 
@@ -40,6 +42,7 @@ class Safety {
   void observe_energy(const Vec3& force, const Vec3& x) noexcept;
 
   SafetyOptions options_;
+  double frame_;
   SafetyCounts counts_;
   Vec3 last_ = Vec3::Zero(), last_x_ = Vec3::Zero();
   bool started_ = false;

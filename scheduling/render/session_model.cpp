@@ -6,7 +6,7 @@
 
 #include "approx/model/lattice_field.hpp"
 #include "approx/model/model_data.hpp"
-#include "geometry/common/error.hpp"
+#include "scheduling/common/option_check.hpp"
 
 namespace forefeel {
 
@@ -19,10 +19,9 @@ constexpr double around =
     4;  // spacings around the HIP whose states a lattice model holds: it is replaced before
 }  // namespace
 
-void check_method(const std::string& method) {
-  if (method != "rbf" && method != "trilinear" && method != "tricubic")
-    throw InputError("session.method",
-                     fmt::format("unknown method '{}', expected rbf, trilinear, tricubic", method));
+void check(const SessionModelOptions& options) {
+  detail::expect_option(detail::positive(options.update_travel), "update_travel",
+                        fmt::format("is {}, expected spacings above 0", options.update_travel));
 }
 
 namespace {
@@ -35,20 +34,20 @@ ModelOptions at_first(ModelOptions options, const StateSpace& space) {
 
 }  // namespace
 
-SessionModel::SessionModel(const StateSpace& space, const SessionOptions& options)
+SessionModel::SessionModel(const StateSpace& space, const ModelRecipe& recipe)
     : space_(space),
-      rbf_(space, options.model),
-      first_(space, at_first(options.model, space)),
-      with_stiffness_(options.model.data == Data::force_and_stiffness),
-      lattice_(options.method != "rbf"),
-      cubic_(options.method == "tricubic") {
-  if (options.guess.isZero(0)) return;
+      rbf_(space, recipe.fit),
+      first_(space, at_first(recipe.fit, space)),
+      with_stiffness_(recipe.fit.data == Data::force_and_stiffness),
+      lattice_(recipe.method != Method::rbf),
+      cubic_(recipe.method == Method::tricubic) {
+  if (recipe.guess.isZero(0)) return;
   State rest;
   rest.force = Vec3::Zero();
-  rest.stiffness = options.guess;
+  rest.stiffness = recipe.guess;
   guessed_ = std::make_unique<StateSpace>(space.options());
   guessed_->insert(rest);
-  ModelOptions tangent = at_first(options.model, space);
+  ModelOptions tangent = at_first(recipe.fit, space);
   tangent.data = Data::force_and_stiffness;
   guess_.emplace(*guessed_, tangent);
 }

@@ -11,16 +11,14 @@
 #include <vector>
 
 #include "approx/select/updater.hpp"
-#include "scheduling/session/session.hpp"
+#include "scheduling/render/session_model_options.hpp"
 
 namespace forefeel {
-
-void check_method(const std::string& method);  // InputError lists the names
 
 class SessionModel {
  public:
   // The space must outlive it; both belong to one thread.
-  SessionModel(const StateSpace& space, const SessionOptions& options);
+  SessionModel(const StateSpace& space, const ModelRecipe& recipe);
 
   // As ModelUpdater: false while no state is known and there is no first guess either. That has no states.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);

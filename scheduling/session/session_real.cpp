@@ -45,7 +45,7 @@ class LockedMemory {
         geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
     locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
     if (!locked_) result.notes.push_back(fmt::format("memory is not locked: {}", std::strerror(errno)));
-    result.memory_locked = locked_;
+    result.process.memory_locked = locked_;
   }
   ~LockedMemory() {
     if (locked_) munlockall();
@@ -70,9 +70,8 @@ void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& option
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
   end.realtime = refused == 0;
   if (refused) end.note = fmt::format("the loop runs without real-time priority: {}", std::strerror(refused));
-  for (std::size_t k = 0;
-       k < frames && !(options.interrupted && options.interrupted->load(std::memory_order_relaxed)); ++k) {
-    const Nanoseconds due = start + std::llround(static_cast<double>(k) * options.frame * 1e9);
+  for (std::size_t k = 0; k < frames && !options.stop.is_interrupted(); ++k) {
+    const Nanoseconds due = start + std::llround(static_cast<double>(k) * options.clock.frame * 1e9);
     sleep_until(due);
     const Nanoseconds woke = monotonic();
     loop.frame(k);
@@ -89,10 +88,10 @@ std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& ref
   for (const Arrival& arrival : plan.arrivals) {
     states.push_back(references.get(arrival.at));
     if (show)
-      show({.t = static_cast<double>(states.size()),
+      show({.phase = SessionPhase::arrivals,
+            .t = static_cast<double>(states.size()),
             .seconds = static_cast<double>(plan.arrivals.size()),
-            .known = states.size(),
-            .phase = "arrivals"});
+            .known = states.size()});
   }
   return states;
 }
@@ -127,12 +126,12 @@ struct PlannerRun {
       step(results, arrived);
       if (show && now() - shown > 0.1) {
         shown = now();
-        show({.t = shown,
-              .seconds = plan.options.seconds,
+        show({.phase = SessionPhase::session,
+              .t = shown,
+              .seconds = plan.options.clock.seconds,
               .known = planner.space().size(),
               .solved = planner.solved(),
-              .label = planner.label(),
-              .phase = "session"});
+              .label = planner.label()});
       }
     }
   }
@@ -148,30 +147,26 @@ struct PlannerRun {
 
 }  // namespace
 
-void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& result,
+void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
               const ShowProgress& show) {
   const SessionOptions& options = plan.options;
+  const TouchedBody& touched = plan.input.touched;
   std::vector<State> arriving = solve_arrivals(plan, references, show);
-  std::unique_ptr<StateWriter> writer;
-  if (plan.input.state_file)
-    writer = std::make_unique<StateWriter>(
-        StateFile::open_or_create(*plan.input.state_file, {.identity = plan.input.identity,
-                                                           .spacing = plan.input.space.spacing,
-                                                           .box = plan.input.space.box,
-                                                           .notes = {}}));
+  const std::unique_ptr<StateWriter> writer = open_state_file(plan.input);
 
   LoopLink link;
-  RenderLoop loop(*plan.device, link, options, plan.frames);
+  RenderLoop loop(*plan.device, link, plan.render, plan.frames);
   const LockedMemory locked(result);
   const Nanoseconds start = monotonic() + 20000000;  // threads are up by then
   const auto session_time = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
   WorkerThreads threads(
-      plan.input.body,
-      {.spacing = plan.input.space.spacing, .tolerance = 1e-6, .displacements = plan.input.displacements},
+      touched.body,
+      {.spacing = touched.space.spacing, .tolerance = 1e-6, .displacements = touched.displacements},
       session_time);
-  const std::unique_ptr<RealWorkers> ranks = options.mpi ? options.mpi->workers(session_time) : nullptr;
+  const std::unique_ptr<RealWorkers> ranks =
+      options.workers.mpi ? options.workers.mpi->workers(session_time) : nullptr;
   RealWorkers& workers = ranks ? *ranks : threads;
-  Planner planner(plan.input, options, workers, link, hooks_of(plan, writer.get()));
+  Planner planner(planner_setup(plan), workers, link, hooks_of(plan, nullptr, writer.get()));
   PlannerRun run{plan, planner, workers, link, std::move(arriving), start, show};
   LoopEnd end;
   std::exception_ptr failure;
@@ -185,7 +180,7 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
     }
     workers.stop();
   });
-  const int team = plan.given_arrivals || ranks ? 1 : options.workers;
+  const int team = plan.given_arrivals || ranks ? 1 : options.workers.count;
   omp_set_dynamic(0);
 #pragma omp parallel num_threads(team)
   {
@@ -200,12 +195,13 @@ void run_real(SessionPlan& plan, ReferenceService& references, SessionResult& re
 
   take_loop(loop, plan.frames, result);
   planner.finish(result);
-  result.workers = plan.given_arrivals ? 0 : workers.workers();
-  result.realtime_priority = end.realtime;
+  result.solver.workers = plan.given_arrivals ? 0 : workers.workers();
+  result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
-  if (!plan.given_arrivals && result.frames.size() == plan.frames && workers.workers() < options.workers)
+  if (!plan.given_arrivals && result.frames.size() == plan.frames &&
+      workers.workers() < options.workers.count)
     result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
-                                       workers.workers(), options.workers));
+                                       workers.workers(), options.workers.count));
 }
 
 }  // namespace forefeel

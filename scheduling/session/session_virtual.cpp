@@ -14,6 +14,7 @@
 #include <tuple>
 
 #include "scheduling/session/session_parts.hpp"
+#include "scheduling/workers/cost.hpp"
 
 namespace forefeel {
 namespace {
@@ -64,9 +65,9 @@ class SimulatedWorkers final : public Generator {
   SimulatedWorkers(int workers, const SessionOptions& options, const CostModel& cost,
                    ReferenceService& references, EventQueue& events)
       : cost_(cost),
-        rest_first_(options.rest_first),
-        share_(options.batch_share),
-        latency_(ns(options.latency)),
+        rest_first_(options.planning.rest_first),
+        share_(options.workers.batch_share),
+        latency_(ns(options.workers.latency)),
         references_(references),
         events_(events),
         running_(static_cast<std::size_t>(workers)) {}
@@ -153,8 +154,10 @@ class SimulatedWorkers final : public Generator {
 // follow it on the thread of the analysis, with the states that were known in each frame.
 class RenderAside {
  public:
-  RenderAside(const StateSpace& space, const SessionOptions& options, std::size_t frames)
-      : models_(space, options, link_), loop_(motion_, link_, options, frames), frame_(options.frame) {}
+  RenderAside(const StateSpace& space, const SessionPlan& plan)
+      : models_(space, plan.model, link_),
+        loop_(motion_, link_, plan.render, plan.frames),
+        frame_(plan.render.frame) {}
 
   void frame(std::size_t k, const Vec3& at, std::uint32_t known) {
     const double now = seconds(ns(static_cast<double>(k) * frame_));
@@ -190,36 +193,30 @@ class RenderAside {
 
 }  // namespace
 
-void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& analysis,
-                 SessionResult& result, const ShowProgress& show) {
+void run_virtual(const SessionPlan& plan, const CostModel& cost, ReferenceService& references,
+                 RunAnalysis& analysis, SessionResult& result, const ShowProgress& show) {
   const SessionOptions& options = plan.options;
   EventQueue events;
   std::vector<JobResult> results;
   LoopLink link;
-  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers, options, *plan.cost, references,
+  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers.count, options, cost, references,
                            events);
-  std::unique_ptr<StateWriter> writer;
-  if (plan.input.state_file)
-    writer = std::make_unique<StateWriter>(
-        StateFile::open_or_create(*plan.input.state_file, {.identity = plan.input.identity,
-                                                           .spacing = plan.input.space.spacing,
-                                                           .box = plan.input.space.box,
-                                                           .notes = {}}));
-  Planner planner(plan.input, options, workers, link, hooks_of(plan, writer.get()));
+  const std::unique_ptr<StateWriter> writer = open_state_file(plan.input);
+  Planner planner(planner_setup(plan), workers, link, hooks_of(plan, &cost, writer.get()));
   // Either the one or the other renders.
   std::shared_ptr<RenderAside> aside;
   std::optional<RenderLoop> loop;
   if (plan.device->answers_force()) {
-    loop.emplace(*plan.device, link, options, plan.frames);
+    loop.emplace(*plan.device, link, plan.render, plan.frames);
   } else {
-    aside = std::make_shared<RenderAside>(analysis.space(), options, plan.frames);
+    aside = std::make_shared<RenderAside>(analysis.space(), plan);
     analysis.begin(
         [aside](std::size_t k, const Vec3& at, std::uint32_t known) { aside->frame(k, at, known); });
   }
   HipSample hip;
 
   for (std::size_t i = 0; i < plan.arrivals.size(); ++i) {
-    if (plan.arrivals[i].t > options.seconds) break;
+    if (plan.arrivals[i].t > options.clock.seconds) break;
     references.request(plan.arrivals[i].at);
     events.push(ns(plan.arrivals[i].t), Kind::arrival, i);
   }
@@ -244,24 +241,22 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& a
         loop->frame(event.payload);
         hip = loop->hip();
       } else {
-        hip = next_hip(*plan.device, hip, event.payload, options.frame, Vec3::Zero());
+        hip = next_hip(*plan.device, hip, event.payload, options.clock.frame, Vec3::Zero());
       }
       analysis.frame(hip.at, link.known.load(std::memory_order_relaxed), planner.space());
       planner.observe(hip);
       planner.plan(now);
       const std::size_t next = event.payload + 1;
-      if (next == plan.frames ||
-          (options.interrupted && options.interrupted->load(std::memory_order_relaxed)))
-        break;
-      events.push(ns(static_cast<double>(next) * options.frame), Kind::frame, next);
+      if (next == plan.frames || options.stop.is_interrupted()) break;
+      events.push(ns(static_cast<double>(next) * options.clock.frame), Kind::frame, next);
       if (show && next % 250 == 0)
-        show({.t = now,
-              .seconds = options.seconds,
+        show({.phase = SessionPhase::session,
+              .t = now,
+              .seconds = options.clock.seconds,
               .known = planner.space().size(),
               .solved = planner.solved(),
               .label = aside ? aside->label() : planner.label(),
-              .force = aside ? aside->force() : loop->log()[event.payload].force.norm(),
-              .phase = "session"});
+              .force = aside ? aside->force() : loop->log()[event.payload].force.norm()});
     }
   }
   if (writer) writer->flush();
@@ -271,7 +266,7 @@ void run_virtual(SessionPlan& plan, ReferenceService& references, RunAnalysis& a
     planner.finish(result, aside->models());
   else
     planner.finish(result);
-  result.workers = workers.workers();
+  result.solver.workers = workers.workers();
 }
 
 }  // namespace forefeel

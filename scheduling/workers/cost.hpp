@@ -7,7 +7,7 @@
 //   recorded               drawn from solves of this body that were measured once and kept in the cache folder
 // A draw depends on seed and position alone: every policy pays the same for the same state.
 //
-// The state at rest, where a session asks for it as what it is (SessionOptions::rest_first): known to be in equilibrium,
+// The state at rest, where a session asks for it as what it is (PlanningOptions::rest_first): known to be in equilibrium,
 // no iteration, one factorisation for its stiffness. recorded charges what the solver was measured to take for it; the
 // others a fourth of the draw, one of the iterations that a state takes: full Newton to 1e-6 took 3.0 on average from a
 // parent 6 mm away, 4.7 from 12 mm, 5.6 from 24 mm and 7.4 from rest (liver phantom, 48 random positions of its box;

@@ -50,18 +50,18 @@ stale = 1
   CHECK(scene.displacements);
   CHECK(scene.model.kernel == Kernel::cubic);
   CHECK(scene.model.neighbours == 60);
-  CHECK(scene.session.model.select == Select::nearest);
-  CHECK(scene.session.clock == Clock::virtual_time);
-  CHECK(scene.session.seconds == 3);
-  CHECK(scene.session.workers == 5);
-  CHECK(scene.session.policy == "nearest");
+  CHECK(scene.session.model.fit.select == Select::nearest);
+  CHECK(scene.session.clock.kind == Clock::virtual_time);
+  CHECK(scene.session.clock.seconds == 3);
+  CHECK(scene.session.workers.count == 5);
+  CHECK(scene.session.planning.policy == "nearest");
   CHECK(scene.session.switching.rule == SwitchRule::paper);
   CHECK(scene.session.switching.jnd_share == 0.1);
-  CHECK(scene.session.cost == "lognormal:0.1,0.5");
-  CHECK_FALSE(scene.session.preempt);
+  CHECK(scene.session.workers.cost == "lognormal:0.1,0.5");
+  CHECK_FALSE(scene.session.planning.preempt);
   CHECK(scene.session.seed == 9);
-  CHECK(scene.session.force_limit == 5);
-  CHECK(scene.session.ramp_seconds == 0);
+  CHECK(scene.session.safety.force_limit == 5);
+  CHECK(scene.session.safety.ramp_seconds == 0);
   CHECK(scene.body->mesh.tets.size() >= 228);
   CHECK(scene.body->mesh.tets.size() <= 252);
   CHECK(scene.space.box.low == Vec3::Constant(-0.004));
@@ -103,7 +103,7 @@ TEST_CASE("overrides take the place of what the file says", "[scene]") {
            {"material.poisson=0.4", "session.policy=nearest", "clamp.below.axis=z", "clamp.below.share=0.1",
             "contact.node=0", "clamp.below.axis=x", "contact.nearest=[0.1, 0.01, 0.01]", "body.length=0.2"});
   CHECK(scene.body->material.poisson == 0.4);
-  CHECK(scene.session.policy == "nearest");
+  CHECK(scene.session.planning.policy == "nearest");
   CHECK(scene.body->contact.size() == 1);
   CHECK(longest_side(scene.body->mesh) == Approx(0.2));
   for (const NodeIndex node : scene.body->clamp)

@@ -355,7 +355,7 @@ TEST_CASE("a target load is met by a hand too, whose motion answers the force") 
   REQUIRE(cells.size() == 4);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     CHECK(cell_number(cells[i], "load") == Approx(i < 2 ? 0.5 : 1.0).epsilon(0.05));
-    CHECK(cells[i]["cost"] != plan.cells[i].options.cost);  // that of a hand which nothing holds back
+    CHECK(cells[i]["cost"] != plan.cells[i].options.workers.cost);  // that of a hand which nothing holds back
   }
   CHECK_FALSE(loads_missed(plan, cells));
   cells[3]["load"] = 1.2;
@@ -400,7 +400,7 @@ TEST_CASE("traces named in a study are found beside it, and their content is par
       "scene = \"../scene.toml\"\nseeds = [1]\n[vary]\ndevice = [\"trace:hand.csv,scale=0.5\"]\n");
   const StudyPlan before = plan_study(read_study(file, {}));
   CHECK(before.study.axes[0].values[0].text == "trace:hand.csv,scale=0.5");
-  CHECK(before.cells[0].options.device == "trace:sub/hand.csv,scale=0.5");
+  CHECK(before.cells[0].options.motion.device == "trace:sub/hand.csv,scale=0.5");
   CHECK(plan_study(read_study(file, {})).cells[0].key == before.cells[0].key);
   folder.write("sub/hand.csv", "t,x,y,z\n0,0,0,0\n1,0,0,-0.012\n");
   CHECK(plan_study(read_study(file, {})).cells[0].key != before.cells[0].key);
@@ -415,9 +415,9 @@ TEST_CASE("cells share a body and differ in their keys") {
   for (const StudyCell& cell : plan.cells) keys.insert(cell.key);
   CHECK(keys.size() == 8);
   for (const Scene& scene : plan.scenes) CHECK(scene.body == plan.scenes.front().body);
-  CHECK(plan.cells[0].options.clock == Clock::virtual_time);
-  CHECK(plan.cells[5].options.policy == "fifo");
-  CHECK(plan.cells[5].options.workers == 1);
+  CHECK(plan.cells[0].options.clock.kind == Clock::virtual_time);
+  CHECK(plan.cells[5].options.planning.policy == "fifo");
+  CHECK(plan.cells[5].options.workers.count == 1);
   CHECK(plan.cells[5].seed == 2);
 }
 
@@ -426,7 +426,8 @@ TEST_CASE("--set gives what a study fixes another value, and is refused for what
   const auto file =
       folder.study("seeds = [3]\n[session]\nworkers = 3\n[vary]\npolicy = [\"fifo\", \"nearest\"]\n");
   const std::vector<std::string> five{"session.workers=5"}, policy{"session.policy=\"fifo\""};
-  for (const StudyCell& cell : plan_study(read_study(file, five)).cells) CHECK(cell.options.workers == 5);
+  for (const StudyCell& cell : plan_study(read_study(file, five)).cells)
+    CHECK(cell.options.workers.count == 5);
   CHECK(refusal([&] { read_study(file, policy); }).find("varied") != std::string::npos);
 }
 
@@ -440,14 +441,14 @@ TEST_CASE("a target load is the load that the session measures") {
   REQUIRE(plan.cells.size() == 8);
   for (std::size_t i = 0; i < 8; ++i) {
     StudyCell cell = plan.cells[i];
-    CHECK(cell.options.cost.starts_with("lognormal:"));
+    CHECK(cell.options.workers.cost.starts_with("lognormal:"));
     // A fixed cost of the same mean: what is measured is then exactly what was asked for.
     const double demand = states_needed_per_second(plan.scenes[i], cell.options),
                  target = i % 2 == 0 ? 0.5 : 2.0;
-    const double b = cell.options.batch, share = cell.options.batch_share;
+    const double b = cell.options.planning.batch, share = cell.options.workers.batch_share;
     if (b > 1 && i % 2 == 1) continue;  // so few jobs that the last, cut short, counts
-    const double job = target * cell.options.workers * b / demand - 2 * cell.options.latency;
-    cell.options.cost = "constant:" + std::to_string(job / (1 + (b - 1) * share));
+    const double job = target * cell.options.workers.count * b / demand - 2 * cell.options.workers.latency;
+    cell.options.workers.cost = "constant:" + std::to_string(job / (1 + (b - 1) * share));
     const SessionInput input = session_input(plan.scenes[i]);
     const CellColumns columns = cell_columns(run_cell(plan, cell, input, {}), input, cell.options);
     CHECK(cell_number(columns, "load") ==

@@ -53,19 +53,20 @@ inline std::shared_ptr<const Body> small_body(Law law = Law::neo_hookean) {
 // Box of 24 mm about rest, spacing 6 mm: 5 x 5 x 5 lattice states.
 inline SessionInput small_input(Law law = Law::neo_hookean) {
   SessionInput input;
-  input.body = small_body(law);
-  input.identity = {{"mesh", "small beam"}, {"material", law == Law::linear ? "linear" : "neo-hookean"}};
-  input.space.spacing = 0.006;
-  input.space.box = {Vec3::Constant(-0.012), Vec3::Constant(0.012)};
+  input.touched.body = small_body(law);
+  input.touched.identity = {{"mesh", "small beam"},
+                            {"material", law == Law::linear ? "linear" : "neo-hookean"}};
+  input.touched.space.spacing = 0.006;
+  input.touched.space.box = {Vec3::Constant(-0.012), Vec3::Constant(0.012)};
   return input;
 }
 
 inline SessionOptions virtual_options(double seconds = 1) {
   SessionOptions options;
-  options.clock = Clock::virtual_time;
-  options.seconds = seconds;
-  options.device = "path:tour,speed=0.06";
-  options.model.neighbours = 30;
+  options.clock.kind = Clock::virtual_time;
+  options.clock.seconds = seconds;
+  options.motion.device = "path:tour,speed=0.06";
+  options.model.fit.neighbours = 30;
   return options;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scheduling/plan/planner.hpp"
+#include "scheduling/session/session_plan.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
 
@@ -52,11 +53,12 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
   for (const int batch : {1, 2, 5, 8}) {
     CAPTURE(batch);
     SessionOptions options = virtual_options();
-    options.batch = batch;
+    options.planning.batch = batch;
     const SessionInput input = small_input();
     HeldWorkers workers(2);
     LoopLink link;
-    Planner planner(input, options, workers, link, {.on_state = {}});
+    const SessionPlan plan = make_plan(input, options);
+    Planner planner(planner_setup(plan), workers, link, {.on_state = {}});
     std::set<std::tuple<long, long, long>> solved;
     std::size_t largest = 0;
     for (int round = 0; round < 200 && solved.size() < 125; ++round) {
@@ -69,12 +71,12 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
         workers.jobs.erase(workers.jobs.begin());
         std::vector<Job::Neighbour> all{{job.dispatch, job.at}};
         for (const Job::Neighbour& neighbour : job.beside) {
-          CHECK((neighbour.at - job.at).norm() < 1.1 * input.space.spacing);
+          CHECK((neighbour.at - job.at).norm() < 1.1 * input.touched.space.spacing);
           all.push_back(neighbour);
         }
         largest = std::max(largest, all.size());
         for (std::size_t i = 0; i < all.size(); ++i) {
-          const Vec3 k = all[i].at / input.space.spacing;
+          const Vec3 k = all[i].at / input.touched.space.spacing;
           REQUIRE(solved.insert({std::lround(k[0]), std::lround(k[1]), std::lround(k[2])}).second);
           CHECK(planner.idle() == (workers.jobs.empty() && i == all.size()));
           planner.receive(result_of(all[i].dispatch, worker, all[i].at, SolveStatus::converged),
@@ -92,11 +94,12 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
 
 TEST_CASE("batches: what was cancelled is open again, and goes on from where it stood") {
   SessionOptions options = virtual_options();
-  options.batch = 4;
-  options.rest_first = false;  // rest has a job of its own
+  options.planning.batch = 4;
+  options.planning.rest_first = false;  // rest has a job of its own
   HeldWorkers workers(1);
   LoopLink link;
-  Planner planner(small_input(), options, workers, link, {.on_state = {}});
+  const SessionPlan plan = make_plan(small_input(), options);
+  Planner planner(planner_setup(plan), workers, link, {.on_state = {}});
   planner.plan(0);
   const Job first = workers.jobs.at(0);
   REQUIRE(first.beside.size() == 3);
@@ -120,20 +123,21 @@ TEST_CASE("batches: what was cancelled is open again, and goes on from where it 
 
 TEST_CASE("virtual workers: neighbours cost their share, work that was broken off is not done again") {
   SessionOptions options = virtual_options(1.5);
-  options.workers = 3;
-  options.cost = "constant:0.05";
-  options.latency = 0.002;
-  options.batch = 4;
-  options.batch_share = 0.3;
-  options.policy = "error";
-  options.device = "path:lissajous,speed=0.4";
+  options.workers.count = 3;
+  options.workers.cost = "constant:0.05";
+  options.workers.latency = 0.002;
+  options.planning.batch = 4;
+  options.workers.batch_share = 0.3;
+  options.planning.policy = "error";
+  options.motion.device = "path:lissajous,speed=0.4";
   const SessionResult result = run_session(small_input(), options);
   std::map<int, std::vector<const DispatchRecord*>> by_worker;
   for (const DispatchRecord& d : result.dispatch)
-    if (d.status == "solved") by_worker[d.worker].push_back(&d);
+    if (d.status == DispatchStatus::solved) by_worker[d.worker].push_back(&d);
   std::map<std::tuple<double, double, double>, double> broken_off;
   for (const DispatchRecord& d : result.dispatch)
-    if (d.status == "preempted") broken_off[{d.at[0], d.at[1], d.at[2]}] += d.finished - d.started;
+    if (d.status == DispatchStatus::preempted)
+      broken_off[{d.at[0], d.at[1], d.at[2]}] += d.finished - d.started;
   int shared = 0, whole = 0, resumed = 0;
   for (auto& [worker, rows] : by_worker) {
     double busy_until = 0;
@@ -158,7 +162,7 @@ TEST_CASE("virtual workers: neighbours cost their share, work that was broken of
   CHECK(shared > 0);
   CHECK(resumed > 0);
   for (const int threads : {1, 2}) {
-    options.threads = threads;
+    options.workers.threads = threads;
     const SessionResult again = run_session(small_input(), options);
     REQUIRE(again.frames.size() == result.frames.size());
     for (std::size_t k = 0; k < result.frames.size(); ++k)
@@ -168,26 +172,27 @@ TEST_CASE("virtual workers: neighbours cost their share, work that was broken of
 
 TEST_CASE("batches: a worker does one thing at a time, and what has not begun has no start") {
   SessionOptions options = virtual_options(0.6);
-  options.batch = 4;
-  options.cost = "lognormal:0.03,1";
-  options.device = "path:reach,speed=0.1";
-  options.workers = 3;
+  options.planning.batch = 4;
+  options.workers.cost = "lognormal:0.03,1";
+  options.motion.device = "path:reach,speed=0.1";
+  options.workers.count = 3;
   const SessionResult result = run_session(small_input(), options);
   std::map<int, std::vector<std::pair<double, double>>> busy;
   std::size_t never = 0, preempted = 0;
   for (const DispatchRecord& row : result.dispatch) {
     CAPTURE(row.id, row.status);
-    const bool begun = row.status != "waiting" && row.status != "withdrawn";
+    const bool begun = row.status != DispatchStatus::waiting && row.status != DispatchStatus::withdrawn;
     CHECK(std::isfinite(row.started) == begun);
     never += !begun;
-    preempted += row.status == "preempted";
+    preempted += row.status == DispatchStatus::preempted;
     if (!begun) continue;
-    busy[row.worker].push_back({row.started, std::isfinite(row.finished) ? row.finished : options.seconds});
+    busy[row.worker].push_back(
+        {row.started, std::isfinite(row.finished) ? row.finished : options.clock.seconds});
     if (row.parent >= 0)
       CHECK(result.dispatch[static_cast<std::size_t>(row.parent)].finished <= row.started + 1e-12);
   }
   CHECK(never > 0);
-  CHECK(result.preempted == preempted);
+  CHECK(result.counts.preempted == preempted);
   for (auto& [worker, spans] : busy) {
     std::ranges::sort(spans);
     for (std::size_t i = 1; i < spans.size(); ++i) CHECK(spans[i - 1].second <= spans[i].first + 1e-12);

@@ -10,11 +10,11 @@ using testing::virtual_options;
 TEST_CASE(
     "a session with a hand: the body holds it back, the profile clamps, and the run repeats to the bit") {
   SessionOptions options = virtual_options(1.5);
-  options.cost = "constant:0.005";
-  options.workers = 4;
-  options.device = "path:press,speed=0.06";
+  options.workers.cost = "constant:0.005";
+  options.workers.count = 4;
+  options.motion.device = "path:press,speed=0.06";
   const SessionResult free = run_session(small_input(), options);
-  options.device = "hand:touch,target=press,grip=light,speed=0.06";
+  options.motion.device = "hand:touch,target=press,grip=light,speed=0.06";
   const SessionResult held = run_session(small_input(), options);
   const SessionResult again = run_session(small_input(), options);
   REQUIRE(held.frames.size() == free.frames.size());
@@ -33,8 +33,8 @@ TEST_CASE(
 
 TEST_CASE("a policy that knows the motion is refused where the motion answers the force") {
   SessionOptions options = virtual_options(0.2);
-  options.policy = "clairvoyant";
-  options.device = "hand:omega";
+  options.planning.policy = "clairvoyant";
+  options.motion.device = "hand:omega";
   CHECK_THROWS_WITH(check_session(small_input(), options),
                     Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
 }
@@ -42,17 +42,17 @@ TEST_CASE("a policy that knows the motion is refused where the motion answers th
 TEST_CASE(
     "rest known from the start: the body's tangent is felt at once, and costs no solve of the session") {
   SessionOptions options = virtual_options(0.5);
-  options.cost = "constant:10";  // nothing else is solved in time
-  options.device = "path:press,speed=0.01";
-  options.reference_step = 1e-4;
-  options.first_guess = false;
+  options.workers.cost = "constant:10";  // nothing else is solved in time
+  options.motion.device = "path:press,speed=0.01";
+  options.judging.reference_step = 1e-4;
+  options.model.first_guess = false;
   const SessionResult empty = run_session(small_input(), options);
-  options.first_guess = true;  // not where something is known
-  options.rest_known = true;
+  options.model.first_guess = true;  // not where something is known
+  options.planning.rest_known = true;
   const SessionResult known = run_session(small_input(), options);
-  CHECK(empty.start_solved_failed[0] == 0);
-  CHECK(known.start_solved_failed[0] == 1);
-  CHECK(known.start_solved_failed[1] == 0);
+  CHECK(empty.counts.start == 0);
+  CHECK(known.counts.start == 1);
+  CHECK(known.counts.solved == 0);
   REQUIRE(known.states.size() == 1);
   const Mat3 stiffness = known.states.front().stiffness;
   for (const FrameRecord& frame : empty.frames) REQUIRE(frame.force == Vec3::Zero());

@@ -16,7 +16,7 @@ namespace {
 PlacementOptions options_of(const SessionInput& input, double error) {
   PlacementOptions options;
   options.error = error;
-  options.space = input.space;
+  options.space = input.touched.space;
   options.truth_samples = 40;
   options.threads = 1;
   return options;
@@ -31,7 +31,7 @@ Placed place(const SessionInput& input, const PlacementOptions& options,
              const std::vector<State>& known = {}) {
   Placed placed{.states = known, .report = {}};
   placed.report = place_states(
-      input.body, options, known, [&](State s) { placed.states.push_back(std::move(s)); },
+      input.touched.body, options, known, [&](State s) { placed.states.push_back(std::move(s)); },
       [](const PlacementProgress&) {});
   return placed;
 }
@@ -42,10 +42,12 @@ Vec3 random_in(const Box& box, std::uint64_t key) {
 }
 
 std::vector<State> truth_of(const SessionInput& input, std::size_t count, std::uint64_t seed) {
-  Solver solver(input.body);
+  Solver solver(input.touched.body);
   std::vector<State> truth;
   for (std::size_t i = 0; i < count; ++i)
-    truth.push_back(solver.reference(random_in(input.space.box, mix(seed, i)), input.space.spacing).state);
+    truth.push_back(
+        solver.reference(random_in(input.touched.space.box, mix(seed, i)), input.touched.space.spacing)
+            .state);
   return truth;
 }
 
@@ -115,7 +117,7 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
     CHECK(placed.states.size() <= 60);    // the lattice has 125
     last = placed.states.size();
 
-    StateSpace space(input.space);
+    StateSpace space(input.touched.space);
     for (const State& s : placed.states) {
       CHECK(s.usable());
       CHECK(space.insert(s).is_new);  // none twice
@@ -127,11 +129,11 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
     CHECK(really.max <= 2 * error);
     CHECK(placed.report.truth_on_surface > 0);
     // Also where a model that was made within extrapolates: corners, middles of edges and of faces.
-    Solver solver(input.body);
+    Solver solver(input.touched.body);
     for (int part = 0; part < 27; ++part) {
       const Vec3 share(part % 3, part / 3 % 3, part / 9);
-      const Vec3 at = input.space.box.low + 0.5 * input.space.box.size().cwiseProduct(share);
-      const State s = solver.reference(at, input.space.spacing).state;
+      const Vec3 at = input.touched.space.box.low + 0.5 * input.touched.space.box.size().cwiseProduct(share);
+      const State s = solver.reference(at, input.touched.space.spacing).state;
       CHECK((estimator.force(at) - s.force).norm() <= 2 * error * std::max(s.force.norm(), 0.05));
     }
     // The estimate is no less than the truth by more than a half, in quantiles of the same sample.
@@ -191,7 +193,7 @@ TEST_CASE("placing stops at its limits and says so", "[placement]") {
   options.stop = stop.get_token();
   std::size_t seen = 0;
   const PlacementReport report = place_states(
-      input.body, options, {},
+      input.touched.body, options, {},
       [&](State) {
         if (++seen == 4) stop.request_stop();
       },
@@ -208,7 +210,7 @@ TEST_CASE("a truth that is cut says what was not solved, and counts none of it a
   PlacementOptions options = whole;
   options.stop = stop.get_token();
   const PlacementReport report = place_states(
-      input.body, options, {}, [](const State&) {},
+      input.touched.body, options, {}, [](const State&) {},
       [&](const PlacementProgress& p) {
         if (p.truth_done == 10) stop.request_stop();
       });
@@ -223,14 +225,14 @@ TEST_CASE("a truth that is cut says what was not solved, and counts none of it a
 
 TEST_CASE("the next position on-line is the worst of the candidates by weight", "[placement]") {
   const SessionInput input = testing::small_input();
-  StateSpace space(input.space);
+  StateSpace space(input.touched.space);
   ErrorEstimator estimator(space, {});
   const std::vector<Vec3> far_and_near{{0.012, 0, 0}, {0.003, 0, 0}, {0, 0, 0}};
   const std::vector<double> even{1, 1, 1};
   CHECK(std::isinf(estimator(far_and_near[0])));
   REQUIRE(worst_position(estimator, space, far_and_near, even));
 
-  Solver solver(input.body);
+  Solver solver(input.touched.body);
   space.insert(solver.reference(Vec3::Zero(), 0.006).state);
   CHECK(worst_position(estimator, space, far_and_near, even)->index ==
         0);  // by distance, while nothing can be said
@@ -239,7 +241,7 @@ TEST_CASE("the next position on-line is the worst of the candidates by weight", 
 
   for (const State& s : place(input, options_of(input, 0.02)).states) space.insert(s);
   std::vector<Vec3> candidates;
-  for (std::uint64_t i = 0; i < 60; ++i) candidates.push_back(random_in(input.space.box, mix(5, i)));
+  for (std::uint64_t i = 0; i < 60; ++i) candidates.push_back(random_in(input.touched.space.box, mix(5, i)));
   std::vector<double> weights(candidates.size());
   for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = 0.5 + uniform(mix(6, i));
   const auto worst = worst_position(estimator, space, candidates, weights);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "scheduling/plan/planner.hpp"
+#include "scheduling/session/session_plan.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;
@@ -53,13 +54,15 @@ struct Bench {
   explicit Bench(SessionOptions chosen = testing::virtual_options(), int workers = 3, double expected = 0.01)
       : options(std::move(chosen)),
         input(testing::small_input()),
+        plan(make_plan(input, options)),
         generator(workers),
-        planner(input, options, generator, link,
+        planner(planner_setup(plan), generator, link,
                 {.on_state = [this](const State& s) { told.push_back(s); },
                  .future = {},
                  .expected_solve = expected}) {}
   SessionOptions options;
   SessionInput input;
+  SessionPlan plan;
   ManualWorkers generator;
   LoopLink link;
   std::vector<State> told;
@@ -72,7 +75,7 @@ TEST_CASE("planner: every lattice point is solved once, under every policy") {
   for (const std::string& policy : policy_names()) {
     CAPTURE(policy);
     SessionOptions options = testing::virtual_options();
-    options.policy = policy;
+    options.planning.policy = policy;
     Bench b(options);
     std::set<std::uint64_t> solved;
     double now = 0;
@@ -117,7 +120,7 @@ TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again")
   SessionResult result;
   b.planner.finish(result);
   REQUIRE(result.dispatch.size() == 2);
-  CHECK(result.dispatch[0].status == "preempted");
+  CHECK(result.dispatch[0].status == DispatchStatus::preempted);
   CHECK(std::isnan(result.dispatch[0].known));  // nothing became known
 }
 
@@ -150,7 +153,7 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
   std::vector<std::vector<DispatchRecord>> given;
   for (const std::string policy : {"coverage", "ranked-anew"}) {
     SessionOptions options = testing::virtual_options();
-    options.policy = policy;
+    options.planning.policy = policy;
     Bench b(options, 40, 0.1);
     double now = 0;
     for (int round = 0; round < 12; ++round) {
@@ -194,7 +197,9 @@ TEST_CASE("planner: a failed solve is recorded and not tried again") {
   CHECK(b.planner.space().size() == 124);
   SessionResult result;
   b.planner.finish(result);
-  CHECK(result.start_solved_failed == std::array<std::size_t, 3>{0, 124, 1});
+  CHECK(result.counts.start == 0);
+  CHECK(result.counts.solved == 124);
+  CHECK(result.counts.failed == 1);
   CHECK(result.notes.size() == 1);
 }
 
@@ -202,8 +207,8 @@ TEST_CASE(
     "planner: preempts what no longer matters, no candidate more than twice, and never when told not to") {
   for (const bool preempt : {true, false}) {
     SessionOptions options = testing::virtual_options();
-    options.policy = "nearest";
-    options.preempt = preempt;
+    options.planning.policy = "nearest";
+    options.planning.preempt = preempt;
     Bench b(options, 1, 0.1);
     std::map<long, int> cancelled;
     double now = 0;
@@ -245,7 +250,7 @@ TEST_CASE(
     CAPTURE(asks);
     register_policy("curious", [asks](const PolicyOptions&) { return std::make_unique<Curious>(asks); });
     SessionOptions options = testing::virtual_options();
-    options.policy = "curious";
+    options.planning.policy = "curious";
     seen.clear();
     Bench b(options, 1);
     double now = 0;
@@ -263,11 +268,11 @@ TEST_CASE(
     }
     REQUIRE(seen.size() == 12);
     CHECK(std::isnan(seen[0]));  // before the first state there was no model
-    StateSpace before(b.input.space);
+    StateSpace before(b.input.touched.space);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const State& state = b.planner.space()[StateId{static_cast<std::uint32_t>(i)}];
       if (i > 0) {
-        const Vec3 model = ModelUpdater(before, options.model).model_at(state.at).force(state.at);
+        const Vec3 model = ModelUpdater(before, options.model.fit).model_at(state.at).force(state.at);
         const double jnd = std::max(0.07 * state.force.norm(), 0.01);
         CHECK(seen[i] == Approx((model - state.force).norm() / jnd).margin(1e-4));
       }
@@ -305,9 +310,9 @@ TEST_CASE("planner: publishes when states or travel call for it, and only then")
   SessionResult result;
   b.planner.finish(result);
   REQUIRE(result.switches.size() >= 31);
-  CHECK(result.switches.front().cause == "first");
-  CHECK(result.switches[1].cause == "states");
-  CHECK(result.switches.back().cause == "travel");
+  CHECK(result.switches.front().cause == SwitchCause::first);
+  CHECK(result.switches[1].cause == SwitchCause::states);
+  CHECK(result.switches.back().cause == SwitchCause::travel);
   for (const DispatchRecord& d : result.dispatch)
     if (!std::isnan(d.first_used)) CHECK(d.first_used >= d.finished);
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/common/error.hpp"
+#include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidates.hpp"
@@ -33,7 +34,7 @@ Vec3 draw(std::uint64_t key, double size) {
 }  // namespace
 
 TEST_CASE("priorities are finite and not negative for every policy and input") {
-  StateSpace space(testing::small_input().space);
+  StateSpace space(testing::small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   constexpr double infinite = std::numeric_limits<double>::infinity();
   for (const std::string& name : policy_names()) {
@@ -74,7 +75,7 @@ TEST_CASE("priorities are finite and not negative for every policy and input") {
 }
 
 TEST_CASE("policies prefer what their names say") {
-  StateSpace space(testing::small_input().space);
+  StateSpace space(testing::small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   std::vector<Prediction> path;
   for (int i = 0; i <= 8; ++i)
@@ -123,7 +124,7 @@ TEST_CASE("policies prefer what their names say") {
 }
 
 TEST_CASE("coverage: what is known or under way ahead is worth less") {
-  StateSpaceOptions options = testing::small_input().space;
+  StateSpaceOptions options = testing::small_input().touched.space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace empty(options), known(options);
   std::vector<Prediction> path;
@@ -151,7 +152,7 @@ TEST_CASE("coverage: what is known or under way ahead is worth less") {
 }
 
 TEST_CASE("coverage: a model that interpolates in lattice cells gets the corners of those ahead first") {
-  StateSpaceOptions options = testing::small_input().space;
+  StateSpaceOptions options = testing::small_input().touched.space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace space(options);
   for (const Vec3& x :
@@ -177,7 +178,7 @@ TEST_CASE("coverage: a model that interpolates in lattice cells gets the corners
 }
 
 TEST_CASE("coverage: which spacing counts is learnt from what the states that came were missed by") {
-  StateSpaceOptions options = testing::small_input().space;
+  StateSpaceOptions options = testing::small_input().touched.space;
   options.box = {Vec3::Constant(-0.048), Vec3::Constant(0.048)};
   StateSpace space(options);
   std::vector<float> surprises;
@@ -214,7 +215,7 @@ TEST_CASE("coverage: which spacing counts is learnt from what the states that ca
 }
 
 TEST_CASE("coverage: motion straight out of the box is expected back") {
-  StateSpace space(testing::small_input().space);  // 12 mm each way
+  StateSpace space(testing::small_input().touched.space);  // 12 mm each way
   const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(0.01, 0, 0)},
                                      {.horizon = 0.1, .at = Vec3(0.02, 0.01, 0)}};
   const std::vector<Candidate> candidates{
@@ -235,7 +236,7 @@ TEST_CASE("coverage: motion straight out of the box is expected back") {
 }
 
 TEST_CASE("the placebo permutes labels among the places and nothing else") {
-  StateSpaceOptions options = testing::small_input().space;
+  StateSpaceOptions options = testing::small_input().touched.space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace space(options);
   const PlannerView view{.space = space,
@@ -306,7 +307,7 @@ TEST_CASE("what places still need: products kept from call to call are those mad
 }
 
 TEST_CASE("candidates are the unknown lattice points, each once") {
-  StateSpace space(testing::small_input().space);
+  StateSpace space(testing::small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   State failed = spring(Vec3(0.006, 0, 0));
   failed.status = SolveStatus::diverged;
@@ -348,8 +349,9 @@ TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
     }
     CHECK(predictor->predict(0.4).deviation > predictor->predict(0.1).deviation);
 
-    const auto device = make_device("path:lissajous,tremor=0.0001",
-                                    {.box = testing::small_input().space.box, .seed = 1, .folder = {}});
+    const auto device =
+        make_device("path:lissajous,tremor=0.0001",
+                    {.box = testing::small_input().touched.space.box, .seed = 1, .folder = {}});
     std::vector<Vec3> motion;
     for (int k = 0; k < 8000; ++k) motion.push_back(device->position(1e-3 * k, {}));
     const double horizons[] = {0.02, 0.1, 0.3};

@@ -25,7 +25,7 @@ State stiffening(const Vec3& x) {
 class Feeder {
  public:
   Feeder(LoopLink& link, ModelOptions options)
-      : link_(link), space_(testing::small_input().space), updater_(space_, options) {
+      : link_(link), space_(testing::small_input().touched.space), updater_(space_, options) {
     positions_ = lattice(space_.options().box, space_.options().spacing);
     for (int i = 0; i < 6; ++i) {
       models_.push_back(std::make_unique<Model>());
@@ -67,12 +67,12 @@ TEST_CASE("a frame allocates nothing, under every rule, with models coming and g
     for (const std::string spec : {"path:tour,tremor=0.0001,noise=0.00002", "path:press"}) {
       CAPTURE(spec);
       const SessionInput input = testing::small_input();
-      SessionOptions options = testing::virtual_options();
+      RenderOptions options;
       options.switching.rule = rule;
-      const auto device = make_device(spec, {.box = input.space.box, .seed = 1, .folder = {}});
+      const auto device = make_device(spec, {.box = input.touched.space.box, .seed = 1, .folder = {}});
       LoopLink link;
       RenderLoop loop(*device, link, options, 1500);
-      Feeder feeder(link, options.model);
+      Feeder feeder(link, {.neighbours = 30});
       std::size_t during = 0;
       for (std::size_t k = 0; k < 1500; ++k) {
         if (k >= 100 && k % 7 == 0) feeder.feed(loop.hip().at);
@@ -96,13 +96,13 @@ TEST_CASE("a frame allocates nothing, under every rule, with models coming and g
 TEST_CASE("the loop logs what it renders and accounts for every switch") {
   for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
     const SessionInput input = testing::small_input();
-    SessionOptions options = testing::virtual_options();
+    RenderOptions options;
     options.switching.rule = rule;
-    options.ramp_seconds = 0;
-    const auto device = make_device("path:tour", {.box = input.space.box, .seed = 1, .folder = {}});
+    options.safety.ramp_seconds = 0;
+    const auto device = make_device("path:tour", {.box = input.touched.space.box, .seed = 1, .folder = {}});
     LoopLink link;
     RenderLoop loop(*device, link, options, 1000);
-    Feeder feeder(link, options.model);
+    Feeder feeder(link, {.neighbours = 30});
     for (std::size_t k = 0; k < 1000; ++k) {
       if (k % 50 == 20) feeder.feed(loop.hip().at);
       loop.frame(k);
@@ -114,8 +114,8 @@ TEST_CASE("the loop logs what it renders and accounts for every switch") {
       CHECK(log[k].t == static_cast<double>(k) / 1000);
       CHECK(log[k].at == device->position(log[k].t, {}));
       if (k < 20) CHECK(log[k].force == Vec3::Zero());  // before the first model
-      over += log[k].switch_change > log[k].switch_bound;
-      taken += log[k].took_model;
+      over += log[k].step.change > log[k].step.bound;
+      taken += log[k].step.took_model;
       if (k > 0) CHECK(log[k].model >= log[k - 1].model);
       if (k < 500) CHECK(log[k].sent.isApprox(log[k].force));  // no safety measure was needed
     }
@@ -135,7 +135,7 @@ TEST_CASE("a device that fails holds its place, a silent planner fades the force
     double duration() const override { return 1; }
   } device;
   LoopLink link;
-  SessionOptions options = testing::virtual_options();
+  RenderOptions options;
   RenderLoop loop(device, link, options, 2000);
   for (std::size_t k = 0; k < 2000; ++k) loop.frame(k);
   CHECK(loop.hip().at == Vec3(0.001, 0, 0));

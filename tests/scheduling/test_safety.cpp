@@ -8,13 +8,12 @@ using namespace forefeel;
 
 namespace {
 
-const SafetyOptions plain{
-    .force_limit = 5, .slew_limit = 1e9, .ramp_seconds = 0, .stale_seconds = 0.5, .frame = 1e-3};
+const SafetyOptions plain{.force_limit = 5, .slew_limit = 1e9, .ramp_seconds = 0, .stale_seconds = 0.5};
 
 }  // namespace
 
 TEST_CASE("an ordinary force passes untouched") {
-  Safety safety(plain);
+  Safety safety(plain, 1e-3);
   const Vec3 f(1, -2, 0.5);
   CHECK(safety.apply(f, Vec3::Zero(), 1, 0.1) == f);
   CHECK(safety.counts().clamped + safety.counts().slewed + safety.counts().stale +
@@ -23,7 +22,7 @@ TEST_CASE("an ordinary force passes untouched") {
 }
 
 TEST_CASE("clamp: the direction stays, the size does not exceed the limit") {
-  Safety safety(plain);
+  Safety safety(plain, 1e-3);
   const Vec3 f = safety.apply(Vec3(30, 40, 0), Vec3::Zero(), 1, 0);
   CHECK(f.isApprox(Vec3(3, 4, 0)));
   CHECK(safety.counts().clamped == 1);
@@ -32,7 +31,7 @@ TEST_CASE("clamp: the direction stays, the size does not exceed the limit") {
 TEST_CASE("slew: no step larger than the limit allows, and the force arrives in the end") {
   SafetyOptions options = plain;
   options.slew_limit = 100;
-  Safety safety(options);
+  Safety safety(options, 1e-3);
   Vec3 last = Vec3::Zero();
   for (int k = 0; k < 40; ++k) {
     const Vec3 f = safety.apply(Vec3(3, 0, 0), Vec3::Zero(), 1, 0);
@@ -47,14 +46,14 @@ TEST_CASE("slew: no step larger than the limit allows, and the force arrives in 
 TEST_CASE("ramp: nothing at the start, all of it at its end") {
   SafetyOptions options = plain;
   options.ramp_seconds = 0.1;
-  Safety safety(options);
+  Safety safety(options, 1e-3);
   CHECK(safety.apply(Vec3(1, 0, 0), Vec3::Zero(), 0, 0) == Vec3::Zero());
   CHECK(safety.apply(Vec3(1, 0, 0), Vec3::Zero(), 0.05, 0).isApprox(Vec3(0.5, 0, 0)));
   CHECK(safety.apply(Vec3(1, 0, 0), Vec3::Zero(), 0.1, 0) == Vec3(1, 0, 0));
 }
 
 TEST_CASE("watchdog: without a planner the force fades out, with it again in") {
-  Safety safety(plain);
+  Safety safety(plain, 1e-3);
   CHECK(safety.apply(Vec3(1, 0, 0), Vec3::Zero(), 1, 0.5) == Vec3(1, 0, 0));
   double last = 1;
   for (int k = 0; k < 250; ++k) {
@@ -72,7 +71,7 @@ TEST_CASE("watchdog: without a planner the force fades out, with it again in") {
 TEST_CASE("guard: what is not finite never reaches the device") {
   SafetyOptions options = plain;
   options.slew_limit = 1000;
-  Safety safety(options);
+  Safety safety(options, 1e-3);
   for (int k = 0; k < 5; ++k) safety.apply(Vec3(2, 0, 0), Vec3::Zero(), 1, 0);
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinite = std::numeric_limits<double>::infinity();
@@ -85,7 +84,7 @@ TEST_CASE("guard: what is not finite never reaches the device") {
 }
 
 TEST_CASE("energy: a spring gives nothing it did not get, an active body does") {
-  Safety spring(plain), active(plain);
+  Safety spring(plain, 1e-3), active(plain, 1e-3);
   double gross = 0;
   for (int k = 0; k <= 4000; ++k) {
     const double angle = 2 * M_PI * k / 1000.0;

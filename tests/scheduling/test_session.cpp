@@ -16,6 +16,7 @@
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/session/session_parts.hpp"
+#include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 #include "solver/body/contact_stiffness.hpp"
@@ -31,7 +32,7 @@ namespace {
 void expect_no_state_twice(const SessionResult& result) {
   std::set<std::tuple<double, double, double>> solved;
   for (const DispatchRecord& d : result.dispatch)
-    if (d.status == "solved") REQUIRE(solved.insert({d.at.x(), d.at.y(), d.at.z()}).second);
+    if (d.status == DispatchStatus::solved) REQUIRE(solved.insert({d.at.x(), d.at.y(), d.at.z()}).second);
 }
 
 }  // namespace
@@ -41,19 +42,19 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
   for (const std::string& policy :
        {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
     SessionOptions options = virtual_options(1.5);
-    options.policy = policy;
-    options.cost = "lognormal:0.02,0.8";
-    options.latency = 0.003;
-    options.workers = 3;
+    options.planning.policy = policy;
+    options.workers.cost = "lognormal:0.02,0.8";
+    options.workers.latency = 0.003;
+    options.workers.count = 3;
     options.seed = 5;
-    options.device = "path:reach,speed=0.06,tremor=0.0001";
-    options.threads = 1;
+    options.motion.device = "path:reach,speed=0.06,tremor=0.0001";
+    options.workers.threads = 1;
     const std::string one = logs(small_input(), options, folder / "one");
-    options.threads = 2;
+    options.workers.threads = 2;
     CHECK(one == logs(small_input(), options, folder / "two"));
-    options.threads = 7;
+    options.workers.threads = 7;
     SessionInput cached = small_input();
-    cached.cache_folder = folder / "cache";
+    cached.files.cache = folder / "cache";
     CHECK(one == logs(cached, options, folder / "fresh cache"));
     CHECK(one == logs(cached, options, folder / "full cache"));
     options.seed = 6;
@@ -63,14 +64,14 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
 
 TEST_CASE("labels, first visits and positions that are worked out beside a run are those of its frames") {
   SessionOptions options = virtual_options(1.5);
-  options.device = "path:lissajous,speed=0.05";
-  options.cost = "lognormal:0.03,0.8";
+  options.motion.device = "path:lissajous,speed=0.05";
+  options.workers.cost = "lognormal:0.03,0.8";
   std::vector<Vec3> positions;
   const SessionInput input = small_input();
   const SessionResult result =
       run_session(input, options, {}, {}, [&](const Vec3& at) { positions.push_back(at); });
   REQUIRE(positions.size() == result.frames.size());
-  StateSpace space(input.space);
+  StateSpace space(input.touched.space);
   std::size_t inserted = 0, visits = 0;
   std::set<Label> seen;
   std::set<std::tuple<long, long, long>> cells;
@@ -80,12 +81,12 @@ TEST_CASE("labels, first visits and positions that are worked out beside a run a
     for (; inserted < frame.known; ++inserted) space.insert(result.states.at(inserted));
     REQUIRE(frame.label == space.coverage(frame.at).label);
     seen.insert(frame.label);
-    const Vec3 cell = (frame.at / input.space.spacing).array().floor();
+    const Vec3 cell = (frame.at / input.touched.space.spacing).array().floor();
     const bool first =
         cells.insert({std::lround(cell[0]), std::lround(cell[1]), std::lround(cell[2])}).second;
-    if (frame.first_visit) {
+    if (frame.judged.first_visit) {
       CHECK(first);
-      CHECK(std::isfinite(frame.error));
+      CHECK(std::isfinite(frame.judged.error));
       ++visits;
     }
   }
@@ -104,22 +105,22 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
   };
   const SessionInput input = small_input();
   SessionOptions options = virtual_options(1.2);
-  options.workers = 3;
-  options.batch = 1;
+  options.workers.count = 3;
+  options.planning.batch = 1;
   for (const SwitchRule rule : {SwitchRule::smooth, SwitchRule::paper, SwitchRule::none}) {
     options.switching.rule = rule;
     const auto run = [&](bool in_turn, std::size_t frames) {
-      SessionPlan plan(input, options);
+      SessionPlan plan = make_plan(input, options);
       plan.frames = frames;
       plan.device =
           std::make_unique<Answering>(make_device("path:lissajous,speed=0.06,tremor=0.0001",
-                                                  {.box = input.space.box, .seed = 3, .folder = {}}),
+                                                  {.box = input.touched.space.box, .seed = 3, .folder = {}}),
                                       in_turn);
       ReferenceService references(reference_options(input), 2);
-      plan.cost = make_cost("lognormal:0.03,0.8", 3, [&] { return references.recorded_costs(); });
-      RunAnalysis analysis(input, options, references, {});
+      const auto cost = make_cost("lognormal:0.03,0.8", 3, [&] { return references.recorded_costs(); });
+      RunAnalysis analysis(judge_setup(plan), references, {});
       SessionResult result;
-      run_virtual(plan, references, analysis, result, {});
+      run_virtual(plan, *cost, references, analysis, result, {});
       analysis.finish(result, {});
       return result;
     };
@@ -131,10 +132,10 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
         const FrameRecord &a = one.frames[k], &b = other.frames[k];
         REQUIRE((a.t == b.t && a.at == b.at && a.force == b.force && a.sent == b.sent &&
                  a.undamped == b.undamped));
-        REQUIRE(
-            (a.label == b.label && a.model == b.model && a.known == b.known && a.took_model == b.took_model));
-        REQUIRE((a.switch_change == b.switch_change && a.motion_change == b.motion_change &&
-                 a.first_visit == b.first_visit));
+        REQUIRE((a.label == b.label && a.model == b.model && a.known == b.known &&
+                 a.step.took_model == b.step.took_model));
+        REQUIRE((a.step.change == b.step.change && a.step.motion_change == b.step.motion_change &&
+                 a.judged.first_visit == b.judged.first_visit));
       }
       REQUIRE(one.switches.size() == other.switches.size());
       for (std::size_t i = 0; i < one.switches.size(); ++i) {
@@ -149,7 +150,7 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
         used += std::isfinite(a) ? 1 : 0;
       }
       if (frames == 1200) CHECK(used > 5);
-      CHECK(one.work == other.work);
+      CHECK(one.safety.work == other.safety.work);
     }
   }
 }
@@ -157,11 +158,11 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
 TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND at more first visits") {
   for (const std::string device : {"path:reach,speed=0.15,tremor=0.0002", "path:line,speed=0.07"}) {
     SessionOptions options = virtual_options(1);
-    options.cost = "lognormal:0.1,0.6";
-    options.device = device;
-    options.reference_step = 0.05;
+    options.workers.cost = "lognormal:0.1,0.6";
+    options.motion.device = device;
+    options.judging.reference_step = 0.05;
     const auto share = [&](const std::string& policy) {
-      options.policy = policy;
+      options.planning.policy = policy;
       return summarise(run_session(small_input(), options), small_input(), options)
           .error.first_visit.within_jnd;
     };
@@ -176,28 +177,30 @@ TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND
 TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything") {
   SessionInput input = small_input();
   SessionOptions options = virtual_options(2);
-  options.workers = 4;
+  options.workers.count = 4;
   const SessionResult r = run_session(input, options);
   REQUIRE(r.frames.size() == 2000);
   CHECK(r.frames.front().known == 0);
   CHECK(r.frames.front().label == Label::blank);
   CHECK(r.frames.front().force == Vec3::Zero());
   CHECK(r.frames.front().at == Vec3::Zero());
-  CHECK(r.start_solved_failed == std::array<std::size_t, 3>{0, 125, 0});
+  CHECK(r.counts.start == 0);
+  CHECK(r.counts.solved == 125);
+  CHECK(r.counts.failed == 0);
   CHECK(r.states.size() == 125);
   expect_no_state_twice(r);
   std::size_t over = 0;
   for (std::size_t k = 1; k < r.frames.size(); ++k) {
     REQUIRE(r.frames[k].known >= r.frames[k - 1].known);
-    over += r.frames[k].switch_change > r.frames[k].switch_bound;
+    over += r.frames[k].step.change > r.frames[k].step.bound;
     // The change of the force is what motion and the switch make, nothing else.
     REQUIRE((r.frames[k].force - r.frames[k - 1].force).norm() <=
-            r.frames[k].switch_change + r.frames[k].motion_change + 1e-12);
+            r.frames[k].step.change + r.frames[k].step.motion_change + 1e-12);
   }
   CHECK(over == 0);
   for (const DispatchRecord& d : r.dispatch) {
     CHECK(d.started <= d.finished);
-    if (d.status == "solved")
+    if (d.status == DispatchStatus::solved)
       CHECK(d.finished - d.started == Approx(d.at.isZero(0) ? 0.0025 : 0.01).margin(2e-9));
     CHECK(d.known == d.finished);
     CHECK(d.worker >= 0);
@@ -211,9 +214,9 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   CHECK(late.known == 125);
   double worst = 0;
   for (const FrameRecord& f : r.frames)
-    if (f.t > 1 && std::isfinite(f.approximation) && input.space.box.contains(f.at)) {
+    if (f.t > 1 && std::isfinite(f.judged.approximation) && input.touched.space.box.contains(f.at)) {
       CHECK(f.label == Label::safe);
-      worst = std::max(worst, f.approximation);
+      worst = std::max(worst, f.judged.approximation);
     }
   CHECK(worst > 0);
   CHECK(worst < 0.02);
@@ -234,21 +237,21 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
 TEST_CASE(
     "virtual clock: the state at rest comes first, at the cost of a factorisation; the first model is its "
     "tangent") {
-  for (const std::string placement : {"lattice", "adaptive", "path"})
+  for (const Placement placement : {Placement::lattice, Placement::adaptive, Placement::path})
     for (const bool fast : {false, true}) {
-      CAPTURE(placement, fast);
+      CAPTURE(static_cast<int>(placement), fast);
       SessionOptions options = virtual_options(0.3);
-      options.placement = placement;
-      options.workers = 3;
-      options.first_guess = false;
-      options.cost = "constant:0.08";
-      options.latency = 0.001;
-      options.device = fast ? "path:lissajous,speed=0.5" : "path:press,speed=0.02";
+      options.planning.placement = placement;
+      options.workers.count = 3;
+      options.model.first_guess = false;
+      options.workers.cost = "constant:0.08";
+      options.workers.latency = 0.001;
+      options.motion.device = fast ? "path:lissajous,speed=0.5" : "path:press,speed=0.02";
       const SessionResult r = run_session(small_input(), options);
       REQUIRE(r.dispatch.size() > 3);
       const DispatchRecord& rest = r.dispatch.front();
       CHECK(rest.at == Vec3::Zero());
-      CHECK(rest.status == "solved");
+      CHECK(rest.status == DispatchStatus::solved);
       CHECK(rest.started == Approx(0.001));
       CHECK(rest.finished == Approx(0.021));
       CHECK(rest.known == Approx(0.022));
@@ -256,25 +259,26 @@ TEST_CASE(
       double others = INFINITY;
       for (const DispatchRecord& d : r.dispatch)
         if (d.id > 0) others = std::min(others, d.started);
-      const auto moved = std::ranges::find_if(
-          r.frames, [&](const FrameRecord& f) { return f.at.norm() >= small_input().space.spacing / 3; });
+      const auto moved = std::ranges::find_if(r.frames, [&](const FrameRecord& f) {
+        return f.at.norm() >= small_input().touched.space.spacing / 3;
+      });
       const double told = std::min(moved == r.frames.end() ? INFINITY : moved->t, rest.known);
       CHECK(others == Approx(told + 0.001));
       CHECK((others < rest.finished) == fast);
       for (const FrameRecord& f : r.frames) {
-        REQUIRE(f.switch_change <= f.switch_bound);
+        REQUIRE(f.step.change <= f.step.bound);
         if (f.known == 0) CHECK(f.force == Vec3::Zero());
         if (f.model == 1)
           CHECK((f.undamped + r.states[0].stiffness * f.at).norm() <= 1e-9 * (1 + f.undamped.norm()));
       }
       CHECK(r.states[0].at == Vec3::Zero());
-      CHECK(r.start_solved_failed[0] == 0);
+      CHECK(r.counts.start == 0);
       CHECK(std::ranges::count(r.states, Vec3(Vec3::Zero()), &State::at) == 1);
-      options.rest_first = false;  // then it costs what any other does
+      options.planning.rest_first = false;  // then it costs what any other does
       const SessionResult plain = run_session(small_input(), options);
       CHECK(plain.dispatch.front().started == Approx(0.001));
       for (const DispatchRecord& d : plain.dispatch)
-        if (d.status == "solved") CHECK(d.finished - d.started == Approx(0.08));
+        if (d.status == DispatchStatus::solved) CHECK(d.finished - d.started == Approx(0.08));
     }
 }
 
@@ -282,22 +286,22 @@ TEST_CASE(
     "virtual clock: until something is known the hand feels the first guess, and the first state replaces "
     "it") {
   SessionOptions options = virtual_options(0.6);
-  options.cost = "constant:0.4";  // rest after 0.1 s
-  options.device = "path:lissajous,speed=0.03";
-  const Mat3 guess = disc_stiffness(*small_input().body);
+  options.workers.cost = "constant:0.4";  // rest after 0.1 s
+  options.motion.device = "path:lissajous,speed=0.03";
+  const Mat3 guess = disc_stiffness(*small_input().touched.body);
   const auto is_guess = [&](const FrameRecord& f) {
     return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm();
   };
-  for (const char* method : {"rbf", "tricubic"})
+  for (const Method method : {Method::rbf, Method::tricubic})
     for (const Data data : {Data::force, Data::force_and_stiffness}) {
-      CAPTURE(method, name(data));
-      options.method = method;
-      options.model.data = data;
+      CAPTURE(static_cast<int>(method), name(data));
+      options.model.method = method;
+      options.model.fit.data = data;
       const SessionResult r = run_session(small_input(), options);
-      CHECK(r.start_solved_failed[0] == 0);
+      CHECK(r.counts.start == 0);
       std::size_t before = 0, after = 0;
       for (const FrameRecord& f : r.frames) {
-        REQUIRE(f.switch_change <= f.switch_bound);
+        REQUIRE(f.step.change <= f.step.bound);
         if (f.known == 0) {
           ++before;
           REQUIRE(is_guess(f));
@@ -311,15 +315,15 @@ TEST_CASE(
       CHECK(before == 100);
       CHECK(after > 400);
       REQUIRE(r.switches.size() >= 2);
-      CHECK(r.switches[0].cause == "guess");
+      CHECK(r.switches[0].cause == SwitchCause::guess);
       CHECK(r.switches[0].n == 0);
-      CHECK(r.switches[1].cause == "first");
+      CHECK(r.switches[1].cause == SwitchCause::first);
       CHECK(r.switches[1].jump_undamped > 0);
       CHECK(r.switches[1].t == Approx(0.1).margin(0.0011));
       // what is known, asked for and solved is the same without it
-      options.first_guess = false;
+      options.model.first_guess = false;
       const SessionResult without = run_session(small_input(), options);
-      options.first_guess = true;
+      options.model.first_guess = true;
       REQUIRE(without.dispatch.size() == r.dispatch.size());
       for (std::size_t i = 0; i < r.dispatch.size(); ++i) {
         CHECK(without.dispatch[i].at == r.dispatch[i].at);
@@ -334,14 +338,14 @@ TEST_CASE("the first guess has no say where states come from elsewhere, and is r
   const test::TemporaryFolder folder;
   std::ofstream(folder / "late.csv") << "t,x,y,z\n0.1,0,0,0\n";
   SessionOptions options = virtual_options(0.2);
-  options.cost = "constant:0.4";
+  options.workers.cost = "constant:0.4";
   const SessionResult solved = run_session(small_input(), options);
   std::filesystem::create_directories(folder / "solved");
   std::filesystem::create_directories(folder / "arrived");
   write_run_files(folder / "solved", solved, options);
   CHECK(summarise(solved, small_input(), options).run.first_guess);
   SessionOptions arriving = options;
-  arriving.arrivals = folder / "late.csv";
+  arriving.planning.arrivals = folder / "late.csv";
   const SessionResult arrived = run_session(small_input(), arriving);
   for (const FrameRecord& f : arrived.frames)
     if (f.known == 0) REQUIRE(f.force == Vec3::Zero());
@@ -350,7 +354,7 @@ TEST_CASE("the first guess has no say where states come from elsewhere, and is r
   for (const auto& [run, recorded] : {std::pair{"solved", &solved}, std::pair{"arrived", &arrived}}) {
     CAPTURE(run);
     SessionOptions again = options;
-    again.replay = folder / run;
+    again.motion.replay = folder / run;
     const SessionResult replayed = run_session(small_input(), again);
     REQUIRE(replayed.frames.size() == recorded->frames.size());
     for (std::size_t k = 0; k < replayed.frames.size(); ++k)
@@ -364,9 +368,9 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
     std::ofstream(folder / name) << "t,x,y,z\n" << rows;
     SessionOptions options = virtual_options(0.1);
     if (arrivals)
-      options.arrivals = folder / name;
+      options.planning.arrivals = folder / name;
     else
-      options.device = "trace:" + (folder / name).string();
+      options.motion.device = "trace:" + (folder / name).string();
     try {
       check_session(small_input(), options);
     } catch (const InputError& error) {
@@ -381,7 +385,7 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
              Catch::Contains("late.csv:3") && Catch::Contains("86400"));
   CHECK(refused("same.csv", "1,0,0,0\n1,0,0,-0.006\n", true).empty());  // states may come together
   SessionInput point = small_input();
-  point.space.box = {Vec3::Zero(), Vec3::Zero()};
+  point.touched.space.box = {Vec3::Zero(), Vec3::Zero()};
   CHECK_THROWS_WITH(check_session(point, virtual_options(0.1)),
                     Catch::Contains("state_space.box") && Catch::Contains("room"));
 }
@@ -456,13 +460,13 @@ TEST_CASE("every policy, every switch rule, preemption and many workers run to t
     for (const int workers : {1, 40}) {
       CAPTURE(policy, workers);
       SessionOptions options = virtual_options(0.6);
-      options.policy = policy;
-      options.workers = workers;
-      options.cost = "constant:0.05";
+      options.planning.policy = policy;
+      options.workers.count = workers;
+      options.workers.cost = "constant:0.05";
       const SessionResult r = run_session(small_input(Law::linear), options);
       CHECK(r.frames.size() == 600);
       expect_no_state_twice(r);
-      CHECK(r.states.size() == r.start_solved_failed[1]);
+      CHECK(r.states.size() == r.counts.solved);
       CHECK(r.states.size() > 5);
     }
   }
@@ -471,7 +475,7 @@ TEST_CASE("every policy, every switch rule, preemption and many workers run to t
     options.switching.rule = rule;
     const SessionResult r = run_session(small_input(), options);
     std::size_t over = 0;
-    for (const FrameRecord& f : r.frames) over += f.switch_change > f.switch_bound;
+    for (const FrameRecord& f : r.frames) over += f.step.change > f.step.bound;
     if (rule != SwitchRule::none) CHECK(over == 0);
     if (rule == SwitchRule::none) CHECK(over > 0);
   }
@@ -497,7 +501,7 @@ TEST_CASE("arrivals: states are known when the file says") {
   std::ofstream(folder / "a.csv")
       << "t,x,y,z\n0.1,0,0,0\n0.25,0.006,0,0\n0.25,0,0.006,0\n0.05,0,0,0.006\n9,0.012,0,0\n";
   SessionOptions options = virtual_options(0.5);
-  options.arrivals = folder / "a.csv";
+  options.planning.arrivals = folder / "a.csv";
   const SessionResult r = run_session(small_input(), options);
   const auto known = [&](double t) {
     return r.frames[static_cast<std::size_t>(std::lround(t * 1000))].known;
@@ -510,10 +514,10 @@ TEST_CASE("arrivals: states are known when the file says") {
   CHECK(known(0.25) == 4);
   CHECK(r.frames.back().known == 4);
   REQUIRE(r.dispatch.size() == 4);
-  CHECK(r.dispatch.front().status == "arrived");
+  CHECK(r.dispatch.front().status == DispatchStatus::arrived);
   CHECK(r.dispatch.front().at == Vec3(0, 0, 0.006));
 
-  options.clock = Clock::real;
+  options.clock.kind = Clock::real;
   const SessionResult real = run_session(small_input(), options);
   CHECK(real.states.size() == 4);
   CHECK(real.dispatch.size() == 4);
@@ -522,14 +526,14 @@ TEST_CASE("arrivals: states are known when the file says") {
 TEST_CASE("replay: a recorded run gives the same forces again") {
   const test::TemporaryFolder folder;
   SessionOptions options = virtual_options(1);
-  options.cost = "lognormal:0.02,0.5";
-  options.latency = 0.002;
-  options.device = "path:tour,speed=0.06,tremor=0.0001";
+  options.workers.cost = "lognormal:0.02,0.5";
+  options.workers.latency = 0.002;
+  options.motion.device = "path:tour,speed=0.06,tremor=0.0001";
   prepare_run_folder(folder / "run");
   const SessionResult first = run_session(small_input(), options);
   write_run_files(folder / "run", first, options);
-  options.replay = folder / "run";
-  options.device = "path:press";
+  options.motion.replay = folder / "run";
+  options.motion.device = "path:press";
   const SessionResult second = run_session(small_input(), options);
   REQUIRE(second.frames.size() == first.frames.size());
   for (std::size_t k = 0; k < first.frames.size(); ++k) {
@@ -544,7 +548,7 @@ TEST_CASE("replay: a recorded run gives the same forces again") {
 TEST_CASE("states of the start are used, kept and not solved again") {
   const test::TemporaryFolder folder;
   SessionInput input = small_input();
-  input.state_file = folder / "a.states";
+  input.files.states = folder / "a.states";
   const SessionResult first = run_session(input, virtual_options(0.3));
   const std::size_t solved = first.states.size();
   REQUIRE(solved > 10);
@@ -552,9 +556,9 @@ TEST_CASE("states of the start are used, kept and not solved again") {
 
   input.known = StateFile::open_read_only(folder / "a.states").read_all();
   const SessionResult second = run_session(input, virtual_options(0.3));
-  CHECK(second.start_solved_failed[0] == solved);
+  CHECK(second.counts.start == solved);
   CHECK(second.frames.front().known == solved);
-  CHECK(second.states.size() == solved + second.start_solved_failed[1]);
+  CHECK(second.states.size() == solved + second.counts.solved);
   const auto all = StateFile::open_read_only(folder / "a.states").read_all();
   CHECK(all.size() == second.states.size());
   std::set<std::tuple<double, double, double>> places;
@@ -564,21 +568,21 @@ TEST_CASE("states of the start are used, kept and not solved again") {
 TEST_CASE("real clock: renders, solves and reports") {
   SessionInput input = small_input();
   SessionOptions options = virtual_options(0.4);
-  options.clock = Clock::real;
-  options.workers = 2;
+  options.clock.kind = Clock::real;
+  options.workers.count = 2;
   const SessionResult r = run_session(input, options);
   REQUIRE(r.frames.size() == 400);
-  CHECK(r.workers == 2);
+  CHECK(r.solver.workers == 2);
   CHECK(r.states.size() > 0);
-  CHECK(r.start_solved_failed[1] == r.states.size());
+  CHECK(r.counts.solved == r.states.size());
   expect_no_state_twice(r);
   std::size_t over = 0, taken = 0;
   for (const FrameRecord& f : r.frames) {
     REQUIRE(f.sent.allFinite());
-    REQUIRE(std::isfinite(f.cost_us));
-    REQUIRE(std::isfinite(f.lateness_us));
-    over += f.switch_change > f.switch_bound;
-    taken += f.took_model;
+    REQUIRE(std::isfinite(f.timing.cost_us));
+    REQUIRE(std::isfinite(f.timing.lateness_us));
+    over += f.step.change > f.step.bound;
+    taken += f.step.took_model;
   }
   CHECK(over == 0);
   CHECK(taken == r.switches.size());
@@ -590,7 +594,7 @@ TEST_CASE("real clock: renders, solves and reports") {
   const SessionSummary summary = summarise(r, input, options);
   CHECK(summary.settings.clock == Clock::real);
   CHECK(std::isfinite(summary.deadline.cost_us.p50));
-  if (!r.realtime_priority) CHECK(!r.notes.empty());  // said so
+  if (!r.process.realtime_priority) CHECK(!r.notes.empty());  // said so
 }
 
 TEST_CASE("bad sessions are refused before anything is solved or written") {
@@ -599,26 +603,26 @@ TEST_CASE("bad sessions are refused before anything is solved or written") {
     SessionOptions options = virtual_options(0.1);
     change(options);
     SessionInput input = small_input();
-    input.state_file = folder / "none.states";
+    input.files.states = folder / "none.states";
     CHECK_THROWS_AS(check_session(input, options), InputError);
     CHECK_THROWS_AS(run_session(input, options), InputError);
     CHECK_FALSE(std::filesystem::exists(folder / "none.states"));
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refuse([](SessionOptions& o) { o.policy = "best"; });
-  refuse([](SessionOptions& o) { o.workers = 0; });
-  refuse([](SessionOptions& o) { o.seconds = -1; });
-  refuse([](SessionOptions& o) { o.seconds = 0; });
-  refuse([nan](SessionOptions& o) { o.seconds = nan; });
-  refuse([nan](SessionOptions& o) { o.latency = nan; });
-  refuse([](SessionOptions& o) { o.device = "trace:nowhere.csv"; });
-  refuse([](SessionOptions& o) { o.device = "path:spiral"; });
-  refuse([](SessionOptions& o) { o.cost = "free"; });
-  refuse([](SessionOptions& o) { o.predictor = "oracle"; });
-  refuse([&](SessionOptions& o) { o.replay = folder / "no run"; });
+  refuse([](SessionOptions& o) { o.planning.policy = "best"; });
+  refuse([](SessionOptions& o) { o.workers.count = 0; });
+  refuse([](SessionOptions& o) { o.clock.seconds = -1; });
+  refuse([](SessionOptions& o) { o.clock.seconds = 0; });
+  refuse([nan](SessionOptions& o) { o.clock.seconds = nan; });
+  refuse([nan](SessionOptions& o) { o.workers.latency = nan; });
+  refuse([](SessionOptions& o) { o.motion.device = "trace:nowhere.csv"; });
+  refuse([](SessionOptions& o) { o.motion.device = "path:spiral"; });
+  refuse([](SessionOptions& o) { o.workers.cost = "free"; });
+  refuse([](SessionOptions& o) { o.motion.predictor = "oracle"; });
+  refuse([&](SessionOptions& o) { o.motion.replay = folder / "no run"; });
   refuse([&](SessionOptions& o) {
     std::ofstream(folder / "back.csv") << "t,x,y,z\n-1,0,0,0\n";
-    o.arrivals = folder / "back.csv";
+    o.planning.arrivals = folder / "back.csv";
   });
   std::ofstream(folder / "file") << "not a folder";
   CHECK_THROWS_AS(prepare_run_folder(folder / "file"), InputError);
@@ -628,10 +632,10 @@ TEST_CASE("bad sessions are refused before anything is solved or written") {
 // Run by the next test in a process of its own, which is killed.
 TEST_CASE("session that is killed", "[.]") {
   SessionInput input = small_input();
-  input.space.spacing = 0.0015;  // thousands of states: far from done when it is killed
-  input.state_file = std::getenv("FOREFEEL_TEST_STATES");
+  input.touched.space.spacing = 0.0015;  // thousands of states: far from done when it is killed
+  input.files.states = std::getenv("FOREFEEL_TEST_STATES");
   SessionOptions options = virtual_options(20);
-  options.clock = Clock::real;
+  options.clock.kind = Clock::real;
   run_session(input, options);
 }
 
@@ -666,74 +670,69 @@ TEST_CASE("kill -9 loses nothing that was committed") {
     CHECK(state.force.allFinite());
   }
   SessionInput input = small_input();
-  input.state_file = file;
+  input.files.states = file;
   input.known = states;
-  CHECK(run_session(input, virtual_options(0.05)).start_solved_failed[0] == states.size());
+  CHECK(run_session(input, virtual_options(0.05)).counts.start == states.size());
 }
 
 TEST_CASE("older methods render from the lattice cell around the HIP, and wait for its corners") {
-  for (const std::string method : {"trilinear", "tricubic"}) {
-    CAPTURE(method);
+  for (const Method method : {Method::trilinear, Method::tricubic}) {
+    CAPTURE(static_cast<int>(method));
     SessionOptions options = virtual_options(1.5);
-    options.method = method;
-    options.policy = "nearest";
+    options.model.method = method;
+    options.planning.policy = "nearest";
     options.switching.rule = SwitchRule::none;
-    options.workers = 4;
+    options.workers.count = 4;
     const SessionResult r = run_session(small_input(), options);
     CHECK(r.states.size() == 125);
     double early = 0,
            late = 0;  // inside the full lattice the method is good, before it holds the nearest force
     const Box inner{Vec3::Constant(-0.011), Vec3::Constant(0.011)};
     for (const FrameRecord& f : r.frames)
-      if (std::isfinite(f.approximation) && inner.contains(f.at)) {
+      if (std::isfinite(f.judged.approximation) && inner.contains(f.at)) {
         double& worst = f.t < 0.05 ? early : late;
-        if (f.t < 0.05 || f.t > 0.6) worst = std::max(worst, f.approximation);
+        if (f.t < 0.05 || f.t > 0.6) worst = std::max(worst, f.judged.approximation);
       }
     CHECK(late > 0);
     CHECK(late < 0.06);
     for (const FrameRecord& f : r.frames) REQUIRE(f.force.allFinite());
   }
-  SessionOptions options = virtual_options(0.1);
-  options.method = "quadrilinear";
-  CHECK_THROWS_AS(run_session(small_input(), options), InputError);
 }
 
 TEST_CASE("placement: on the octree's lattice, or on the predicted path, each place once") {
-  for (const std::string placement : {"adaptive", "path"}) {
-    CAPTURE(placement);
+  for (const Placement placement : {Placement::adaptive, Placement::path}) {
+    CAPTURE(static_cast<int>(placement));
     SessionOptions options = virtual_options(1);
-    options.placement = placement;
-    options.cost = "constant:0.02";
+    options.planning.placement = placement;
+    options.workers.cost = "constant:0.02";
     const SessionResult r = run_session(small_input(), options);
     CHECK(r.states.size() > 20);
     expect_no_state_twice(r);
-    const double h = small_input().space.spacing;
+    const double h = small_input().touched.space.spacing;
     std::size_t off = 0;  // the lattice
     for (const State& state : r.states) {
       const Vec3 share = state.at / h;
       off += (share - share.array().round().matrix()).norm() > 1e-6;
-      CHECK(small_input().space.box.contains(state.at));
+      CHECK(small_input().touched.space.box.contains(state.at));
     }
-    CHECK((off > 0) == (placement == "path"));
+    CHECK((off > 0) == (placement == Placement::path));
   }
   // What is being solved keeps free positions away as what is known does.
   for (const std::string policy : {"nearest", "coverage"})
     for (const int workers : {2, 8}) {
       CAPTURE(policy, workers);
       SessionOptions options = virtual_options(1);
-      options.placement = "path";
-      options.policy = policy;
-      options.workers = workers;
-      options.cost = "constant:0.03";
+      options.planning.placement = Placement::path;
+      options.planning.policy = policy;
+      options.workers.count = workers;
+      options.workers.cost = "constant:0.03";
       const SessionResult r = run_session(small_input(), options);
       CHECK(r.states.size() > 20);
       for (std::size_t i = 0; i < r.states.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
-          REQUIRE((r.states[i].at - r.states[j].at).norm() >= 0.5 * small_input().space.spacing - 1e-12);
+          REQUIRE((r.states[i].at - r.states[j].at).norm() >=
+                  0.5 * small_input().touched.space.spacing - 1e-12);
     }
-  SessionOptions options = virtual_options(0.1);
-  options.placement = "anywhere";
-  CHECK_THROWS_AS(run_session(small_input(), options), InputError);
 }
 
 TEST_CASE(
@@ -741,7 +740,7 @@ TEST_CASE(
     "same") {
   const test::TemporaryFolder folder;
   SessionInput input = small_input();
-  input.cache_folder = folder / "cache";
+  input.files.cache = folder / "cache";
   const SessionOptions options = virtual_options(0.5);
   const SessionResult first = run_session(input, options);
   const ReferenceService writing(reference_options(input), 1);
@@ -764,13 +763,13 @@ TEST_CASE(
     });
   };
   SessionOptions options = virtual_options(0.05);
-  options.cost = "constant:0.5";
-  options.latency = 0.01;
+  options.workers.cost = "constant:0.5";
+  options.workers.latency = 0.01;
   CHECK_FALSE(says_so(options));
-  options.clock = Clock::real;
+  options.clock.kind = Clock::real;
   CHECK(says_so(options));
-  options.cost = SessionOptions{}.cost;
+  options.workers.cost = WorkerOptions{}.cost;
   CHECK(says_so(options));  // the latency
-  options.latency = 0;
+  options.workers.latency = 0;
   CHECK_FALSE(says_so(options));
 }

@@ -24,10 +24,10 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   const test::TemporaryFolder folder;
   std::atomic<bool> stop{true};
   SessionOptions options = virtual_options(2);
-  options.policy = "clairvoyant";
-  options.interrupted = &stop;
+  options.planning.policy = "clairvoyant";
+  options.stop.interrupted = &stop;
   SessionInput input = small_input();
-  input.state_file = folder / "session.states";
+  input.files.states = folder / "session.states";
   State rest;
   rest.at = rest.force = Vec3::Zero();
   rest.status = SolveStatus::converged;
@@ -36,12 +36,14 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   const SessionResult result = run_session(
       input, options, {}, [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); },
       [&](const Vec3&) { ++positions; });
-  CHECK(result.interrupted);
-  CHECK(result.not_begun);
+  CHECK(result.interrupted());
+  CHECK(result.end == RunEnd::not_begun);
   CHECK(result.frames.empty());
   CHECK(result.dispatch.empty());
   CHECK(result.states.size() == 1);
-  CHECK(result.start_solved_failed == std::array<std::size_t, 3>{1, 0, 0});
+  CHECK(result.counts.start == 1);
+  CHECK(result.counts.solved == 0);
+  CHECK(result.counts.failed == 0);
   CHECK(handed_over == 1);
   CHECK(positions == 0);
   REQUIRE(result.notes.size() == 1);
@@ -53,14 +55,14 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
 TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {
   const test::TemporaryFolder folder;
   SessionOptions options = virtual_options(0.5);
-  options.cost = "constant:0.002";
-  options.model.neighbours = 400;  // of at most 6 x 6 x 6
+  options.workers.cost = "constant:0.002";
+  options.model.fit.neighbours = 400;  // of at most 6 x 6 x 6
   const std::string few = logs(small_input(), options, folder / "few");
-  options.model.neighbours = 100'000;
+  options.model.fit.neighbours = 100'000;
   CHECK(logs(small_input(), options, folder / "many") == few);
-  options.placement = "path";
+  options.planning.placement = Placement::path;
   SessionInput wide = small_input();
-  wide.space.spacing = 0.001;
+  wide.touched.space.spacing = 0.001;
   try {
     check_session(wide, options);
     FAIL("accepted");
@@ -69,21 +71,22 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
     CHECK_THAT(error.what(),
                Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
   }
-  options.model.neighbours = 100;
+  options.model.fit.neighbours = 100;
   CHECK_NOTHROW(check_session(wide, options));
 }
 
 TEST_CASE("a box without room for a lattice cell: a note says why nothing is a first visit") {
   SessionOptions options = virtual_options(0.3);
-  options.device = "path:circle,speed=0.06";
-  Box box = small_input().space.box;
+  options.motion.device = "path:circle,speed=0.06";
+  Box box = small_input().touched.space.box;
   const auto notes = [&](double spacing, double cell) {
     SessionInput input = small_input();
-    input.space.spacing = spacing;
-    input.space.box = box;
-    options.visit_cell = cell;
+    input.touched.space.spacing = spacing;
+    input.touched.space.box = box;
+    options.judging.visit_cell = cell;
     const SessionResult result = run_session(input, options);
-    const bool first = std::ranges::any_of(result.frames, &FrameRecord::first_visit);
+    const bool first =
+        std::ranges::any_of(result.frames, [](const FrameRecord& f) { return f.judged.first_visit; });
     std::string all = first ? "visits " : "";
     for (const std::string& note : result.notes) all += note;
     return all;
@@ -100,7 +103,7 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
                  !Catch::Contains("rest was"));
   CHECK_THAT(notes(0.006, 0.001),
              Catch::Contains("holds no position of the lattice of 0.006 m: nothing could be solved"));
-  box = small_input().space.box;
+  box = small_input().touched.space.box;
   CHECK(notes(0.006, 0) == "visits ");
   CHECK(notes(0.012, 0) == "visits ");
 }
@@ -108,16 +111,16 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
 TEST_CASE("a second wish to end cuts the patience with references short") {
   std::atomic<bool> stop{false}, hurry{false};
   SessionOptions options = virtual_options(1);
-  options.device = "path:circle,speed=0.06";
-  options.reference_step = 1e-5;
-  options.threads = 1;
-  options.interrupted = &stop;
-  options.hurried = &hurry;
-  options.patience = 1e6;  // as long as it takes
+  options.motion.device = "path:circle,speed=0.06";
+  options.judging.reference_step = 1e-5;
+  options.workers.threads = 1;
+  options.stop.interrupted = &stop;
+  options.stop.hurried = &hurry;
+  options.stop.patience = 1e6;  // as long as it takes
   const SessionResult result = run_session(small_input(), options, [&](const SessionProgress& p) {
-    stop = hurry = stop || p.phase == "references";
+    stop = hurry = stop || p.phase == SessionPhase::references;
   });
-  CHECK(result.interrupted);
+  CHECK(result.interrupted());
   CHECK(result.frames.size() == 1000);
   CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
 }
@@ -125,12 +128,12 @@ TEST_CASE("a second wish to end cuts the patience with references short") {
 TEST_CASE("records of the cache of references that are not what was written are solved anew and replaced") {
   const test::TemporaryFolder folder;
   SessionInput input = small_input();
-  input.identity = {{"mesh", "small"}};
-  input.cache_folder = folder / "cache";
+  input.touched.identity = {{"mesh", "small"}};
+  input.files.cache = folder / "cache";
   SessionOptions options = virtual_options(0.5);
   const std::string first = logs(input, options, folder / "first");
   std::filesystem::path cache;
-  for (const auto& entry : std::filesystem::directory_iterator(input.cache_folder))
+  for (const auto& entry : std::filesystem::directory_iterator(input.files.cache))
     if (entry.path().extension() == ".states") cache = entry.path();
   REQUIRE_FALSE(cache.empty());
   sqlite3* database = nullptr;
@@ -149,16 +152,19 @@ TEST_CASE("records of the cache of references that are not what was written are 
 TEST_CASE("a run that is interrupted while its references are solved ends without them, and says so") {
   std::atomic<bool> stop{false};
   SessionOptions options = virtual_options(1);
-  options.device = "path:circle,speed=0.06";
-  options.reference_step = 1e-5;
-  options.threads = 1;
-  options.interrupted = &stop;
-  options.patience = 0;
-  const SessionResult result = run_session(
-      small_input(), options, [&](const SessionProgress& p) { stop = stop || p.phase == "references"; });
-  CHECK(result.interrupted);
+  options.motion.device = "path:circle,speed=0.06";
+  options.judging.reference_step = 1e-5;
+  options.workers.threads = 1;
+  options.stop.interrupted = &stop;
+  options.stop.patience = 0;
+  const SessionResult result = run_session(small_input(), options, [&](const SessionProgress& p) {
+    stop = stop || p.phase == SessionPhase::references;
+  });
+  CHECK(result.interrupted());
   CHECK(result.frames.size() == 1000);
   CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
-  const auto without = [](const FrameRecord& f) { return f.sampled && !std::isfinite(f.error); };
+  const auto without = [](const FrameRecord& f) {
+    return f.judged.sampled && !std::isfinite(f.judged.error);
+  };
   CHECK(std::ranges::any_of(result.frames, without));
 }

@@ -1,9 +1,4 @@
-// What is worked out after a run, exactly and in the order in which states became known:
-//   label of every frame, with the states known in that frame
-//   error at sampled frames against a tight solve on the reference branch, e = |F - f| / max(|f|, f0), and its parts
-//     approximation |f~ - f|, switch |F - f~|, staleness |f~ - f~*|, each over max(|f|, f0), f~ the newest model,
-//     f~* one made from all states known at that moment
-// Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell.
+#include "scheduling/judge/run_analysis.hpp"
 
 #include <fmt/format.h>
 
@@ -20,28 +15,28 @@
 #include <thread>
 #include <utility>
 
-#include "scheduling/record/visited_cells.hpp"
+#include "scheduling/judge/visited_cells.hpp"
 #include "scheduling/render/session_model.hpp"
-#include "scheduling/session/session_parts.hpp"
 
 namespace forefeel {
 namespace {
 
 void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
   const double scale = std::max(reference.norm(), floor);
-  frame.reference = reference;
-  frame.error = (frame.force - reference).norm() / scale;
-  frame.approximation = (frame.undamped - reference).norm() / scale;
-  frame.switching = (frame.force - frame.undamped).norm() / scale;
-  frame.staleness = (frame.undamped - fresh).norm() / scale;
+  Judgement& judged = frame.judged;
+  judged.reference = reference;
+  judged.error = (frame.force - reference).norm() / scale;
+  judged.approximation = (frame.undamped - reference).norm() / scale;
+  judged.switching = (frame.force - frame.undamped).norm() / scale;
+  judged.staleness = (frame.undamped - fresh).norm() / scale;
 }
 
 // Which frames are samples: by arc length, and first visits of the cells of the lattice (cubes of h, or of a side of their
 // own, whose corners lie in the box), of which every visit_stride-th counts.
 class Samples {
  public:
-  Samples(const SessionInput& input, const SessionOptions& options)
-      : visited_(input.space.box, options.visit_cell > 0 ? options.visit_cell : input.space.spacing),
+  Samples(const StateSpaceOptions& space, const JudgingOptions& options)
+      : visited_(space.box, visit_cell(options, space.spacing)),
         step_(options.reference_step),
         stride_(static_cast<std::size_t>(options.visit_stride)) {}
 
@@ -69,6 +64,22 @@ class Samples {
   Vec3 last_ = Vec3::Zero();
 };
 
+// Published models become switches when the loop takes them.
+void keep_taken(SessionResult& result) {
+  std::vector<SwitchRecord> taken;
+  std::size_t published = 0;
+  for (const FrameRecord& frame : result.frames) {
+    if (!frame.step.took_model) continue;
+    while (published < result.switches.size() && result.switches[published].model != frame.model) ++published;
+    if (published == result.switches.size()) break;
+    SwitchRecord record = result.switches[published++];
+    record.t = frame.t;
+    record.jump_undamped = frame.step.undamped_jump;
+    taken.push_back(record);
+  }
+  result.switches = std::move(taken);
+}
+
 }  // namespace
 
 // Frames and states are handed over in lots; one thread works them off in their order.
@@ -88,18 +99,16 @@ struct RunAnalysis::Impl {
   };
   static constexpr std::size_t lot_size = 100;
 
-  Impl(const SessionInput& input, const SessionOptions& options, ReferenceService& given,
-       const std::function<void(const Vec3&)>& each)
+  Impl(const JudgeSetup& setup, ReferenceService& given, const std::function<void(const Vec3&)>& each)
       : references(given),
         each_position(each),
-        interrupted(options.interrupted),
-        hurried(options.hurried),
+        end_early(setup.stop),
         patience(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-            std::chrono::duration<double>(options.patience))),
-        samples(input, options),
-        space(input.space),
-        fresh(space, options),
-        floor(options.error_floor) {}
+            std::chrono::duration<double>(setup.stop.patience))),
+        samples(setup.space, setup.judging),
+        space(setup.space),
+        fresh(space, setup.model),
+        floor(setup.judging.error_floor) {}
 
   // ---- of the thread that runs
   void add(const Vec3& at, std::uint32_t known, const StateSpace& all) {
@@ -127,10 +136,10 @@ struct RunAnalysis::Impl {
     const auto done = [&] { return failure || worked == handed; };
     while (!changed.wait_for(lock, std::chrono::milliseconds(show ? 50 : 10'000), done))
       if (show)
-        show({.t = static_cast<double>(worked),
+        show({.phase = SessionPhase::labels,
+              .t = static_cast<double>(worked),
               .seconds = static_cast<double>(handed),
-              .known = states,
-              .phase = "labels"});
+              .known = states});
     if (failure) std::rethrow_exception(failure);
   }
 
@@ -181,7 +190,7 @@ struct RunAnalysis::Impl {
 
   ReferenceService& references;
   std::function<void(const Vec3&)> each_position;
-  const std::atomic<bool>*interrupted, *hurried;
+  const StopOptions end_early;
   std::chrono::steady_clock::duration patience;
   // of the thread that runs
   Lot lot;
@@ -206,9 +215,9 @@ struct RunAnalysis::Impl {
   std::jthread thread;  // ends first
 };
 
-RunAnalysis::RunAnalysis(const SessionInput& input, const SessionOptions& options,
-                         ReferenceService& references, const std::function<void(const Vec3&)>& each_position)
-    : impl_(std::make_unique<Impl>(input, options, references, each_position)) {}
+RunAnalysis::RunAnalysis(const JudgeSetup& setup, ReferenceService& references,
+                         const std::function<void(const Vec3&)>& each_position)
+    : impl_(std::make_unique<Impl>(setup, references, each_position)) {}
 RunAnalysis::~RunAnalysis() = default;
 
 void RunAnalysis::frame(const Vec3& at, std::uint32_t known, const StateSpace& space) {
@@ -226,32 +235,31 @@ void RunAnalysis::catch_up(const StateSpace& space) {
   impl_->wait({});
 }
 
-void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
-  Impl& my = *impl_;
-  for (; my.states < result.states.size(); ++my.states) my.lot.states.push_back(result.states[my.states]);
-  for (std::size_t k = my.handed; k < result.frames.size(); ++k, ++my.handed)
-    my.lot.frames.push_back({result.frames[k].at, result.frames[k].known});
-  my.hand_over();
-  my.wait(show);
+// A label and what is a sample for every frame. Returns the samples.
+std::vector<std::size_t> RunAnalysis::enter_labels(SessionResult& result) const {
   std::vector<std::size_t> samples;
   for (std::size_t k = 0; k < result.frames.size(); ++k) {
-    const Impl::Found& found = my.found[k];
+    const Impl::Found& found = impl_->found[k];
     FrameRecord& frame = result.frames[k];
     frame.label = found.label;
-    frame.sampled = found.choice.sampled;
-    frame.first_visit = found.choice.first_visit;
-    if (frame.sampled || frame.first_visit) samples.push_back(k);
+    frame.judged.sampled = found.choice.sampled;
+    frame.judged.first_visit = found.choice.first_visit;
+    if (found.choice.sampled || found.choice.first_visit) samples.push_back(k);
   }
+  return samples;
+}
+
+void RunAnalysis::enter_errors(const std::vector<std::size_t>& samples, SessionResult& result,
+                               const ShowProgress& show) {
+  Impl& my = *impl_;
   // Who interrupts a run, now or before, does not want to wait for all that is still to be solved.
   constexpr auto never = std::chrono::steady_clock::time_point::max();
   auto end = never;
   const auto wait_for = [&](const Vec3& at) {
     for (;;) {
       const auto now = std::chrono::steady_clock::now();
-      if (end == never &&
-          (result.interrupted || (my.interrupted && my.interrupted->load(std::memory_order_relaxed))))
-        end = now + my.patience;
-      if (end != never && my.hurried && my.hurried->load(std::memory_order_relaxed)) end = std::min(end, now);
+      if (end == never && (result.interrupted() || my.end_early.is_interrupted())) end = now + my.patience;
+      if (end != never && my.end_early.is_hurried()) end = std::min(end, now);
       const auto turn = std::min(end, now + std::chrono::milliseconds(100));
       std::optional<State> reference = my.references.get_until(at, turn);
       if (reference || turn == end) return reference;
@@ -267,33 +275,30 @@ void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
     else
       ++failed;
     if (show)
-      show({.t = static_cast<double>(i + 1),
+      show({.phase = SessionPhase::references,
+            .t = static_cast<double>(i + 1),
             .seconds = static_cast<double>(samples.size()),
-            .known = result.states.size(),
-            .phase = "references"});
+            .known = result.states.size()});
   }
   if (late > 0) {
-    result.interrupted = true;
+    if (result.end == RunEnd::whole) result.end = RunEnd::interrupted;
     result.notes.push_back(
         fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
                     samples.size()));
   }
   if (failed > 0)
     result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
+}
 
-  // Published models become switches when the loop takes them.
-  std::vector<SwitchRecord> taken;
-  std::size_t published = 0;
-  for (const FrameRecord& frame : result.frames) {
-    if (!frame.took_model) continue;
-    while (published < result.switches.size() && result.switches[published].model != frame.model) ++published;
-    if (published == result.switches.size()) break;
-    SwitchRecord record = result.switches[published++];
-    record.t = frame.t;
-    record.jump_undamped = frame.undamped_jump;
-    taken.push_back(record);
-  }
-  result.switches = std::move(taken);
+void RunAnalysis::finish(SessionResult& result, const ShowProgress& show) {
+  Impl& my = *impl_;
+  for (; my.states < result.states.size(); ++my.states) my.lot.states.push_back(result.states[my.states]);
+  for (std::size_t k = my.handed; k < result.frames.size(); ++k, ++my.handed)
+    my.lot.frames.push_back({result.frames[k].at, result.frames[k].known});
+  my.hand_over();
+  my.wait(show);
+  enter_errors(enter_labels(result), result, show);
+  keep_taken(result);
 }
 
 }  // namespace forefeel

@@ -1,0 +1,33 @@
+#include "apps/scene_input/option_names.hpp"
+
+namespace forefeel {
+
+const Words<Clock>& clock_words() {
+  static const Words<Clock> words{{"real", Clock::real}, {"virtual", Clock::virtual_time}};
+  return words;
+}
+
+const Words<Method>& method_words() {
+  static const Words<Method> words{
+      {"rbf", Method::rbf}, {"trilinear", Method::trilinear}, {"tricubic", Method::tricubic}};
+  return words;
+}
+
+const Words<Placement>& placement_words() {
+  static const Words<Placement> words{
+      {"lattice", Placement::lattice}, {"adaptive", Placement::adaptive}, {"path", Placement::path}};
+  return words;
+}
+
+const Words<Select>& select_words() {
+  static const Words<Select> words{{"label", Select::label}, {"nearest", Select::nearest}};
+  return words;
+}
+
+const Words<SwitchRule>& switch_words() {
+  static const Words<SwitchRule> words{
+      {"paper", SwitchRule::paper}, {"smooth", SwitchRule::smooth}, {"none", SwitchRule::none}};
+  return words;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,94 @@
+#pragma once
+// What a run writes down: a row for each frame, each dispatched solve and each model that the loop took. Plain data in
+// SI units; `unknown` (NaN) where there is no value.
+
+#include <cstdint>
+#include <string_view>
+
+#include "geometry/common/types.hpp"
+#include "geometry/coverage/coverage.hpp"
+#include "geometry/states/state.hpp"
+
+namespace forefeel {
+
+// What the change from one model to the next does to the force in a frame (approx/switch/force_switch.hpp).
+struct SwitchStep {
+  bool took_model = false;       // a newer model is rendered from this frame on
+  Vec3 delta = Vec3::Zero();     // dF [N]
+  double change = 0, bound = 0;  // |dF| and what the rule allows [N]
+  double motion_change = 0;      // |change of the force - dF|: what the motion did [N]
+  double undamped_jump = 0;      // |f~' - f~| where a model is taken [N]
+};
+
+// Where a frame is a sample: the force of a tight solve and how far the rendered force is from it. The errors are
+// relative to max(|reference|, error_floor); judge/run_analysis.hpp says how each is made.
+struct Judgement {
+  bool sampled = false;                      // by arc length
+  bool first_visit = false;                  // of a lattice cell
+  Vec3 reference = Vec3::Constant(unknown);  // [N]
+  double error = unknown, approximation = unknown, switching = unknown, staleness = unknown;  // [1]
+};
+
+struct FrameTiming {             // real clock only
+  double cost_us = unknown;      // of the frame's work [us]
+  double lateness_us = unknown;  // of its start [us]
+};
+
+struct FrameRecord {
+  double t = 0;                  // [s]
+  Vec3 at = Vec3::Zero();        // of the HIP [m]
+  Vec3 force = Vec3::Zero();     // as rendered by the switch [N]
+  Vec3 sent = Vec3::Zero();      // after safety: what the device gets [N]
+  Vec3 undamped = Vec3::Zero();  // of the newest model [N]
+  Label label = Label::blank;    // of the HIP's place, with the states known in this frame
+  std::uint32_t model = 0;       // serial number of the model that is rendered
+  std::uint32_t known = 0;       // number of known states
+  SwitchStep step = {};
+  Judgement judged = {};
+  FrameTiming timing = {};
+};
+
+enum class DispatchStatus {
+  running,  // at the end of the run; under way before
+  waiting,  // at the end of the run: for the others of its job
+  solved,
+  failed,
+  arrived,    // known at a given time, without a solve
+  preempted,  // cancelled while it was solved
+  withdrawn   // cancelled before its solve began
+};
+std::string_view name(DispatchStatus status);
+
+struct DispatchRecord {
+  std::uint32_t id = 0;
+  Vec3 at = Vec3::Zero();  // [m]
+  Label label = Label::blank;
+  double priority = 0;
+  double requested = unknown, started = unknown, finished = unknown, first_used = unknown;  // [s]
+  double known = unknown;  // when the planner had the state: finished and a message [s]
+  DispatchStatus status = DispatchStatus::running;
+  int worker = -1;
+  std::int64_t parent =
+      -1;  // id of the row whose state the solve started from; -1: rest or a state of the start
+};
+
+enum class SwitchCause {
+  guess,   // nothing is known: the first guess
+  first,   // the first state came
+  states,  // more states came
+  travel   // the HIP moved away from where the model was made
+};
+std::string_view name(SwitchCause cause);
+
+struct SwitchRecord {
+  double t = 0;             // [s]
+  std::uint32_t model = 0;  // serial number
+  SwitchCause cause = SwitchCause::states;
+  Label label = Label::blank;  // of the region that chose the model's states
+  std::uint32_t n = 0;         // states of the model
+  std::uint32_t replaced = 0;  // of them not in the model before
+  double jump_undamped = 0;    // |f~' - f~| at the HIP [N]
+  double fit_us = unknown;     // real clock only [us]
+};
+
+}  // namespace forefeel

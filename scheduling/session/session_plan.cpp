@@ -1,0 +1,152 @@
+#include "scheduling/session/session_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "approx/model/model_options.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/common/option_check.hpp"
+#include "solver/body/contact_stiffness.hpp"
+
+namespace forefeel {
+namespace {
+
+// Nothing of the body can be farther from rest [m].
+double farthest(const Body& body) {
+  return 2 * bounding_box(body.mesh).size().maxCoeff();
+}
+
+// As many states as there can be in the session, or a few more: `path` places states half a spacing apart, of which
+// no more than 12 go into the room of a lattice state.
+std::size_t most_states(const SessionPlan& plan) {
+  const StateSpaceOptions& space = plan.input.touched.space;
+  const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
+  const double placed =
+      plan.given_arrivals ? 0 : positions * (plan.options.planning.placement == Placement::path ? 12 : 1);
+  return plan.input.known.size() + plan.arrivals.size() + 1 + static_cast<std::size_t>(std::min(placed, 1e9));
+}
+
+void check_known(const std::vector<State>& known) {
+  for (const State& state : known)
+    if (state.usable() && (!state.at.allFinite() || !state.force.allFinite()))
+      throw InputError("states", "a known state is not finite, expected finite positions and forces");
+}
+
+// A motion in other units than metres leads where no body can be pulled, and its references would take for ever.
+void check_motion(const SessionPlan& plan) {
+  const double most = farthest(*plan.input.touched.body);
+  for (std::size_t k = 0; k < plan.frames; k += 10) {
+    const double distance =
+        plan.device->position(frame_time(k, plan.options.clock.frame), Vec3::Zero()).norm();
+    if (!(distance <= most))
+      throw InputError(
+          {.key = "device", .value = plan.options.motion.device},
+          fmt::format("leads {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
+                      distance, most));
+  }
+}
+
+void take_replay(SessionPlan& plan) {
+  Replay replay = read_replay(*plan.options.motion.replay, farthest(*plan.input.touched.body));
+  plan.device = make_trace_device(std::move(replay.motion.times), std::move(replay.motion.positions));
+  plan.arrivals = std::move(replay.arrivals);
+  plan.replay_of_arrivals = replay.of_arrivals;
+  plan.given_arrivals = true;
+}
+
+void take_device(SessionPlan& plan) {
+  const TouchedBody& touched = plan.input.touched;
+  const SessionOptions& options = plan.options;
+  if (options.motion.device.starts_with("path:") && !(touched.space.box.size().maxCoeff() > 0))
+    throw InputError("state_space.box", "is a point, expected room for a path");
+  plan.device = make_device(options.motion.device, {.box = touched.space.box,
+                                                    .inward = touched.inward,
+                                                    .seed = options.seed,
+                                                    .folder = plan.input.files.scene});
+  if (!options.planning.arrivals) return;
+  plan.arrivals = read_arrivals(*options.planning.arrivals, farthest(*touched.body));
+  plan.given_arrivals = true;
+}
+
+// What depends on the states that are known.
+void choose_model(SessionPlan& plan) {
+  const SessionModelOptions& model = plan.options.model;
+  const bool others_states = plan.options.planning.arrivals || plan.replay_of_arrivals ||
+                             std::ranges::any_of(plan.input.known, &State::usable);
+  plan.model = {.fit = for_states(model.fit, most_states(plan)),
+                .method = model.method,
+                .update_travel = model.update_travel,
+                .guess = model.first_guess && !others_states ? disc_stiffness(*plan.input.touched.body)
+                                                             : Mat3(Mat3::Zero())};
+}
+
+void take_future(SessionPlan& plan) {
+  const std::string& policy = plan.options.planning.policy;
+  if (!knows_the_future(policy)) return;
+  if (plan.device->answers_force())
+    throw InputError(
+        "session.policy",
+        fmt::format("'{}' knows the motion beforehand, but that of device {} depends on the force; "
+                    "expected path:NAME or trace:FILE",
+                    policy, plan.options.motion.device));
+  for (std::size_t k = 0; k < plan.frames; ++k)
+    plan.motion.push_back(plan.device->position(frame_time(k, plan.options.clock.frame), Vec3::Zero()));
+}
+
+}  // namespace
+
+SessionPlan make_plan(SessionInput input, SessionOptions options) {
+  detail::expect_option(input.touched.body != nullptr, "body", "there is none, expected a body to touch");
+  check(options);
+  check_known(input.known);
+  SessionPlan plan{.input = std::move(input), .options = std::move(options), .device = nullptr};
+  const SessionOptions& chosen = plan.options;
+  if (chosen.motion.replay)
+    take_replay(plan);
+  else
+    take_device(plan);
+  plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
+  detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");
+  check_motion(plan);
+  choose_model(plan);
+  plan.batch = chosen.planning.batch > 0 ? chosen.planning.batch : chosen.clock.kind == Clock::real ? 8 : 1;
+  plan.render = {.switching = chosen.switching, .safety = chosen.safety, .frame = chosen.clock.frame};
+  plan.render.safety.force_limit = std::min(chosen.safety.force_limit, plan.device->limits().force);
+  take_future(plan);
+  return plan;
+}
+
+SessionPlan with_known(SessionPlan plan, std::vector<State> known) {
+  check_known(known);
+  std::ranges::move(known, std::back_inserter(plan.input.known));
+  choose_model(plan);
+  return plan;
+}
+
+PlannerSetup planner_setup(const SessionPlan& plan) {
+  const SessionOptions& options = plan.options;
+  return {.space = plan.input.touched.space,
+          .known = plan.input.known,
+          .nodes = plan.input.touched.body->mesh.nodes.size(),
+          .policy = make_policy(options.planning.policy, {.seed = options.seed}),
+          .predictor = make_predictor(options.motion.predictor),
+          .placement = options.planning.placement,
+          .batch = plan.batch,
+          .preempt = options.planning.preempt,
+          .rest_first = options.planning.rest_first,
+          .latency = options.workers.latency,
+          .model = plan.model,
+          .jnd = options.switching};
+}
+
+JudgeSetup judge_setup(const SessionPlan& plan) {
+  return {.space = plan.input.touched.space,
+          .model = plan.model,
+          .judging = plan.options.judging,
+          .stop = plan.options.stop};
+}
+
+}  // namespace forefeel

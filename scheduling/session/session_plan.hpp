@@ -1,0 +1,44 @@
+#pragma once
+// All that is fixed before the first frame of a session, checked and made once.
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scheduling/judge/run_analysis.hpp"
+#include "scheduling/plan/planner.hpp"
+#include "scheduling/render/render_loop.hpp"
+#include "scheduling/session/arrivals.hpp"
+#include "scheduling/session/session_input.hpp"
+#include "scheduling/session/session_options.hpp"
+
+namespace forefeel {
+
+// Made by make_plan() and not changed then. Copies share the device, which begins its motion anew when asked for an
+// earlier time; so they run one after the other.
+struct SessionPlan {
+  SessionInput input;
+  SessionOptions options;
+  std::shared_ptr<Device> device;
+  std::size_t frames = 0;
+  std::vector<Vec3> motion = {};       // by frame, for a policy that knows it [m]; else empty
+  std::vector<Arrival> arrivals = {};  // by growing time
+  bool given_arrivals = false;         // states become known at these times, and nothing is dispatched
+  bool replay_of_arrivals = false;     // the run that is repeated was such a run
+  RenderOptions render = {};           // the force limit is the device's where that is lower
+  ModelRecipe model = {};
+  int batch = 1;  // states of one job
+};
+
+// Throws InputError for what cannot be run: unknown names, a bad trace, no workers … Solves and writes nothing.
+SessionPlan make_plan(SessionInput input, SessionOptions options);
+
+// The same session with these states known at the start besides those of the plan.
+SessionPlan with_known(SessionPlan plan, std::vector<State> known);
+
+// What the plan's parts take.
+PlannerSetup planner_setup(const SessionPlan& plan);
+JudgeSetup judge_setup(const SessionPlan& plan);
+
+}  // namespace forefeel
