@@ -1,0 +1,66 @@
+# Writes forefeel.1 (manual page) and forefeel.bash (completion) into FOLDER, from what COMMAND --help says.
+function(help_of result)
+  execute_process(COMMAND ${COMMAND} ${ARGN} --help OUTPUT_VARIABLE text RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "forefeel ${ARGN} --help failed")
+  endif()
+  set(${result} "${text}" PARENT_SCOPE)
+endfunction()
+
+# As the manual's formatter wants it: no line is a request, and "-" stays what one types.
+function(preformatted result text)
+  string(REPLACE "\\" "\\e" text "${text}")
+  string(REPLACE "-" "\\-" text "${text}")
+  string(REGEX REPLACE "(^|\n)([.'])" "\\1\\\\&\\2" text "${text}")
+  set(${result} ".nf\n${text}\n.fi\n" PARENT_SCOPE)
+endfunction()
+
+function(long_options result text)
+  string(REGEX MATCHALL "--[a-z][a-z0-9-]+" words "${text}")
+  list(REMOVE_DUPLICATES words)
+  list(JOIN words " " words)
+  set(${result} "${words}" PARENT_SCOPE)
+endfunction()
+
+help_of(top)
+string(REGEX REPLACE "\n.*" "" summary "${top}")
+string(REGEX REPLACE ".*\nSubcommands:\n" "" listed "${top}")
+string(REGEX MATCHALL "(^|\n)  [a-z]+ " names "${listed}")
+list(TRANSFORM names STRIP)
+if(NOT names)
+  message(FATAL_ERROR "no command in: ${top}")
+endif()
+
+preformatted(text "${top}")
+set(page ".TH FOREFEEL 1 \"\" \"forefeel ${VERSION}\" \"User commands\"\n.SH NAME\nforefeel \\- haptic rendering of soft bodies from states solved ahead of the hand\n")
+string(APPEND page ".SH SYNOPSIS\n.B forefeel\n.I COMMAND\n[options]\n.SH DESCRIPTION\n${text}.SH COMMANDS\n")
+set(cases "")
+foreach(name IN LISTS names)
+  help_of(help ${name})
+  preformatted(text "${help}")
+  string(APPEND page ".SS forefeel ${name}\n${text}")
+  long_options(options "${help}")
+  string(APPEND cases "    ${name}) words=\"${options}\" ;;\n")
+endforeach()
+string(APPEND page ".SH EXIT STATUS\n0: done. 1: ran, but the answer is negative or incomplete. 2: bad input.\n")
+file(WRITE ${FOLDER}/forefeel.1 "${page}")
+
+long_options(options "${top}")
+list(JOIN names " " names)
+file(WRITE ${FOLDER}/forefeel.bash "# Completion of forefeel: commands, their options, and files.
+_forefeel() {
+  local word=\${COMP_WORDS[COMP_CWORD]} words
+  if [ \"\$COMP_CWORD\" -eq 1 ]; then
+    COMPREPLY=(\$(compgen -W \"${names} ${options}\" -- \"\$word\"))
+    return
+  fi
+  case \${COMP_WORDS[1]} in
+${cases}    *) words=\"\" ;;
+  esac
+  case \$word in
+    -*) COMPREPLY=(\$(compgen -W \"\$words\" -- \"\$word\")) ;;
+    *) COMPREPLY=(\$(compgen -f -- \"\$word\")) ;;
+  esac
+}
+complete -o filenames -F _forefeel forefeel
+")

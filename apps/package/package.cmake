@@ -1,0 +1,74 @@
+# What `cmake --install` installs and what `cpack` packs: the command with its manual, the library with its headers,
+# and the scenes, studies and examples to copy.
+include(GNUInstallDirs)
+set(package_folder ${PROJECT_SOURCE_DIR}/apps/package)
+
+# One archive of the four libraries, for `find_package(forefeel)` and the target forefeel::forefeel. What the benches
+# compare with stays out of it.
+set(library_objects)
+foreach(folder geometry solver approx scheduling)
+  list(APPEND library_objects $<FILTER:$<TARGET_OBJECTS:forefeel_${folder}>,EXCLUDE,/baselines/>)
+endforeach()
+get_property(object_libraries GLOBAL PROPERTY FOREFEEL_OBJECT_LIBRARIES)
+foreach(objects IN LISTS object_libraries)
+  list(APPEND library_objects $<FILTER:$<TARGET_OBJECTS:${objects}>,EXCLUDE,/baselines/>)
+endforeach()
+find_package(SQLite3 REQUIRED)
+add_library(forefeel_library STATIC ${library_objects})
+set_target_properties(forefeel_library PROPERTIES OUTPUT_NAME forefeel EXPORT_NAME forefeel LINKER_LANGUAGE CXX)
+target_compile_features(forefeel_library INTERFACE cxx_std_20)
+target_compile_definitions(forefeel_library INTERFACE EIGEN_DONT_PARALLELIZE)
+target_include_directories(forefeel_library INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(forefeel_library INTERFACE Eigen3::Eigen fmt::fmt SQLite::SQLite3 Threads::Threads
+                      $<LINK_ONLY:OpenMP::OpenMP_CXX> tet gmpxx mpfr gmp)
+get_directory_property(FOREFEEL_HAS_ZLIB DIRECTORY ${PROJECT_SOURCE_DIR}/geometry DEFINITION ZLIB_FOUND)
+get_directory_property(FOREFEEL_HAS_MPI DIRECTORY ${PROJECT_SOURCE_DIR}/scheduling DEFINITION MPI_CXX_FOUND)
+if(FOREFEEL_HAS_ZLIB)
+  find_package(ZLIB REQUIRED)
+  target_link_libraries(forefeel_library INTERFACE ZLIB::ZLIB)
+endif()
+if(FOREFEEL_HAS_MPI)
+  find_package(Boost REQUIRED COMPONENTS mpi)
+  find_package(MPI REQUIRED COMPONENTS CXX)
+  target_link_libraries(forefeel_library INTERFACE Boost::mpi MPI::MPI_CXX)
+endif()
+
+# Manual page and completion come from the command's own --help at each build, so they are never out of date.
+set(manual_folder ${PROJECT_BINARY_DIR}/manual)
+add_custom_command(OUTPUT ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.bash
+  COMMAND ${CMAKE_COMMAND} -DCOMMAND=$<TARGET_FILE:forefeel> -DVERSION=${PROJECT_VERSION} -DFOLDER=${manual_folder}
+          -P ${package_folder}/manual.cmake
+  DEPENDS forefeel ${package_folder}/manual.cmake COMMENT "Manual page and completion of forefeel" VERBATIM)
+add_custom_target(forefeel_manual ALL DEPENDS ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.bash)
+
+include(CMakePackageConfigHelpers)
+set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/forefeel)
+configure_package_config_file(${package_folder}/forefeelConfig.cmake.in ${PROJECT_BINARY_DIR}/forefeelConfig.cmake
+                              INSTALL_DESTINATION ${config_folder})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/forefeelConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+
+install(TARGETS forefeel RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS forefeel_library EXPORT forefeel ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT forefeel NAMESPACE forefeel:: FILE forefeelTargets.cmake DESTINATION ${config_folder})
+install(FILES ${PROJECT_BINARY_DIR}/forefeelConfig.cmake ${PROJECT_BINARY_DIR}/forefeelConfigVersion.cmake
+        DESTINATION ${config_folder})
+install(CODE "set(SOURCE \"${PROJECT_SOURCE_DIR}\")\nset(FOLDER \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/forefeel\")\ninclude(\"${package_folder}/install_headers.cmake\")")
+install(FILES ${manual_folder}/forefeel.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${manual_folder}/forefeel.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+        RENAME forefeel)
+install(DIRECTORY apps/scenes apps/studies apps/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/forefeel)
+install(FILES ${package_folder}/copyright README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME forefeel)
+set(CPACK_PACKAGE_CONTACT "Forefeel developers <forefeel@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Haptic rendering of soft bodies from states solved ahead of the hand")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# gnuplot draws the reports' plots; the rest is what programs built with the library need.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libgmp-dev, libmpfr-dev, zlib1g-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake")
+set(CPACK_STRIP_FILES ON)
+include(CPack)
