@@ -20,6 +20,7 @@
 
 #include "approx/fit/dense_factor.hpp"
 #include "approx/fit/polynomial.hpp"
+#include "approx/model/model.hpp"
 #include "approx/model/model_data.hpp"
 
 namespace forefeel {
@@ -58,13 +59,16 @@ class RbfFit {
                   std::vector<StateId>& missing) const;
 
   // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius().
-  // Allocates only where `out` was not reserved.
-  void write(ModelData& out, const Vec3& hip, double bridge = 0, double half_ball = 0);
+  // Allocates only if `out` was not reserved.
+  void write(ModelDraft& out, const Vec3& hip, double bridge = 0, double half_ball = 0) {
+    write(out.data(), hip, bridge, half_ball);
+  }
   // For tests and benches: always update, or always refit.
   enum class Mode { automatic, update, refit };
   void set_mode(Mode mode) { mode_ = mode; }
 
  private:
+  void write(ModelData& out, const Vec3& hip, double bridge, double half_ball);
   struct Level {
     int power = 0, degree = 0;
     bool hermite = false;

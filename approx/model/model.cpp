@@ -226,13 +226,13 @@ Vec3 bounded(const ModelData& m, const Vec3& x, Mat3* jacobian) noexcept {
 
 }  // namespace
 
-Model::Model() : impl_(std::make_unique<ModelData>()) {}
+Model::Model() : data_(std::make_unique<ModelData>()) {}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 
 Vec3 Model::force(const Vec3& x) const noexcept {
-  const ModelData& m = *impl_;
+  const ModelData& m = *data_;
   Vec3 f;
   // nearly always: the sum alone, far below the bound
   if (m.quick_sum == nullptr || !m.quick_sum(m.alone, x.data(), f.data())) f = bounded(m, x, nullptr);
@@ -240,36 +240,70 @@ Vec3 Model::force(const Vec3& x) const noexcept {
 }
 
 void Model::evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept {
-  force = bounded(*impl_, x, &jacobian);
+  force = bounded(*data_, x, &jacobian);
 }
 
 std::span<const StateId> Model::states() const noexcept {
-  return impl_->states;
+  return data_->states;
 }
 Kernel Model::kernel() const noexcept {
-  return impl_->kernel;
+  return data_->kernel;
 }
 int Model::degree() const noexcept {
-  return impl_->degree;
+  return data_->degree;
 }
 bool Model::is_tangent() const noexcept {
-  return impl_->known && impl_->power == 0;
+  return data_->known && data_->power == 0;
 }
 double Model::force_bound() const noexcept {
-  return impl_->bound;
+  return data_->bound;
 }
 std::uint64_t Model::serial() const noexcept {
-  return impl_->serial;
+  return data_->serial;
 }
 double Model::trust_distance() const noexcept {
-  return impl_->known ? impl_->trust * impl_->scale : 0;
+  return data_->known ? data_->trust * data_->scale : 0;
 }
 double Model::hold_distance() const noexcept {
-  return impl_->known ? impl_->hold : 0;
+  return data_->known ? data_->hold : 0;
 }
+bool Model::uses_stiffness() const noexcept {
+  return data_->hermite;
+}
+
 void Model::reserve(const ModelOptions& options) {
-  impl_->reserve(most_neighbours(options) + affine_places(options),
+  data_->reserve(most_neighbours(options) + affine_places(options),
                  options.data == Data::force_and_stiffness);
+}
+
+void Model::assign(ModelDraft& draft, std::uint64_t serial) noexcept {
+  data_.swap(draft.data_);
+  data_->serial = serial;
+}
+
+ModelDraft::ModelDraft() : data_(std::make_unique<ModelData>()) {}
+ModelDraft::~ModelDraft() = default;
+ModelDraft::ModelDraft(ModelDraft&&) noexcept = default;
+ModelDraft& ModelDraft::operator=(ModelDraft&&) noexcept = default;
+
+void ModelDraft::reserve(const ModelOptions& options) {
+  data_->reserve(most_neighbours(options) + affine_places(options),
+                 options.data == Data::force_and_stiffness);
+}
+
+void ModelDraft::clear() {
+  data_->clear();
+}
+
+void ModelDraft::set_lattice(std::shared_ptr<const LatticeField> field, std::span<const StateId> states) {
+  data_->clear();
+  data_->states.assign(states.begin(), states.end());
+  data_->lattice = std::move(field);
+  data_->known = true;
+}
+
+void ModelDraft::forget_states() {
+  data_->states.clear();
 }
 
 }  // namespace forefeel

@@ -16,9 +16,29 @@
 
 namespace forefeel {
 
+class LatticeField;
 struct ModelData;  // model_data.hpp
 
-// Immutable once published; a fixed capacity lets the planner refill a released one without allocating.
+// A model in the making: memory for one model, filled by RbfFit::write or set_lattice and handed to Model::assign.
+class ModelDraft {
+ public:
+  ModelDraft();  // f~ = 0 everywhere
+  ~ModelDraft();
+  ModelDraft(ModelDraft&&) noexcept;
+  ModelDraft& operator=(ModelDraft&&) noexcept;
+
+  void reserve(const ModelOptions& options);  // what a model with these options needs
+  void clear();                               // f~ = 0 everywhere; keeps the memory
+  void set_lattice(std::shared_ptr<const LatticeField> field, std::span<const StateId> states);
+  void forget_states();  // for a guess: states() of the model is then empty
+  ModelData& data() { return *data_; }
+
+ private:
+  friend class Model;
+  std::unique_ptr<ModelData> data_;
+};
+
+// Never changed in part: a model is evaluated, or replaced as a whole by assign().
 class Model {
  public:
   Model();  // f~ = 0 everywhere
@@ -36,16 +56,19 @@ class Model {
   // states, D the hold distance. f~ is the RBF sum inside the hull of the states and up to the trust distance
   // outside; from twice that on it is a tangent, which is held from D on (model_data.hpp).
   double force_bound() const noexcept;
-  double trust_distance() const noexcept;     // [m]
-  double hold_distance() const noexcept;      // [m]
-  void reserve(const ModelOptions& options);  // what an updater with these options will need
-  std::uint64_t serial() const noexcept;      // grows with every update of one updater; 0 for the empty model
+  double trust_distance() const noexcept;  // [m]
+  double hold_distance() const noexcept;   // [m]
+  std::uint64_t serial() const noexcept;   // grows with every update of one updater; 0 for the empty model
+  bool uses_stiffness() const noexcept;    // Hermite data, after step-down
 
-  ModelData& impl() { return *impl_; }
-  const ModelData& impl() const { return *impl_; }
+  // Becomes what the draft describes. The two exchange their memory, so that a released model is reused without
+  // allocation; the draft then holds what this model was.
+  void assign(ModelDraft& draft, std::uint64_t serial) noexcept;
+  void reserve(const ModelOptions& options);  // memory that the next draft gets from here; f~ stays as it is
+  const ModelData& data() const noexcept { return *data_; }  // to read; for benchmarks of the sums
 
  private:
-  std::unique_ptr<ModelData> impl_;
+  std::unique_ptr<ModelData> data_;
 };
 
 }  // namespace forefeel

@@ -80,6 +80,7 @@ struct ModelUpdater::Impl {
   std::vector<Neighbour> chosen, last_weighted;  // the second empty where there were none
   std::vector<StateId> wanted, removed, missing;
   std::vector<Sample> added;
+  ModelDraft draft;
   std::uint64_t serial = 0;
   bool fresh = true;          // nothing may depend on earlier models
   bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
@@ -96,6 +97,7 @@ struct ModelUpdater::Impl {
     removed.reserve(most);
     missing.reserve(most);
     added.reserve(most + affine_places(options));
+    draft.reserve(options);
   }
 };
 
@@ -107,15 +109,15 @@ ModelUpdater::ModelUpdater(const StateSpace& space, ModelOptions options) {
 ModelUpdater::~ModelUpdater() = default;
 ModelUpdater::ModelUpdater(ModelUpdater&&) noexcept = default;
 
-bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
+bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, const UpdateTag& tag) {
   Impl& m = *impl_;
   const Label label = m.selector.select(hip, m.chosen);
   m.wanted.clear();
   for (const Neighbour& c : m.chosen) m.wanted.push_back(c.id);
   if (report != nullptr) *report = {.n = m.wanted.size(), .label = label};
   if (m.wanted.empty()) {
-    out.impl().clear();
-    out.impl().serial = 0;
+    m.draft.clear();
+    out.assign(m.draft, 0);
     return false;
   }
   m.fit.difference(m.wanted, m.removed, m.missing);
@@ -146,9 +148,11 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report) {
   m.last_weighted.clear();
   if (weighted) m.last_weighted.assign(m.chosen.begin(), m.chosen.end());
   m.fresh = false;
-  out.reserve(m.options);
-  m.fit.write(out.impl(), hip, m.selector.bridge(), m.selector.radius());
-  out.impl().serial = ++m.serial;
+  m.draft.reserve(m.options);
+  m.fit.write(m.draft, hip, m.selector.bridge(), m.selector.radius());
+  if (tag.guess) m.draft.forget_states();
+  ++m.serial;
+  out.assign(m.draft, tag.serial > 0 ? tag.serial : m.serial);
   if (report != nullptr) {
     report->replaced = m.added.size();
     report->refit = refit;
@@ -176,9 +180,10 @@ Model fit(std::span<const State> states, const ModelOptions& options, const Vec3
   std::ranges::stable_sort(samples, {}, [&](const Sample& s) { return (s.at - centre).squaredNorm(); });
   RbfFit solver(options, samples.size());
   solver.refit(samples);
+  ModelDraft draft;
+  solver.write(draft, centre);
   Model model;
-  solver.write(model.impl(), centre);
-  model.impl().serial = 1;
+  model.assign(draft, 1);
   return model;
 }
 

@@ -13,6 +13,12 @@ struct UpdateReport {
   Label label = Label::blank;  // that chose the set
 };
 
+// How an update is to be numbered, and whether its states are to be named.
+struct UpdateTag {
+  std::uint64_t serial = 0;  // 0: the updater counts
+  bool guess = false;        // the space holds a guess: states() of the model is empty
+};
+
 class ModelUpdater {
  public:
   // The space must outlive the updater; both belong to one thread.
@@ -20,9 +26,8 @@ class ModelUpdater {
   ~ModelUpdater();
   ModelUpdater(ModelUpdater&&) noexcept;
 
-  // Writes the model for a HIP at `hip` into `out`. False (and `out` is the zero model) while no state is
-  // known.
-  bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);
+  // Replaces `out` by the model for a HIP at `hip`. False while no state is known; `out` is then the zero model.
+  bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr, const UpdateTag& tag = {});
   Model model_at(const Vec3& hip);
   // From here on as if newly made: the next model depends on the space and the HIP alone, not on where the
   // HIP was.

@@ -251,8 +251,8 @@ class Bench {
     const bool hermite = options.data == Data::force_and_stiffness;
     std::optional<LuRefit> lu;
     if (kind.name == "r3" || kind.name == "hermite-r5") lu.emplace(n, hermite);
-    Model model;
-    model.reserve(options);
+    ModelDraft draft;
+    draft.reserve(options);
     double sink = 0;
     RbfFit own(options, n);
     std::vector<double> refits, theirs;
@@ -267,11 +267,11 @@ class Bench {
       for (int block = 0; block < blocks; ++block) {
         time_block(block, updates, [&](std::size_t i) {
           by_refit += fit.replace(made[i].removed, made[i].added) ? 1 : 0;
-          fit.write(model.impl(), pool_[0].at);
+          fit.write(draft, pool_[0].at);
         });
         time_block(block, own_refits, [&](std::size_t i) {
           own.refit(made[i].all);
-          own.write(model.impl(), pool_[0].at);
+          own.write(draft, pool_[0].at);
         });
         if (lu) time_block(block, lu_refits, [&](std::size_t i) { sink += lu->refit(made[i].all); });
       }
@@ -306,24 +306,26 @@ class Bench {
     const std::size_t n = options.neighbours;
     RbfFit fit(options, n);
     fit.refit({pool_.data(), n});
+    ModelDraft draft;
+    fit.write(draft, pool_[0].at);
     Model model;
-    fit.write(model.impl(), pool_[0].at);
+    model.assign(draft, 1);
     // As in the loop: HIP positions among the states of the model.
     const auto& reference = case_.inside;
-    const Vec3 centre = model.impl().centre;
-    const double shrink = 0.5 / (model.impl().inverse_scale * case_.options.box.size().norm());
+    const Vec3 centre = model.data().centre;
+    const double shrink = 0.5 / (model.data().inverse_scale * case_.options.box.size().norm());
     std::vector<Vec3> at;
     for (const State& s : reference) at.push_back(centre + shrink * (s.at - case_.options.box.centre()));
     constexpr int repeats = 400;
     std::vector<double> ours;
     const auto own = [&](const Vec3& x) { return model.force(x); };
-    if (kind.name == "hermite-r5" && model.impl().power == 5) return time_hermite(model, at, m);
+    if (kind.name == "hermite-r5" && model.data().power == 5) return time_hermite(model, at, m);
     if (kind.name != "r3") {
       for (int block = 0; block < 4 * blocks; ++block) ours.push_back(evaluation(own, at, repeats));
       m.evaluate = quantile(ours, 0.5);
       return;
     }
-    const ModelData& data = model.impl();
+    const ModelData& data = model.data();
     std::vector<double> positions(3 * n), coefficients(3 * n + 12);
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -343,7 +345,7 @@ class Bench {
 
   // r^5 on force and stiffness, quadratic p.
   void time_hermite(const Model& model, const std::vector<Vec3>& at, Measured& m) {
-    const ModelData& data = model.impl();
+    const ModelData& data = model.data();
     const std::size_t n = m.n;
     std::vector<double> centres(15 * n), polynomial(30);
     for (std::size_t i = 0; i < n; ++i)

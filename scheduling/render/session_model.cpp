@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "approx/model/lattice_field.hpp"
-#include "approx/model/model_data.hpp"
 #include "scheduling/common/option_check.hpp"
 
 namespace forefeel {
@@ -54,12 +53,11 @@ SessionModel::SessionModel(const StateSpace& space, const ModelRecipe& recipe)
 
 bool SessionModel::update_guess(const Vec3& hip, Model& out, UpdateReport* report) {
   if (!guess_) {
-    out.impl().clear();
+    draft_.clear();
+    out.assign(draft_, 0);
     return false;
   }
-  guess_->update(hip, out, report);
-  out.impl().states.clear();
-  out.impl().serial = ++serial_;
+  guess_->update(hip, out, report, {.serial = ++serial_, .guess = true});
   if (report != nullptr) *report = {.label = Label::blank};
   return true;
 }
@@ -69,12 +67,8 @@ bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* rep
   if (near_.empty()) space_.nearest(hip, 1, near_);
   states_.clear();
   for (const StateId id : near_) states_.push_back(space_[id]);
-  ModelData& model = out.impl();
-  model.clear();
-  model.states.assign(near_.begin(), near_.end());
-  model.lattice = std::make_shared<const LatticeField>(states_, space_.options().spacing, cubic_);
-  model.known = true;
-  model.serial = ++serial_;
+  draft_.set_lattice(std::make_shared<const LatticeField>(states_, space_.options().spacing, cubic_), near_);
+  out.assign(draft_, ++serial_);
   if (report != nullptr)
     *report = {.n = near_.size(), .replaced = near_.size(), .refit = true, .label = space_.label(hip)};
   return true;
@@ -83,8 +77,9 @@ bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* rep
 bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
   if (space_.empty()) return update_guess(hip, out, report);
   if (lattice_) return update_lattice(hip, out, report);
-  const bool known = (with_stiffness_ && space_.size() <= few ? first_ : rbf_).update(hip, out, report);
-  if (known) out.impl().serial = ++serial_;  // one count for both
+  ModelUpdater& updater = with_stiffness_ && space_.size() <= few ? first_ : rbf_;
+  const bool known = updater.update(hip, out, report, {.serial = serial_ + 1});  // one count for both
+  serial_ += known ? 1 : 0;
   return known;
 }
 

@@ -36,6 +36,7 @@ class SessionModel {
   bool with_stiffness_, lattice_, cubic_;
   std::vector<StateId> near_;
   std::vector<State> states_;
+  ModelDraft draft_;
   std::uint64_t serial_ = 0;
 };
 

@@ -28,6 +28,12 @@ inline State field_state(const Vec3& at) {
   return state;
 }
 
+// k of the kernel r^k that the model uses; 0: the tangent alone.
+inline int power_of(const Model& model) {
+  if (model.is_tangent()) return 0;
+  return model.kernel() == Kernel::linear ? 1 : model.kernel() == Kernel::cubic ? 3 : 5;
+}
+
 inline std::vector<State> states_at(const std::vector<Vec3>& points) {
   std::vector<State> states;
   for (const auto& p : points) states.push_back(field_state(p));

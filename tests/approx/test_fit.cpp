@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/model/model_data.hpp"
 #include "approx/select/updater.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
@@ -136,8 +135,7 @@ TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their lev
     for (const auto& [kernel, data] : cases) {
       CAPTURE(plane, name(kernel), name(data));
       const Model model = fit(states, {.kernel = kernel, .data = data}, Vec3::Zero());
-      const ModelData& impl = model.impl();
-      const Judge judge(states, impl.power, impl.degree, impl.hermite);
+      const Judge judge(states, power_of(model), model.degree(), model.uses_stiffness());
       for (int q = 0; q < 50; ++q) {
         const Vec3 x = plane ? on_plane() : on_line();
         CHECK((model.force(x) - judge.force(x)).norm() < 1e-9);

@@ -111,6 +111,8 @@ TEST_CASE("Fits and updates allocate nothing after construction", "[realtime]") 
       samples.push_back(
           {{static_cast<std::uint32_t>(i)}, states[i].at, states[i].force, states[i].stiffness});
     RbfFit fit(options, n);
+    ModelDraft draft;
+    draft.reserve(options);
     Model model;
     model.reserve(options);
     std::vector<StateId> removed(n);
@@ -126,7 +128,8 @@ TEST_CASE("Fits and updates allocate nothing after construction", "[realtime]") 
         }
         std::sort(removed.begin(), removed.begin() + static_cast<std::ptrdiff_t>(k));
         fit.replace({removed.data(), k}, {added.data(), k});
-        fit.write(model.impl(), Vec3::Zero());
+        fit.write(draft, Vec3::Zero());
+        model.assign(draft, round + 1);
       };
       swap_in(0, n);
       swap_in(n, 0);
