@@ -1,34 +1,16 @@
 #pragma once
-// Solves states of one body for one thread: a Solver, or for a linear body the three solves that give its whole
-// state space, f(x) = -K x, shared by all threads.
+// Solves states of one body for one thread: with a Solver, or for a linear body by superposition of three states that
+// all threads share (solver/equilibrium/linear_body.hpp).
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <vector>
 
+#include "solver/equilibrium/linear_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
-
-// Displacements and stiffness of a linear body, made by whichever thread asks first.
-class LinearBasis {
- public:
-  LinearBasis(std::shared_ptr<const Body> body, double spacing) : body_(std::move(body)), spacing_(spacing) {}
-  SolveOutcome at(const Vec3& x, bool want_displacements);
-
- private:
-  void solve();
-  std::shared_ptr<const Body> body_;
-  double spacing_;
-  std::once_flag once_;
-  SolveStatus status_ = SolveStatus::diverged;
-  Mat3 stiffness_ = Mat3::Zero();
-  std::vector<double> displacements_[3];  // per unit of each axis, #V x 3 row by row
-  double residual_ = 0, seconds_ = 0;
-  int iterations_ = 0;
-};
 
 struct StateSolverOptions {
   double spacing = 0.006;   // continuation step of the reference branch [m]
@@ -52,6 +34,7 @@ class StateSolver {
 
  private:
   SolveOptions quick() const;
+  SolveOutcome linear_outcome(const Vec3& x);
   void settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop);
   Solver& solver();  // made at the first use: a cached run never needs one
   std::shared_ptr<const Body> body_;
@@ -59,8 +42,5 @@ class StateSolver {
   Options options_;
   std::optional<Solver> solver_;
 };
-
-std::shared_ptr<LinearBasis> linear_basis(const std::shared_ptr<const Body>& body,
-                                          double spacing);  // or null
 
 }  // namespace forefeel

@@ -39,4 +39,55 @@ State LinearBody::state(const Vec3& x, LocalField& field) const {
   return s;
 }
 
+LinearBasis::LinearBasis(std::shared_ptr<const Body> body, double spacing)
+    : body_(std::move(body)), spacing_(spacing) {}
+
+void LinearBasis::solve() {
+  const auto d = std::make_shared<const Discretisation>(discretise(*body_));
+  NewtonSolver newton(d);
+  const LinearBody linear(*d, newton);
+  LocalField field;
+  for (int axis = 0; axis < 3; ++axis) {
+    const State state = linear.state(spacing_ * Vec3::Unit(axis), field);
+    if (!state.usable()) {
+      status_ = state.status;
+      return;
+    }
+    stiffness_.col(axis) = -state.force / spacing_;
+    std::vector<double>& u = displacements_[axis];
+    u = d->to_nodes(field.u.data());
+    u.resize(3 * body_->mesh.nodes.size());  // mid-edge nodes are not reported
+    for (double& component : u) component /= spacing_;
+    residual_ = std::max(residual_, state.residual);
+  }
+  stiffness_ = 0.5 * (stiffness_ + stiffness_.transpose()).eval();  // symmetric but for round-off
+  status_ = SolveStatus::converged;
+}
+
+State LinearBasis::at(const Vec3& x, bool want_displacements) {
+  std::call_once(once_, [this] { solve(); });
+  State state;
+  state.at = x;
+  state.status = status_;
+  if (status_ != SolveStatus::converged) return state;
+  state.force = -stiffness_ * x;
+  state.stiffness = stiffness_;
+  state.energy = 0.5 * x.dot(stiffness_ * x);
+  state.residual = residual_;
+  state.seconds = 0;
+  state.iterations = 0;
+  state.parent = Vec3::Zero();
+  if (want_displacements) {
+    std::vector<double> u(displacements_[0].size());
+    for (std::size_t i = 0; i < u.size(); ++i)
+      u[i] = x[0] * displacements_[0][i] + x[1] * displacements_[1][i] + x[2] * displacements_[2][i];
+    state.displacements = std::make_shared<const std::vector<double>>(std::move(u));
+  }
+  return state;
+}
+
+std::shared_ptr<LinearBasis> linear_basis(const std::shared_ptr<const Body>& body, double spacing) {
+  return is_linear(*body) ? std::make_shared<LinearBasis>(body, spacing) : nullptr;
+}
+
 }  // namespace forefeel

@@ -1,15 +1,23 @@
 #pragma once
-// A linear body: u(x) = V x, f = -K x, W = x^T K x / 2 with V = -H_ff^{-1} H_fc: one factor and three solves are its
-// whole state space. Each state's residual is evaluated, not assumed.
+// A linear body: with the contact held at x,
+//   u(x) = V x [m]     f(x) = -K x [N]     W(x) = x^T K x / 2 [J]     V = -H_ff^{-1} H_fc     K = H_cc + H_cf V [N/m]
+// so that one factorisation gives every state (H = d2W/du2; f the free nodes, c the contact: factorisation.hpp).
 
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "geometry/states/state.hpp"
 #include "solver/equilibrium/lane_solver.hpp"
 #include "solver/equilibrium/newton.hpp"
 
 namespace forefeel {
 
+// For one thread. Each state's residual is evaluated.
 class LinearBody {
  public:
   LinearBody(const Discretisation& d, NewtonSolver& newton);  // d must outlive this
+  // The state at x [m]; `field` receives u and V. Diverged if H_ff is not positive definite or the residual exceeds 1e-8.
   State state(const Vec3& x, LocalField& field) const;
 
  private:
@@ -18,5 +26,27 @@ class LinearBody {
   Mat3 stiffness_ = Mat3::Zero();
   bool solvable_ = false;
 };
+
+// For several threads: the LinearBody's states at h along each axis, made by the thread that asks first, give every
+// other state by superposition. K is their stiffness, made symmetric.
+class LinearBasis {
+ public:
+  LinearBasis(std::shared_ptr<const Body> body, double spacing);  // h [m], > 0
+  // The state at x [m]. Its residual is the largest of the three; iterations and seconds are 0.
+  State at(const Vec3& x, bool want_displacements);
+
+ private:
+  void solve();
+  std::shared_ptr<const Body> body_;
+  double spacing_;
+  std::once_flag once_;
+  SolveStatus status_ = SolveStatus::diverged;
+  Mat3 stiffness_ = Mat3::Zero();
+  std::vector<double> displacements_[3];  // du/dx_c, #V x 3 row by row
+  double residual_ = 0;
+};
+
+// Null unless the body is linear.
+std::shared_ptr<LinearBasis> linear_basis(const std::shared_ptr<const Body>& body, double spacing);
 
 }  // namespace forefeel
