@@ -30,10 +30,6 @@ struct HardCase {
   SolveOutcome outcome;
   std::optional<bool> other_branch;
 };
-
-constexpr Law laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
-                        Law::mooney_rivlin};
-
 std::shared_ptr<Body> liver(bool one_node) {
   auto body = std::make_shared<Body>();
   body->mesh = phantom("liver");
@@ -48,7 +44,7 @@ void add_grid(std::vector<HardCase>& cases) {
   for (const bool one_node : {true, false}) {
     const auto plain = liver(one_node);
     const Vec3 inward = inward_direction(*plain), along = inward.unitOrthogonal();
-    for (const Law law : laws)
+    for (const Law law : all_laws())
       for (const double poisson : {0.3, 0.45, 0.49, 0.499}) {
         auto body = std::make_shared<Body>(*plain);
         body->material.law = law;

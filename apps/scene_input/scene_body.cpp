@@ -52,10 +52,7 @@ TetMesh make_phantom(const SceneTable& body) {
 
 Material read_material(const SceneTable& table, bool defaults) {
   std::vector<std::pair<std::string, Law>> words;
-  for (const std::string& law_name : law_names())
-    for (const Law law : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
-                          Law::mooney_rivlin})
-      if (name(law) == law_name) words.emplace_back(law_name, law);
+  for (const Law law : all_laws()) words.emplace_back(name(law), law);
   if (!defaults)
     for (const std::string key : {"law", "young", "poisson"})
       if (!table.has(key)) throw table.wrong(key, key == "law" ? "a material law" : "a number");

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
+#include "solver/body/law.hpp"
 
 namespace forefeel {
 namespace {
@@ -52,23 +53,13 @@ void check_parts(const Body& body, const std::string& file) {
 }  // namespace
 
 std::string_view name(Law law) {
-  switch (law) {
-    case Law::linear:
-      return "linear";
-    case Law::st_venant_kirchhoff:
-      return "st-venant-kirchhoff";
-    case Law::neo_hookean:
-      return "neo-hookean";
-    case Law::stable_neo_hookean:
-      return "stable-neo-hookean";
-    case Law::mooney_rivlin:
-      return "mooney-rivlin";
-  }
-  return "unknown";
+  return law_entry(law).name;
 }
 
-std::vector<std::string> law_names() {
-  return {"linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean", "mooney-rivlin"};
+std::vector<Law> all_laws() {
+#define FOREFEEL_LAW_VALUE(law) Law::law,
+  return {FOREFEEL_LAWS(FOREFEEL_LAW_VALUE)};
+#undef FOREFEEL_LAW_VALUE
 }
 
 std::string_view name(Element element) {
@@ -127,7 +118,7 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
 }
 
 bool is_linear(const Body& body) {
-  return body.material.law == Law::linear;
+  return law_entry(body.material.law).linear;
 }
 
 }  // namespace forefeel

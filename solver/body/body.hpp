@@ -1,19 +1,18 @@
 #pragma once
 // A body: mesh, hyperelastic law, clamped nodes, and contact nodes that translate rigidly with the HIP by x.
-// Energy densities (F deformation gradient, J = det F, C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2)/2,
-// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu)(1 - 2 nu))) are written out in law.hpp.
+// The laws, one file each: solver/laws. Young's modulus E and Poisson's ratio nu give their constants (law.hpp).
 
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
+#include "solver/laws/list.hpp"
 
 namespace forefeel {
 
-enum class Law { linear, st_venant_kirchhoff, neo_hookean, stable_neo_hookean, mooney_rivlin };
-std::string_view name(Law law);        // "neo-hookean", …
-std::vector<std::string> law_names();  // those this build solves
+std::string_view name(Law law);  // "neo-hookean", …
+std::vector<Law> all_laws();     // those of solver/laws/list.hpp, in its order
 
 // linear: four-node tetrahedra, one point. quadratic: ten-node tetrahedra (straight edges, four points) on the same
 // mesh, which do not lock above nu = 0.45.

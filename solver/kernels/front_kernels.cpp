@@ -1,5 +1,5 @@
 // Multifrontal factorisation and substitution, compiled once per instruction set: see kernels.hpp.
-#include "solver/kernels/law_terms.hpp"
+#include "solver/kernels/lanes.hpp"
 
 #ifndef FOREFEEL_ISA
 #define FOREFEEL_ISA portable
@@ -15,15 +15,6 @@ constexpr int block_rows = 6, block_vectors = 1;
 #else
 constexpr int block_rows = 2, block_vectors = 1;
 #endif
-
-FOREFEEL_INLINE Lanes load(const double* p) {
-  Lanes v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
-FOREFEEL_INLINE void store(double* p, Lanes v) {
-  __builtin_memcpy(p, &v, sizeof v);
-}
 
 // C[i][j .. j+8v) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel, all of C's piece in registers.
 template <int rows, int vectors>

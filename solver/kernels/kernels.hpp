@@ -13,11 +13,10 @@ namespace forefeel {
 
 inline constexpr int lane_count = 8;
 
-// Constants of a law, derived from E and nu [Pa]; a is a pure number.
+// Constants of a law: Lamé's mu and lambda [Pa], and up to four that the law derives from them (its file says which).
 struct LawConstants {
   double mu = 0, lambda = 0;
-  double m = 0, l = 0, a = 0;  // stable neo-Hookean
-  double c1 = 0, c2 = 0;       // Mooney-Rivlin
+  double own[4] = {};
 };
 
 struct ElementView {
@@ -90,9 +89,9 @@ struct FrontKernels {
   void (*add_lanes)(std::int64_t rows, const double* factor, const double* x, double* y);
 };
 
-// law: its number in enum Law. The best version that this processor runs.
-const ElementKernels& element_kernels(int law);
-const FrontKernels& front_kernels();
-const char* instruction_set();
+enum class KernelIsa { portable, avx2, avx512 };
+KernelIsa kernel_isa();               // the best that this processor runs
+const FrontKernels& front_kernels();  // for kernel_isa()
+const char* instruction_set();        // its name
 
 }  // namespace forefeel

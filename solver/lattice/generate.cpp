@@ -8,6 +8,7 @@
 #include <set>
 
 #include "geometry/coverage/state_space.hpp"
+#include "solver/body/law.hpp"
 #include "solver/equilibrium/linear_body.hpp"
 #include "solver/lattice/generate.hpp"
 #include "solver/lattice/sweep.hpp"
@@ -123,7 +124,7 @@ class Sweep {
   void run_sweep() {
     SweepOptions sweep;
     sweep.spacing = options_.spacing;
-    const bool soft = body_->material.law == Law::st_venant_kirchhoff || body_->material.poisson >= 0.49;
+    const bool soft = law_entry(body_->material.law).softens || body_->material.poisson >= 0.49;
     sweep.residual_tolerance = (soft ? 5 : 20) * options_.tolerance;
     sweep.stop = options_.stop;
     sweep.coarse = [this](const LatticeIndex& c) { return solved(c); };

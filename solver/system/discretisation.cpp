@@ -202,7 +202,7 @@ Discretisation discretise(const Body& body) {
   d.round_off = 1e-16 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length;
   d.needs_positive_jacobian = needs_positive_jacobian(body.material.law);
   d.constants = law_constants(body.material);
-  d.kernels = &element_kernels(static_cast<int>(body.material.law));
+  d.kernels = &law_entry(body.material.law).kernels;
   return d;
 }
 

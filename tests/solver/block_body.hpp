@@ -50,7 +50,4 @@ inline std::shared_ptr<Body> block_body(Law law, double poisson = 0.4, int refin
   return body;
 }
 
-inline constexpr Law all_laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean,
-                                   Law::stable_neo_hookean, Law::mooney_rivlin};
-
 }  // namespace forefeel

@@ -23,7 +23,7 @@ std::vector<Vec3> neighbours(const Vec3& x) {
 }  // namespace
 
 TEST_CASE("states beside a known one equal tight solves on the straight way, every law and element") {
-  for (const Law law : all_laws)
+  for (const Law law : all_laws())
     for (const Element element : {Element::linear, Element::quadratic}) {
       INFO(name(law) << " " << name(element));
       Solver solver(block_body(law, 0.4, 1, element)), judge(block_body(law, 0.4, 1, element));

@@ -43,7 +43,7 @@ bool same_bits(const State& a, const State& b) {
 }  // namespace
 
 TEST_CASE("fast states are within 1e-6 of tight ones, all laws; stiffness and energy too") {
-  for (const Law law : all_laws) {
+  for (const Law law : all_laws()) {
     const auto body = block_body(law);
     GenerateReport report;
     const auto states = generate(body, small_box(2), {}, &report);

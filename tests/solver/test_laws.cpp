@@ -9,6 +9,7 @@ using namespace forefeel;
 
 namespace {
 
+// The laws whose density is written out below; all_laws() are held to their derivatives.
 const Law laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
                     Law::mooney_rivlin};
 
@@ -56,8 +57,9 @@ TEST_CASE("each law's energy is its formula, counted from rest") {
     for (const double poisson : {-0.3, 0.0, 0.3, 0.45, 0.499}) {
       const Material material{law, 5000, poisson};
       const LawConstants constants = law_constants(material);
-      CHECK(std::abs(evaluate_law(law, constants, Mat3::Identity()).energy) < 1e-11 * constants.l);
-      CHECK(evaluate_law(law, constants, Mat3::Identity()).stress.norm() < 1e-11 * constants.l);
+      const double modulus = constants.lambda + 5 * constants.mu / 6;
+      CHECK(std::abs(evaluate_law(law, constants, Mat3::Identity()).energy) < 1e-11 * modulus);
+      CHECK(evaluate_law(law, constants, Mat3::Identity()).stress.norm() < 1e-11 * modulus);
       for (int trial = 0; trial < 20; ++trial) {
         const Mat3 f = some_deformation(random, 0.4);
         const double expected = density(law, material, f);
@@ -69,7 +71,7 @@ TEST_CASE("each law's energy is its formula, counted from rest") {
 TEST_CASE("stress is the energy's derivative and the tangent the stress's, by central differences") {
   std::mt19937 random(2);
   const double h = 1e-5;
-  for (const Law law : laws)
+  for (const Law law : all_laws())
     for (int trial = 0; trial < 10; ++trial) {
       const LawConstants constants = law_constants({law, 5000, 0.4});
       const Mat3 f = some_deformation(random, 0.35);
@@ -100,7 +102,7 @@ TEST_CASE("all laws share the small-strain modulus but Mooney-Rivlin's bulk term
     Mat9 expected = reference;
     if (law == Law::mooney_rivlin)
       for (const int i : {0, 4, 8})
-        for (const int k : {0, 4, 8}) expected(i, k) += 4 * c.c2;
+        for (const int k : {0, 4, 8}) expected(i, k) += 4 * 0.15 * c.mu;  // 4 c2
     const Mat9 tangent = evaluate_law(law, c, Mat3::Identity()).tangent;
     INFO(name(law));
     CHECK((tangent - expected).norm() < 1e-12 * reference.norm());
@@ -110,7 +112,7 @@ TEST_CASE("all laws share the small-strain modulus but Mooney-Rivlin's bulk term
 TEST_CASE("laws with a logarithm refuse an inverted element, the others do not") {
   Mat3 f = Mat3::Identity();
   f(0, 0) = -0.5;
-  for (const Law law : laws) {
+  for (const Law law : all_laws()) {
     const double energy = evaluate_law(law, law_constants({law, 5000, 0.3}), f).energy;
     CHECK(std::isinf(energy) == needs_positive_jacobian(law));
   }

@@ -1,10 +1,10 @@
-// Element loops, compiled once per instruction set: see kernels.hpp.
-// F = I + sum_a u_a (x) G_a,  r_a += w P G_a,  H_ab = w (dP/dF : (. (x) G_b)) G_a; the energy is sum w psi.
-#include "solver/kernels/law_terms.hpp"
+#pragma once
+// Loops over elements for one law, compiled once per instruction set (ElementKernels in kernels.hpp):
+//   F = I + sum_a u_a (x) G_a     r_a += w P G_a     H_ab += w (dP/dF : (. (x) G_b)) G_a     W = sum w psi
+// a, b the element's nodes, G_a [1/m] gradient of a's shape function, w [m^3] volume times quadrature weight.
+// Include in kernel files only (see lanes.hpp).
 
-#ifndef FOREFEEL_ISA
-#define FOREFEEL_ISA portable
-#endif
+#include "solver/kernels/law_terms.hpp"
 
 namespace forefeel {
 namespace {
@@ -49,15 +49,6 @@ FOREFEEL_INLINE void deformation_gradient(const T* u, const T* g, T* f) {
       for (int a = 0; a < nodes; ++a) sum += u[3 * a + i] * g[3 * a + j];
       f[3 * i + j] = sum;
     }
-}
-
-FOREFEEL_INLINE Lanes load(const double* p) {
-  Lanes v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
-FOREFEEL_INLINE void store(double* p, Lanes v) {
-  __builtin_memcpy(p, &v, sizeof v);
 }
 
 template <int nodes>
@@ -311,12 +302,4 @@ struct Both {
 };
 
 }  // namespace
-
-namespace FOREFEEL_ISA {
-// By law, in the order of enum Law.
-extern const ElementKernels element_kernels[5];
-const ElementKernels element_kernels[5] = {Both<Linear>::table, Both<StVenantKirchhoff>::table,
-                                           Both<NeoHookean>::table, Both<StableNeoHookean>::table,
-                                           Both<MooneyRivlin>::table};
-}  // namespace FOREFEEL_ISA
 }  // namespace forefeel
