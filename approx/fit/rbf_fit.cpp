@@ -1,12 +1,10 @@
 #include "approx/fit/rbf_fit.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "approx/loops/kernel_rows.hpp"
-#include "approx/loops/kernel_sums.hpp"
 
 namespace forefeel {
 namespace {
@@ -23,16 +21,10 @@ double pivot_tolerance(int power, bool hermite, bool value) {
 double least_ridge(int power, bool hermite, bool value) {
   return 10 * std::max(pivot_tolerance(power, hermite, value), 1e-14);
 }
-constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined
-
 // Pivot of the last functional at the border of a lattice set, in units of h^k: medians over half balls.
 double border_pivot(int power, bool hermite, bool value) {
   if (!hermite) return power == 5 ? 3 : 0.9;
   return value ? (power == 5 ? 1 : 0.6) : 2;
-}
-
-int power_of(Kernel kernel) {
-  return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
 }
 
 double power(double r2, int k) {
@@ -71,119 +63,6 @@ RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
   index_.reserve(factor_.row_capacity());
   kept_rows_.reserve(factor_.row_capacity());
   moved_.reserve(slot_capacity_ + DenseFactor::panel);
-}
-
-// Centre and scale so that the set fills the unit ball; in a set with weights what counts of it, so that a far
-// state that hardly does changes neither which polynomial is determined nor what a ridge means.
-void RbfFit::set_frame(std::span<const Sample> samples) {
-  const bool weighted = samples[0].weighted;
-  double total = 0, largest = 0;
-  centre_.setZero();
-  for (const auto& s : samples) {
-    const double w = !weighted ? 1 : s.state ? s.weight : 0;
-    total += w;
-    centre_ += w * (s.at - samples[0].at);
-  }
-  centre_ = samples[0].at + centre_ / total;
-  for (const auto& s : samples) {
-    const double w = !weighted ? 1 : s.state ? s.weight : 0;
-    largest = std::max(largest, w * (s.at - centre_).norm());
-  }
-  if (weighted) largest = std::max(largest, least_size * options_.length);
-  scale_ = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
-  inverse_scale_ = 1 / scale_;
-}
-
-namespace {
-
-// The last pivot of a pivoted Cholesky is at least det / (product of the other diagonal entries), and the
-// determinant needs no pivoting.
-bool surely_full_rank(std::size_t q, const double* gram) {
-  double rest[max_terms][max_terms], correlation = 1, least = gram[0], most = gram[0];
-  for (std::size_t i = 0; i < q; ++i) std::copy_n(gram + i * q, i + 1, rest[i]);
-  for (std::size_t j = 0; j < q; ++j) {
-    const double entry = gram[j * q + j], pivot = rest[j][j];
-    if (!(pivot > 1e-9 * entry)) return false;  // rounding would count
-    least = std::min(least, entry);
-    most = std::max(most, entry);
-    correlation *= pivot / entry;
-    const double inverse = 1 / pivot;
-    for (std::size_t i = j + 1; i < q; ++i) {
-      const double share = rest[i][j] * inverse;
-      for (std::size_t k = j + 1; k <= i; ++k) rest[i][k] -= share * rest[k][j];
-    }
-  }
-  return correlation * least > 10 * rank_tolerance * rank_tolerance * most;
-}
-
-// Pivoted Cholesky of the q x q Gram matrix (lower triangle, overwritten): its pivots are the squares of
-// those of a pivoted QR of P.
-bool full_rank(std::size_t q, double* gram) {
-  if (surely_full_rank(q, gram)) return true;
-  const auto entry = [&](std::size_t i, std::size_t j) -> double& {
-    return i > j ? gram[i * q + j] : gram[j * q + i];
-  };
-  double first = 0;
-  bool done[max_terms] = {};
-  for (std::size_t step = 0; step < q; ++step) {
-    std::size_t best = q;
-    for (std::size_t i = 0; i < q; ++i)
-      if (!done[i] && (best == q || entry(i, i) > entry(best, best))) best = i;
-    const double pivot = entry(best, best);
-    if (step == 0) first = pivot;
-    if (!(pivot > rank_tolerance * rank_tolerance * first)) return false;
-    done[best] = true;
-    for (std::size_t i = 0; i < q; ++i)
-      for (std::size_t j = 0; j <= i; ++j)
-        if (!done[i] && !done[j]) entry(i, j) -= entry(i, best) * entry(j, best) / pivot;
-  }
-  return true;
-}
-
-}  // namespace
-
-// The highest level whose polynomial the samples determine.
-RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
-  Level level{power_of(options_.kernel), options_.kernel == Kernel::quintic ? 2 : 1,
-              options_.data == Data::force_and_stiffness};
-  // Places that carry the affine fit determine it, however little the set around them is.
-  if (std::ranges::any_of(samples, [](const Sample& s) { return !s.state; })) return level;
-  for (;; --level.degree) {
-    if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
-    if (level.degree == 0) {
-      level.hermite = false;
-      return level;
-    }
-    const std::size_t q = polynomial_terms(level.degree);
-    double gram[max_terms * max_terms] = {}, l[max_terms], gradient[3 * max_terms];
-    for (const auto& s : samples) {
-      const Vec3 y = scaled(s.at);
-      lagrange(level.degree, y.data(), l, gradient);
-      const bool both = level.hermite && s.stiffness.allFinite();
-      for (std::size_t i = 0; i < q; ++i)
-        for (std::size_t j = 0; j <= i; ++j) {
-          gram[i * q + j] += l[i] * l[j];
-          for (std::size_t d = 0; both && d < 3; ++d)
-            gram[i * q + j] += gradient[3 * i + d] * gradient[3 * j + d];
-        }
-    }
-    if (full_rank(q, gram)) return level;
-  }
-}
-
-// The same question for the level in use, from the rows that are there; a set that once stepped down is asked
-// anew.
-bool RbfFit::level_still_fits() {
-  const int wanted = options_.kernel == Kernel::quintic ? 2 : 1;
-  if (level_.degree == wanted) {
-    double gram[max_terms * max_terms];
-    std::fill_n(weight_.data() + slots_ * rows_per_slot_, 8, 0.0);
-    dense::loops().gram(terms_, slots_ * rows_per_slot_, lagrange_.data(), row_stride_, weight_.data(), gram);
-    return full_rank(terms_, gram);
-  }
-  gather();
-  const Level level = level_for(gathered_);
-  return level.power == level_.power && level.degree == level_.degree && level.hermite == level_.hermite;
 }
 
 void RbfFit::clear() {
@@ -359,143 +238,6 @@ void RbfFit::factorise(std::span<const Sample> samples) {
       anchor_products_[j * max_terms + k] = power(r2, level_.power);
     }
   append(samples);
-}
-
-void RbfFit::difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
-                        std::vector<StateId>& missing) const {
-  removed.clear();
-  missing.clear();
-  auto have = by_id_.begin();
-  for (const StateId id : wanted) {
-    for (; have != by_id_.end() && have->id < id; ++have) removed.push_back(have->id);
-    if (have != by_id_.end() && have->id == id)
-      ++have;
-    else
-      missing.push_back(id);
-  }
-  for (; have != by_id_.end(); ++have) removed.push_back(have->id);
-}
-
-void RbfFit::enter(std::size_t slot) {
-  const Entry entry{slot_[slot].sample.id, static_cast<std::uint32_t>(slot)};
-  by_id_.insert(std::ranges::upper_bound(by_id_, entry.id, {}, &Entry::id), entry);
-}
-
-void RbfFit::gather() {
-  gathered_.clear();
-  for (const Entry& e : by_id_) gathered_.push_back(slot_[e.slot].sample);
-}
-
-bool RbfFit::replace(std::span<const StateId> removed, std::span<const Sample> added) {
-  const Outcome outcome = mode_ == Mode::refit ? Outcome::refused : try_update(removed, added);
-  if (outcome == Outcome::done) return false;
-  gather();
-  if (outcome == Outcome::refused) {
-    std::erase_if(gathered_,
-                  [&](const Sample& s) { return std::ranges::find(removed, s.id) != removed.end(); });
-    gathered_.insert(gathered_.end(), added.begin(), added.end());
-  }
-  added_.assign(gathered_.begin(), gathered_.end());
-  refit(added_);
-  return true;
-}
-
-// True where the anchors no longer suit the set: its centre or size has changed much.
-bool RbfFit::frame_expired() {
-  if (alive_ == 0) return true;
-  double sums[5];
-  sums::loops().extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), sums);
-  const double mean = Vec3(sums[0], sums[1], sums[2]).squaredNorm() / double(alive_ * alive_);
-  return sums[4] > 1.6 * 1.6 || sums[4] < 0.4 * 0.4 || mean > 0.5 * 0.5;
-}
-
-void RbfFit::leave(std::size_t slot) {
-  dropped_slots_ -= slot_[slot].dropped != 0 ? 1 : 0;
-  slot_[slot].alive = false;
-  for (const std::size_t which : {in_use, share, force_norm, stiffness_norm}) slot_array(which)[slot] = 0;
-  --alive_;
-  for (std::size_t t = 0; t < rows_per_slot_; ++t) {
-    index_.push_back(slot * rows_per_slot_ + t);
-    weight_[index_.back()] = 0;
-  }
-}
-
-namespace {
-
-// Measured: an update of more of n states than this costs as much as a refit or more. With stiffness at n =
-// 25, 50 and 75 from 8, 12 and 16 states on for r^3, from 9, 14 and 17 for r^5.
-double most_updated(double n, bool hermite) {
-  return hermite ? std::min(4 + 0.15 * n, 0.5 * n) : 2 + 0.2 * n;
-}
-
-}  // namespace
-
-RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<const Sample> added) {
-  const std::size_t b = rows_per_slot_, changed = (removed.size() + added.size()) / 2;
-  if (alive_ == 0 || alive_ + added.size() < removed.size() + 1) return Outcome::refused;
-  if (mode_ == Mode::automatic && worn_) return Outcome::refused;
-  if (mode_ == Mode::automatic && double(changed) > most_updated(double(alive_), b == 4))
-    return Outcome::refused;
-
-  updated_ = true;
-  added_.clear();
-  index_.clear();
-  for (const StateId id : removed) leave(std::ranges::lower_bound(by_id_, id, {}, &Entry::id)->slot);
-  if (dropped_slots_ > 0 && !removed.empty())
-    for (std::size_t s = 0; s < slots_; ++s) {  // what was dropped beside a state that left may count again
-      if (!slot_[s].alive || slot_[s].dropped == 0) continue;
-      added_.push_back(slot_[s].sample);
-      leave(s);
-    }
-  std::ranges::sort(index_);
-  std::erase_if(by_id_, [&](const Entry& e) { return slot_array(in_use)[e.slot] == 0; });
-  added_.insert(added_.end(), added.begin(), added.end());
-  // Holes cost as much as rows: where four go with a state, closing up soon pays.
-  if ((b == 4 && 8 * (slots_ - alive_) > alive_) || slots_ + added_.size() > slot_capacity_)
-    remove_and_close();
-  else
-    factor_.remove(index_);
-  append(added_);
-  if (drops_matter() || (mode_ == Mode::automatic && frame_expired())) return Outcome::stale;
-  return level_still_fits() ? Outcome::done : Outcome::stale;
-}
-
-// Takes the rows of index_ out and moves all arrays together.
-void RbfFit::remove_and_close() {
-  const std::size_t b = rows_per_slot_;
-  std::size_t first = 0;  // slots before it stay
-  while (first < slots_ && slot_[first].alive) ++first;
-  kept_rows_.clear();
-  moved_.clear();
-  for (std::size_t s = 0; s < slots_; ++s) {
-    moved_.push_back(static_cast<std::uint32_t>(kept_rows_.size() / b));
-    if (!slot_[s].alive) continue;
-    if (s > first) slot_[moved_[s]] = slot_[s];
-    for (std::size_t t = 0; t < b; ++t) kept_rows_.push_back(s * b + t);
-  }
-  const std::size_t kept = kept_rows_.size() / b;
-  for (Entry& e : by_id_) e.slot = moved_[e.slot];
-  const auto gather = [&](double* values, std::size_t step) {
-    if (step == 4)
-      for (std::size_t i = first; i < kept; ++i) {
-        const double* from = values + kept_rows_[4 * i];
-        const double row[4] = {from[0], from[1], from[2], from[3]};
-        for (std::size_t t = 0; t < 4; ++t) values[4 * i + t] = row[t];
-      }
-    else
-      for (std::size_t i = first; i < kept; ++i) values[i] = values[kept_rows_[b * i] / b];
-  };
-  for (AlignedArray* p : {&px_, &py_, &pz_}) gather(p->data(), 1);
-  for (std::size_t which = 0; which < away; ++which) gather(slot_array(which), 1);
-  gather(weight_.data(), b);
-  for (std::size_t j = 0; j < terms_; ++j) {
-    gather(lagrange_.data() + j * row_stride_, b);
-    gather(dual_.data() + j * row_stride_, b);
-  }
-  factor_.remove(index_, kept_rows_);
-  for (const std::size_t which : {in_use, share})
-    std::fill(slot_array(which) + kept, slot_array(which) + slots_, 0.0);
-  slots_ = kept;
 }
 
 }  // namespace forefeel

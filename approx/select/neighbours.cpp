@@ -7,6 +7,7 @@
 #include <span>
 
 #include "approx/loops/view_loops.hpp"
+#include "approx/select/views.hpp"
 
 namespace forefeel {
 namespace {
@@ -30,7 +31,6 @@ constexpr double fading = 8;      // before that, over which it goes
 constexpr double at_hip = 0.25;   // within this of the HIP a state has hardly a direction
 constexpr double off_view = 100;  // what a state seems farther by, per square of how far it is off a view
 constexpr double in_view = 0.3;   // cosine to a view from which it is off it
-constexpr double turned = 0.93;   // cosine within which a state's own view is blended from the fixed ones
 constexpr double least_weight = 1e-10;
 constexpr double least_near = 1e-3;  // of a side so much more crowded than the nearer one that it is the set
 constexpr double full_narrow = 0.2;  // c_i from which a state may count fully
@@ -56,51 +56,7 @@ double half_ball(std::size_t n) {
   return std::cbrt(1.5 * double(n) / M_PI);
 }
 
-// Evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for each cell of a
-// grid on the faces of a cube those within `turned` of some direction of the cell.
-struct Views {
-  static constexpr int pairs = 128, grid = 16;
-  std::vector<Vec3> all;
-  std::vector<std::uint16_t> about;
-  std::vector<std::size_t> first;  // in `about`, of each cell
-
-  Views() {
-    for (int k = 0; k < pairs; ++k) {
-      const double z = (k + 0.5) / pairs, r = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
-      all.push_back(Vec3(r * std::cos(angle), r * std::sin(angle), z));
-      all.push_back(-all.back());
-    }
-    const double least =
-        std::cos(std::acos(turned) + std::sqrt(2.0) / grid);  // no cell reaches farther than that
-    for (int face = 0; face < 6; ++face)
-      for (int i = 0; i < grid; ++i)
-        for (int j = 0; j < grid; ++j) {
-          first.push_back(about.size());
-          Vec3 centre;
-          centre[face % 3] = face < 3 ? 1 : -1;
-          centre[(face + 1) % 3] = (2 * i + 1) / double(grid) - 1;
-          centre[(face + 2) % 3] = (2 * j + 1) / double(grid) - 1;
-          centre.normalize();
-          for (std::size_t k = 0; k < all.size(); ++k)
-            if (centre.dot(all[k]) > least) about.push_back(static_cast<std::uint16_t>(k));
-        }
-    first.push_back(about.size());
-  }
-  static std::size_t cell_of(const Vec3& u, int cells) {
-    int axis = 0;
-    if (std::abs(u[1]) > std::abs(u[axis])) axis = 1;
-    if (std::abs(u[2]) > std::abs(u[axis])) axis = 2;
-    const double half = 0.5 * cells, per = half / std::abs(u[axis]);
-    const auto along = [&](int d) { return std::clamp(static_cast<int>(half + per * u[d]), 0, cells - 1); };
-    const int face = u[axis] > 0 ? axis : axis + 3;
-    return static_cast<std::size_t>((face * cells + along((axis + 1) % 3)) * cells + along((axis + 2) % 3));
-  }
-  std::span<const std::uint16_t> of(const Vec3& u) const {
-    const std::size_t at = cell_of(u, grid);
-    return std::span(about).subspan(first[at], first[at + 1] - first[at]);
-  }
-};
-const Views views;
+using detail::Views;
 
 constexpr std::size_t lanes = 8;
 
@@ -127,8 +83,8 @@ NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions
   keys_.reserve(room_);
   room_ = (room_ + lanes - 1) / lanes * lanes;
   seen_.resize(arrays * room_);
-  views_.resize(views.all.size());
-  views_seen_.reserve(views.all.size());
+  views_.resize(detail::views().all.size());
+  views_seen_.reserve(views_.size());
   before_.resize(6 * coarse * coarse);
   last_.reserve(most_);
   chosen_.reserve(room_);
@@ -197,7 +153,7 @@ void NeighbourSelector::look_round() {
     x[i] = y[i] = z[i] = 0;
     distance[i] = 1e300;
   }
-  views_seen_.assign(views.all.size(), 0);
+  views_seen_.assign(views_.size(), 0);
 }
 
 // What is nearest as it seems along a fixed view, and the mean direction to what is about as near.
@@ -208,8 +164,8 @@ const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
   const double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
   double* seen = seen_.data() + 4 * room_;
   const std::size_t padded = (candidates_.size() + lanes - 1) / lanes * lanes;
-  const std::size_t end = view::loops().seen(padded, x, y, z, distance, views.all[k].data(), in_view,
-                                             off_view * h_, shell * h_, seen, &at[3]);
+  const std::size_t end = view::loops().seen(padded, x, y, z, distance, detail::views().all[k].data(),
+                                             in_view, off_view * h_, shell * h_, seen, &at[3]);
   view::loops().towards(end, x, y, z, seen, at[3], shell * h_, at.data());
   if (const double norm = at.head<3>().norm(); norm > 0) at.head<3>() /= norm;
   return at;
@@ -219,9 +175,10 @@ const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
 void NeighbourSelector::look_along(Candidate& c) {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   double total = 0;
+  const Views& views = detail::views();
   if (c.distance > 0)
     for (const std::uint16_t k : views.of(c.towards)) {
-      const double about = std::max(0.0, views.all[k].dot(c.towards) - turned);
+      const double about = std::max(0.0, views.all[k].dot(c.towards) - Views::turned);
       if (about == 0) continue;
       const double w = about * about;
       total += w;
