@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-namespace forefeel {
+namespace forefeel::detail {
 namespace {
 
 // Corners of a tetrahedron of circumradius 1.3, turned by an irrational angle about each axis so that no
@@ -100,4 +100,4 @@ void to_monomials(int degree, const double* values, double* monomials) {
       add_product(tetrahedron.edges[e][0], tetrahedron.edges[e][1], 4 * values[4 + e]);
 }
 
-}  // namespace forefeel
+}  // namespace forefeel::detail

@@ -11,7 +11,7 @@
 #include <array>
 #include <cstddef>
 
-namespace forefeel {
+namespace forefeel::detail {
 
 inline constexpr std::size_t max_terms = 10;
 
@@ -26,4 +26,4 @@ std::array<double, 3> anchor(std::size_t j);
 // Coefficients over the monomials 1, x, y, z, xx, yy, zz, xy, xz, yz of sum_j values[j] l_j.
 void to_monomials(int degree, const double* values, double* monomials);
 
-}  // namespace forefeel
+}  // namespace forefeel::detail

@@ -7,6 +7,8 @@
 #include "approx/loops/kernel_rows.hpp"
 
 namespace forefeel {
+using namespace detail;
+
 namespace {
 
 // Pivots, relative to the diagonal, below which a row is a near-duplicate that rounding cannot tell from what

@@ -41,7 +41,9 @@ struct Sample {
 };
 
 // Of a set with weights, in units of ModelOptions::length: of one state that counts alone, too.
+namespace detail {
 constexpr double least_size = 0.01;
+}
 
 class RbfFit {
  public:
@@ -97,7 +99,17 @@ class RbfFit {
   void enter(std::size_t slot);
   void gather();
   void solve();
+  // The set as seen from the HIP; scaled but for the radius [m].
+  struct Reach {
+    double nearest = 0, farthest = 0;  // distances as far as states count
+    double radius = 0;                 // root mean square distance to the mean
+    std::size_t first = 0;             // slot of the nearest state
+    Vec3 mean = Vec3::Zero();
+  };
+  Reach reach_from(const Vec3& y);
+  double length_of(const Reach& reach, double half_ball);
   void write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball);
+  void write_mean_tangent(ModelData& out, const Reach& reach);
   void write_hull(const ModelData& out, ModelData::Hull& hull, bool near, const Vec3& centre);
   void write_tangent_of_sum(ModelData& out, const Vec3& hip, std::size_t first, double nearest,
                             double farthest);
@@ -107,6 +119,8 @@ class RbfFit {
   bool write_sum(ModelData& out);
   bool has_lost_digits(const ModelData& out);
   bool refit_is_cheaper() const;
+  void load_given();
+  void solve_correction(const ModelData& out);
   bool refine(ModelData& out);
   double misfit(const ModelData& out);
   void constraint(const ModelData& out, double* rest) const;
@@ -123,8 +137,8 @@ class RbfFit {
   std::size_t slots_ = 0, alive_ = 0;  // slots in use, holes included
   std::size_t rows_per_slot_ = 1, terms_ = 1;
   double sign_ = 1;
-  std::array<std::array<double, 3>, max_terms> anchors_{};
-  double anchor_products_[max_terms * max_terms] = {};  // G
+  std::array<std::array<double, 3>, detail::max_terms> anchors_{};
+  double anchor_products_[detail::max_terms * detail::max_terms] = {};  // G
 
   DenseFactor factor_;
   std::vector<Slot> slot_;
@@ -160,15 +174,15 @@ class RbfFit {
   std::vector<std::size_t> index_;      // rows to take out
   std::vector<std::size_t> kept_rows_;  // of remove_and_close(), and the new slot of each
   std::vector<std::uint32_t> moved_;
-  double coefficient_[3][max_terms] = {};
-  double upper_[max_terms * max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
-  std::vector<std::uint32_t> living_;         // slots in the order of the model's centres
+  double coefficient_[3][detail::max_terms] = {};
+  double upper_[detail::max_terms * detail::max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
+  std::vector<std::uint32_t> living_;                         // slots in the order of the model's centres
   std::size_t watched_ = 0;
   bool updated_ = false, worn_ = false;  // since the last refit; has lost digits by that
   std::size_t given_stride_ = 0;
   AlignedArray given_, misfit_;  // 12 x given_stride: f and dF/dy of the living slots, what the model leaves
   AlignedArray correction_, last_correction_;  // 3 x row_stride: of lambda
-  double polynomial_correction_[3][max_terms] = {};
+  double polynomial_correction_[3][detail::max_terms] = {};
 };
 
 }  // namespace forefeel

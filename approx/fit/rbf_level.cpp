@@ -5,6 +5,8 @@
 #include "approx/fit/rbf_fit.hpp"
 
 namespace forefeel {
+using namespace detail;
+
 namespace {
 
 constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined

@@ -8,6 +8,8 @@
 #include "approx/loops/exact_sums.hpp"
 
 namespace forefeel {
+using namespace detail;
+
 namespace {
 
 // States watched at a time: an evaluation of a small set costs little beside its update.
@@ -130,9 +132,8 @@ bool RbfFit::refit_is_cheaper() const {
   return mode_ == Mode::automatic && updated_ && alive_ > most_refined;
 }
 
-// False where it did not converge: more has been lost than the factor can bring back.
-bool RbfFit::refine(ModelData& out) {
-  const std::size_t q = terms_, m = factor_.rows();
+// What the model is to reproduce at its own states: forces, and slopes if it uses stiffness.
+void RbfFit::load_given() {
   for (std::size_t i = 0; i < living_.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t s = living_[i];
@@ -141,47 +142,60 @@ bool RbfFit::refine(ModelData& out) {
         for (std::size_t d = 0; d < 3; ++d)
           given_[(3 + 3 * c + d) * given_stride_ + i] = -slot_array(stiffness + 3 * c + d)[s] * scale_;
     }
+}
+
+// The change of the coefficients that takes the misfit out, by the factor that is there:
+// correction_ (of lambda) and polynomial_correction_.
+void RbfFit::solve_correction(const ModelData& out) {
+  const std::size_t q = terms_, m = factor_.rows();
+  // With w = L^T delta lambda: Q^T w = R^-T rest and w = L^-1 misfit beyond Q.
+  double rest[3 * max_terms];
+  constraint(out, rest);
+  factor_.solve(correction_.data(), row_stride_);
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::fill_n(correction_.data() + c * row_stride_ + m, 8, 0.0);
+    for (std::size_t j = 0; j < q; ++j) {
+      double value = rest[c * q + j];
+      for (std::size_t k = 0; k < j; ++k) value -= upper_[k * q + j] * rest[c * q + k];
+      rest[c * q + j] = value / upper_[j * q + j];
+    }
+  }
+  double along[3 * max_terms], total[3 * max_terms] = {};
+  for (int pass = 0; pass < 2; ++pass) {  // the second takes out what rounding left
+    dense::loops().dots3(q, m, correction_.data(), orthogonal_.data(), row_stride_, along);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < q; ++j) {
+        const double taken = along[c * q + j] - rest[c * q + j];
+        total[c * q + j] += taken;
+        for (std::size_t r = 0; r < m; ++r)
+          correction_[c * row_stride_ + r] -= taken * orthogonal_[j * row_stride_ + r];
+      }
+  }
+  double* z = correction_.data();
+  factor_.solve_transposed(z, z + row_stride_, z + 2 * row_stride_);
+  for (std::size_t c = 0; c < 3; ++c) std::fill_n(z + c * row_stride_ + m, 8, 0.0);
+  double sums[3 * max_terms];
+  dense::loops().dots3(q, m, z, dual_.data(), row_stride_, sums);
+  for (std::size_t c = 0; c < 3; ++c) {
+    double values[max_terms];
+    for (std::size_t j = q; j-- > 0;) {
+      double value = total[c * q + j];
+      for (std::size_t k = j + 1; k < q; ++k) value -= upper_[j * q + k] * values[k];
+      values[j] = value / upper_[j * q + j];
+    }
+    for (std::size_t j = 0; j < q; ++j) values[j] -= sign_ * sums[c * q + j];
+    to_monomials(level_.degree, values, polynomial_correction_[c]);
+  }
+}
+
+// Iterative refinement of the coefficients. False if it did not converge: the factor has lost too many digits.
+bool RbfFit::refine(ModelData& out) {
+  load_given();
   const double before = misfit(out);
   double last = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_refinements; ++round) {
-    // With w = L^T delta lambda: Q^T w = R^-T rest and w = L^-1 misfit beyond Q.
-    double rest[3 * max_terms];
-    constraint(out, rest);
-    factor_.solve(correction_.data(), row_stride_);
-    for (std::size_t c = 0; c < 3; ++c) {
-      std::fill_n(correction_.data() + c * row_stride_ + m, 8, 0.0);
-      for (std::size_t j = 0; j < q; ++j) {
-        double value = rest[c * q + j];
-        for (std::size_t k = 0; k < j; ++k) value -= upper_[k * q + j] * rest[c * q + k];
-        rest[c * q + j] = value / upper_[j * q + j];
-      }
-    }
-    double along[3 * max_terms], total[3 * max_terms] = {};
-    for (int pass = 0; pass < 2; ++pass) {  // the second takes out what rounding left
-      dense::loops().dots3(q, m, correction_.data(), orthogonal_.data(), row_stride_, along);
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t j = 0; j < q; ++j) {
-          const double taken = along[c * q + j] - rest[c * q + j];
-          total[c * q + j] += taken;
-          for (std::size_t r = 0; r < m; ++r)
-            correction_[c * row_stride_ + r] -= taken * orthogonal_[j * row_stride_ + r];
-        }
-    }
-    double* z = correction_.data();
-    factor_.solve_transposed(z, z + row_stride_, z + 2 * row_stride_);
-    for (std::size_t c = 0; c < 3; ++c) std::fill_n(z + c * row_stride_ + m, 8, 0.0);
-    double sums[3 * max_terms];
-    dense::loops().dots3(q, m, z, dual_.data(), row_stride_, sums);
-    for (std::size_t c = 0; c < 3; ++c) {
-      double values[max_terms];
-      for (std::size_t j = q; j-- > 0;) {
-        double value = total[c * q + j];
-        for (std::size_t k = j + 1; k < q; ++k) value -= upper_[j * q + k] * values[k];
-        values[j] = value / upper_[j * q + j];
-      }
-      for (std::size_t j = 0; j < q; ++j) values[j] -= sign_ * sums[c * q + j];
-      to_monomials(level_.degree, values, polynomial_correction_[c]);
-    }
+    solve_correction(out);
+    const double* z = correction_.data();
     double size = 0;
     for (std::size_t i = 0; i < 3 * row_stride_; ++i) size = std::max(size, std::abs(z[i]));
     // No longer converging, or not a number; the first rounds may mend one thing after the other.

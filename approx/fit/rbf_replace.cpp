@@ -5,6 +5,7 @@
 #include "approx/loops/kernel_sums.hpp"
 
 namespace forefeel {
+using namespace detail;
 
 void RbfFit::difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
                         std::vector<StateId>& missing) const {

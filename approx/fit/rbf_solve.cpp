@@ -9,6 +9,8 @@
 #include "approx/loops/kernel_sums.hpp"
 
 namespace forefeel {
+using namespace detail;
+
 // min |Y_P c - Y_f| by modified Gram-Schmidt on [Y_P Y_f], whose last columns become the residual; then
 // lambda = L^-T residual. P^T lambda = 0 is as exact as the residual is orthogonal.
 void RbfFit::solve() {
@@ -111,18 +113,25 @@ void RbfFit::set_bound(ModelData& out) {
   out.bound = (largest_of(slot_array(force_norm), slots_) + largest * out.hold) / ModelData::full_share;
 }
 
-// Tangent, hold distance and bound (see model_data.hpp). Shares fall to zero at the farthest state and with a
-// state's weight, so that the tangent moves gradually as the set does.
-void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball) {
+namespace {
+
+// y, brought so near that no distance to it overflows; 0 if it is not finite.
+Vec3 within_range(Vec3 y) {
+  const double distance = y.stableNorm();
+  if (distance < 1e8) return y;
+  if (std::isfinite(distance))
+    y *= 1e8 / distance;
+  else
+    y.setZero();
+  return y;
+}
+
+}  // namespace
+
+// Distances and extent of the set as seen from y (scaled). Fills slot_array(away) with the distances.
+RbfFit::Reach RbfFit::reach_from(const Vec3& y) {
   const sums::Loops& loops = sums::loops();
-  Vec3 y = scaled(hip);
-  if (const double distance = y.stableNorm(); !(distance < 1e8)) {  // so far that distances would overflow
-    if (std::isfinite(distance))
-      y *= 1e8 / distance;
-    else
-      y.setZero();
-  }
-  double extent[5], reach[2], sum[19];
+  double extent[5], distances[2];
   if (weighted_) {
     std::fill_n(slot_array(away), slot_stride_, 0.0);
     for (std::size_t s = 0; s < slots_; ++s)
@@ -130,10 +139,12 @@ void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, doubl
   }
   loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(weighted_ ? away : share), extent);
   loops.distances(slots_, px_.data(), py_.data(), pz_.data(), slot_array(in_use), y.data(), slot_array(away),
-                  reach);
-  double nearest = reach[0], farthest = reach[1], total = double(alive_);
-  std::size_t first = 0;
-  while (first + 1 < slots_ && (slot_array(in_use)[first] == 0 || slot_array(away)[first] > nearest)) ++first;
+                  distances);
+  Reach reach{.nearest = distances[0], .farthest = distances[1]};
+  double total = double(alive_);
+  while (reach.first + 1 < slots_ &&
+         (slot_array(in_use)[reach.first] == 0 || slot_array(away)[reach.first] > reach.nearest))
+    ++reach.first;
   if (weighted_) {  // the nearest and the farthest as far as they count
     double counted = 0, mean_away = 0;
     total = 0;
@@ -142,55 +153,81 @@ void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, doubl
       counted += slot_array(share)[s];
       mean_away += slot_array(share)[s] * slot_array(away)[s];
     }
-    nearest = mean_away /= counted;
+    reach.nearest = mean_away /= counted;
     for (std::size_t s = 0; s < slots_; ++s)
-      nearest = std::min(nearest, mean_away - slot_array(share)[s] * (mean_away - slot_array(away)[s]));
-    farthest = nearest;
+      reach.nearest =
+          std::min(reach.nearest, mean_away - slot_array(share)[s] * (mean_away - slot_array(away)[s]));
+    reach.farthest = reach.nearest;
     for (std::size_t s = 0; s < slots_; ++s)
-      farthest = std::max(farthest, nearest + slot_array(share)[s] * (slot_array(away)[s] - nearest));
+      reach.farthest = std::max(reach.farthest,
+                                reach.nearest + slot_array(share)[s] * (slot_array(away)[s] - reach.nearest));
   }
-  // States about equally far count about equally: which of them is the nearest must not decide at once.
-  farthest = std::max(farthest, nearest + options_.length * inverse_scale_);
-  const Sample& base = slot_[first].sample;
+  // States about equally far count about equally, so that the tangent does not change at once when another state
+  // becomes the nearest.
+  reach.farthest = std::max(reach.farthest, reach.nearest + options_.length * inverse_scale_);
+  reach.mean = Vec3(extent[0], extent[1], extent[2]) / total;
+  reach.radius =
+      std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? reach.mean.squaredNorm() : 0))) * scale_;
+  return reach;
+}
 
-  const Vec3 mean = Vec3(extent[0], extent[1], extent[2]) / total;
-  const double radius =
-      std::sqrt(std::max(0.0, extent[3] / total - (weighted_ ? mean.squaredNorm() : 0))) * scale_;
-  double length = radius;
-  if (weighted_ && half_ball > 0) {  // 0.68 of it is the usual spread; no more than that of what counts
+// Length [m] of which the trust distance is 1.5 times and the hold distance 4 times: the radius of the set, or the
+// distance between states if that is more.
+double RbfFit::length_of(const Reach& reach, double half_ball) {
+  double length = reach.radius;
+  if (weighted_ &&
+      half_ball > 0) {  // 0.68 half_ball is the usual spread; at most 1.5 times the spread of what counts
     double counted[5];
-    loops.extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), counted);
+    sums::loops().extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), counted);
     const double shares = std::reduce(slot_array(share), slot_array(share) + slots_);
     const Vec3 middle = Vec3(counted[0], counted[1], counted[2]) / shares;
     const double spread = std::sqrt(std::max(0.0, counted[3] / shares - middle.squaredNorm())) * scale_;
     length = std::min(0.68 * half_ball, 1.5 * spread);
   }
+  const Sample& base = slot_[reach.first].sample;
   length = std::max(length, options_.length);
   if (length == 0 && base.stiffness.norm() > 0) length = base.force.norm() / base.stiffness.norm();
   if (!(length > 0)) length = base.at.norm() > 0 ? 0.25 * base.at.norm() : 0.005;
+  return length;
+}
+
+// Bound, hulls and tangent (see model_data.hpp). A state's share of the tangent falls to zero with its weight and
+// towards the farthest state, so that the tangent changes gradually as the set does.
+void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball) {
+  const Vec3 y = within_range(scaled(hip));
+  const Reach reach = reach_from(y);
+  const double length = length_of(reach, half_ball);
   out.trust = 1.5 * length * inverse_scale_;
   out.hold = 4 * length;
   set_bound(out);
   out.bridge = bridge;
-  if (out.power != 0) write_hull(out, out.hull, true, mean);
+  if (out.power != 0) write_hull(out, out.hull, true, reach.mean);
   out.quick = out.power != 0 && bridge == 0 ? out.hull.inner_squared : -1;
   if (out.power != 0 && bridge > 0) write_hull(out, out.whole, false, y);
 
-  const double origin[3] = {px_[first], py_[first], pz_[first]};
-  loops.tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), slot_data_.data(),
-                slot_stride_, slot_array(away), nearest, farthest, origin, sum);
   bool known = true;
   for (std::size_t s = 0; s < slots_ && known; ++s)
     known = slot_array(stiffness_norm)[s] > 0 || slot_array(in_use)[s] == 0 ||
-            (slot_array(away)[s] >= farthest && s != first);
-  if (!known) return write_tangent_of_sum(out, hip, first, nearest, farthest);
+            (slot_array(away)[s] >= reach.farthest && s != reach.first);
+  if (known)
+    write_mean_tangent(out, reach);
+  else
+    write_tangent_of_sum(out, hip, reach.first, reach.nearest, reach.farthest);
+}
+
+// Where every stiffness is known: the mean of f_i - K_i (x - x_i) over the states, about their mean position.
+void RbfFit::write_mean_tangent(ModelData& out, const Reach& reach) {
+  const Sample& base = slot_[reach.first].sample;
+  const double origin[3] = {px_[reach.first], py_[reach.first], pz_[reach.first]};
+  double sum[19];
+  sums::loops().tangent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), slot_data_.data(),
+                        slot_stride_, slot_array(away), reach.nearest, reach.farthest, origin, sum);
   if (!(sum[0] > 0)) {  // one state, or all equally far
     out.tangent_at = base.at;
     out.tangent_force = base.force;
     out.tangent_jacobian = -base.stiffness;
     return;
   }
-  // Mean of f_i - K_i (x - x_i) about the mean position.
   const double w = 1 / sum[0];
   const Vec3 at = w * scale_ * Vec3(sum[1], sum[2], sum[3]);
   for (int c = 0; c < 3; ++c) {

@@ -260,7 +260,7 @@ Approximation::Approximation(Method method, std::span<const State> states, const
     case Method::offline_rbf: {
       Vec3 middle = Vec3::Zero();
       for (const State& s : states) middle += s.at / double(states.size());
-      field_ = fit(states, options.model, middle);
+      field_ = fit_model(states, options.model, middle);
       break;
     }
     case Method::rbf_network:

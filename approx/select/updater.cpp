@@ -10,6 +10,8 @@
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
+using namespace detail;
+
 namespace {
 
 void check(const ModelOptions& options) {
@@ -171,7 +173,7 @@ Model ModelUpdater::model_at(const Vec3& hip) {
   return model;
 }
 
-Model fit(std::span<const State> states, const ModelOptions& options, const Vec3& centre) {
+Model fit_model(std::span<const State> states, const ModelOptions& options, const Vec3& centre) {
   check(options);
   std::vector<Sample> samples;
   samples.reserve(states.size());

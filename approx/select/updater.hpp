@@ -39,6 +39,6 @@ class ModelUpdater {
 };
 
 // A model from all given states at once, without neighbour selection: for offline evaluation and tests.
-Model fit(std::span<const State> states, const ModelOptions& options, const Vec3& centre);
+Model fit_model(std::span<const State> states, const ModelOptions& options, const Vec3& centre);
 
 }  // namespace forefeel

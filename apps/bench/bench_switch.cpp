@@ -78,7 +78,7 @@ Stream make_stream(const StateSpaceOptions& options, const std::vector<State>& s
     known.erase(
         std::unique(known.begin(), known.end(), [](const State& a, const State& b) { return a.at == b.at; }),
         known.end());
-    stream.models.push_back(fit(known, paper, stream.at[k]));
+    stream.models.push_back(fit_model(known, paper, stream.at[k]));
     stream.comes.push_back(k);
   }
   StateSpace all(options);

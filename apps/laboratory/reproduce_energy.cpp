@@ -136,7 +136,8 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
   for (const Kind& kind : kinds(space.size())) {
     Row row{kind.name, "fixed", small, {}};
     for (const auto& loop : all) {
-      const Model model = fit(nearest(space, middle(loop), kind.model.neighbours), kind.model, middle(loop));
+      const Model model =
+          fit_model(nearest(space, middle(loop), kind.model.neighbours), kind.model, middle(loop));
       row.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return model.force(x); }).ratio());
     }
     rows.push_back(std::move(row));

@@ -11,8 +11,8 @@ constexpr double most_steps = 5000;
 
 }  // namespace
 
-void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x,
-             std::vector<double>& u) {
+void detail::predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x,
+                     std::vector<double>& u) {
   u.resize(field.u.size());
   const double *va = field.tangent.data(), *vb = va + u.size(), *vc = vb + u.size();
   for (std::size_t i = 0; i < u.size(); ++i)
@@ -68,8 +68,8 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
     report.status = SolveStatus::diverged;
     return report;
   }
-  predict(*d_, field_, move, x, trial_);
-  predict(*d_, field_, 0.5 * move, 0.5 * (x + at_), half_);
+  detail::predict(*d_, field_, move, x, trial_);
+  detail::predict(*d_, field_, 0.5 * move, 0.5 * (x + at_), half_);
   report = correct_trial(x, tolerance, max_iterations, stop, keep_factor);
   if (report.status != SolveStatus::converged) return report;
   // half_ + V_b move / 2 - u_b, in place

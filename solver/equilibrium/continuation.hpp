@@ -63,8 +63,10 @@ class Continuation {
   std::array<double, 2> kinks_{};  // of the last step and the one before
 };
 
-// u of the field moved by its tangent: u + V move, the contact's rows exactly at x.
+namespace detail {
+// The prediction u + V move from the field's u and V, with the contact's rows set to x.
 void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x,
              std::vector<double>& u);
+}  // namespace detail
 
 }  // namespace forefeel

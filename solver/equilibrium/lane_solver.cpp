@@ -222,7 +222,7 @@ void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fi
   }
 }
 
-bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result) {
+bool detail::condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result) {
   if (!newton.factorise(field.u)) return false;
   const Discretisation& d = newton.discretisation();
   result.stiffness = newton.factor().stiffness();
@@ -238,7 +238,7 @@ bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result)
   return true;
 }
 
-void take(State& state, const LaneResult& result) {
+void detail::copy_result(const LaneResult& result, State& state) {
   state.status = SolveStatus::converged;
   state.force = result.force;
   state.stiffness = result.stiffness;

@@ -32,10 +32,12 @@ struct LaneResult {
 
 class NewtonSolver;
 
-// K, V and the force's correction by V^T r_f from a factor at the equilibrium `field` itself, where a neighbour's did not
-// settle them; false where it is not stable.
+namespace detail {
+// K, V and the correction V^T r_f of the force, with a factor of H at `field` itself: for a state whose stiffness did not
+// settle with a neighbour's factor. False if H is not positive definite there.
 bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result);
-void take(State& state, const LaneResult& result);  // of a lane that converged
+void copy_result(const LaneResult& result, State& state);  // of a lane that converged
+}  // namespace detail
 
 class LaneSolver {
  public:

@@ -81,7 +81,7 @@ struct Solver::Impl {
     std::array<LocalField, lane_count> fields;
     std::vector<LocalField*> pointers;
     for (std::size_t i = 0; i < count; ++i) {
-      predict(*d, path.field(), xs[i] - path.at(), xs[i], fields[i].u);
+      detail::predict(*d, path.field(), xs[i] - path.at(), xs[i], fields[i].u);
       fields[i].tangent = path.field().tangent;
       pointers.push_back(&fields[i]);
     }
@@ -93,13 +93,13 @@ struct Solver::Impl {
       done[i] = result.converged && result.min_jacobian > 0;
       if (done[i] && !result.stiffness_settled) {
         path.forget_factor();
-        done[i] = condense_alone(path.newton(), fields[i], result);
+        done[i] = detail::condense_alone(path.newton(), fields[i], result);
       }
       if (!done[i]) continue;
       State& s = out[i].state;
       s.at = xs[i];
       s.parent = path.at();
-      take(s, result);
+      detail::copy_result(result, s);
       keep(fields[i], options, out[i]);
     }
     return done;

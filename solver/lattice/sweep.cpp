@@ -119,9 +119,9 @@ void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
   lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!results[i].converged) continue;
-    if (!results[i].stiffness_settled && !condense_alone(path_.newton(), nodes[i]->field, results[i]))
+    if (!results[i].stiffness_settled && !detail::condense_alone(path_.newton(), nodes[i]->field, results[i]))
       continue;
-    forefeel::take(nodes[i]->state, results[i]);
+    detail::copy_result(results[i], nodes[i]->state);
   }
 }
 
@@ -139,7 +139,7 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
       scale_into(parent.field.tangent, 0.5, slope.tangent);
       scale_into(beyond->field.tangent, -0.5, slope.tangent);
     }
-    predict(*d_, slope, move, node.state.at, node.field.u);
+    detail::predict(*d_, slope, move, node.state.at, node.field.u);
     correct_alone(node);
   }
   if (!node.solved() || doubtful(node, parents, true)) {
@@ -184,7 +184,7 @@ void SweepWorker::predict_fine(SweepNode& node, const std::vector<const SweepNod
   if (!predict_hermite(node, corners)) {
     const SweepNode& corner = *corners.front();
     node.field.tangent = corner.field.tangent;
-    predict(*d_, corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
+    detail::predict(*d_, corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
   }
   for (int i = 0; i < 3; ++i)
     node.field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];

@@ -42,7 +42,7 @@ TEST_CASE("A model interpolates its states and equals the saddle system solved i
   for (const auto& [kernel, data] : cases) {
     CAPTURE(name(kernel), name(data));
     const auto states = states_at(random_points(40, 0.03, 7));
-    const Model model = fit(states, {.kernel = kernel, .data = data}, Vec3::Zero());
+    const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3::Zero());
     CHECK(model.kernel() == kernel);
     const Judge judge(states, power_of(kernel), degree_of(kernel), data == Data::force_and_stiffness);
     for (const auto& s : states) CHECK((model.force(s.at) - s.force).norm() < 1e-10 * 3);
@@ -61,7 +61,7 @@ TEST_CASE("The Jacobian is the derivative of the force, inside, between and far 
   for (const auto& [kernel, data] : cases) {
     CAPTURE(name(kernel), name(data));
     const auto states = states_at(random_points(40, 0.03, 7));
-    const Model model = fit(states, {.kernel = kernel, .data = data}, Vec3(0.01, 0, 0));
+    const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3(0.01, 0, 0));
     std::mt19937 random(4);
     std::uniform_real_distribution<double> unit(-1, 1);
     for (int q = 0; q < 200; ++q) {
@@ -97,7 +97,7 @@ TEST_CASE("Kernel and degree step down by rank") {
     }
   }
   const auto model = [&](const std::vector<Vec3>& points, Kernel kernel, Data data) {
-    return fit(states_at(points), {.kernel = kernel, .data = data}, points.front());
+    return fit_model(states_at(points), {.kernel = kernel, .data = data}, points.front());
   };
   CHECK(model(two_planes, Kernel::quintic, Data::force).kernel() == Kernel::cubic);
   CHECK(model(two_planes, Kernel::cubic, Data::force).kernel() == Kernel::cubic);
@@ -134,7 +134,7 @@ TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their lev
     const auto states = states_at(points);
     for (const auto& [kernel, data] : cases) {
       CAPTURE(plane, name(kernel), name(data));
-      const Model model = fit(states, {.kernel = kernel, .data = data}, Vec3::Zero());
+      const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3::Zero());
       const Judge judge(states, power_of(model), model.degree(), model.uses_stiffness());
       for (int q = 0; q < 50; ++q) {
         const Vec3 x = plane ? on_plane() : on_line();
@@ -152,7 +152,7 @@ TEST_CASE("One state, duplicates of one, and no state") {
     for (const std::size_t copies : {1, 2, 5}) {
       CAPTURE(name(kernel), name(data), copies);
       const std::vector<State> states(copies, state);
-      const Model model = fit(states, {.kernel = kernel, .data = data}, state.at);
+      const Model model = fit_model(states, {.kernel = kernel, .data = data}, state.at);
       CHECK(model.is_tangent());
       const Vec3 step(5e-4, -3e-4, 2e-4);
       CHECK((model.force(state.at) - state.force).norm() < 1e-12);
@@ -169,14 +169,14 @@ TEST_CASE("One state, duplicates of one, and no state") {
     auto doubled = states;
     doubled.push_back(states[3]);
     doubled.push_back(states[17]);
-    const Model one = fit(states, {.kernel = kernel, .data = data}, Vec3::Zero());
-    const Model two = fit(doubled, {.kernel = kernel, .data = data}, Vec3::Zero());
+    const Model one = fit_model(states, {.kernel = kernel, .data = data}, Vec3::Zero());
+    const Model two = fit_model(doubled, {.kernel = kernel, .data = data}, Vec3::Zero());
     for (const Vec3& x : random_points(20, 0.02, 2)) CHECK((one.force(x) - two.force(x)).norm() < 1e-10);
   }
   const Model none;
   CHECK(none.force(Vec3(1, 2, 3)).norm() == 0);
   CHECK(none.serial() == 0);
-  CHECK(fit({}, {}, Vec3::Zero()).force(Vec3::Zero()).norm() == 0);
+  CHECK(fit_model({}, {}, Vec3::Zero()).force(Vec3::Zero()).norm() == 0);
 }
 
 TEST_CASE("Offsets of a kilometre and other units change nothing beyond rounding") {
@@ -185,14 +185,14 @@ TEST_CASE("Offsets of a kilometre and other units change nothing beyond rounding
   for (const auto& [kernel, data] : cases) {
     CAPTURE(name(kernel), name(data));
     const ModelOptions options{.kernel = kernel, .data = data};
-    const Model model = fit(states, options, Vec3::Zero());
+    const Model model = fit_model(states, options, Vec3::Zero());
     for (const double unit : {1e3, 1e6, 1e-3}) {  // lengths in mm, um, km
       auto scaled = states;
       for (auto& s : scaled) {
         s.at *= unit;
         s.stiffness /= unit;
       }
-      const Model other = fit(scaled, options, Vec3::Zero());
+      const Model other = fit_model(scaled, options, Vec3::Zero());
       for (const Vec3& x : random_points(20, 0.1, 3)) {
         const Vec3 f = model.force(x);
         CHECK((other.force(unit * x) - f).norm() < 1e-9 * (1 + f.norm()));
@@ -201,7 +201,7 @@ TEST_CASE("Offsets of a kilometre and other units change nothing beyond rounding
     auto moved = states;
     const Vec3 offset(1000, -1000, 1000);
     for (auto& s : moved) s.at += offset;
-    const Model other = fit(moved, options, offset);
+    const Model other = fit_model(moved, options, offset);
     for (const Vec3& x : random_points(20, 0.03, 3)) {
       const Vec3 at = x + offset;
       // The coordinates themselves are rounded to 1e-13 m, which a stiffness of 100 N/m makes 1e-11 N.
@@ -227,7 +227,7 @@ TEST_CASE("Beyond a flat front: finite, continuous, never above the bound") {
         std::ranges::stable_sort(points, {}, [&](const Vec3& p) { return (p - hip).norm(); });
         points.resize(n);
         const auto states = states_at(points);
-        const Model model = fit(states, {.kernel = kernel, .data = data}, hip);
+        const Model model = fit_model(states, {.kernel = kernel, .data = data}, hip);
         double force = 0, stiffness = 0;
         for (const auto& s : states) {
           force = std::max(force, s.force.norm());
@@ -254,14 +254,15 @@ TEST_CASE("A ridge smooths noise and zero ridge interpolates") {
   auto noisy = states;
   for (auto& s : noisy) s.force += Vec3(noise(random), noise(random), noise(random));
   const auto error = [&](double ridge) {
-    const Model model = fit(noisy, {.kernel = Kernel::cubic, .ridge = ridge}, Vec3::Zero());
+    const Model model = fit_model(noisy, {.kernel = Kernel::cubic, .ridge = ridge}, Vec3::Zero());
     double sum = 0;
     for (const Vec3& x : random_points(100, 0.02, 5))
       sum += (model.force(x) - field_state(x).force).squaredNorm();
     return std::sqrt(sum / 100);
   };
   CHECK(error(0.01) < error(0));
-  CHECK_THROWS_AS(fit(states, {.kernel = Kernel::linear, .data = Data::force_and_stiffness}, Vec3::Zero()),
-                  InputError);
-  CHECK_THROWS_AS(fit(states, {.ridge = -1}, Vec3::Zero()), InputError);
+  CHECK_THROWS_AS(
+      fit_model(states, {.kernel = Kernel::linear, .data = Data::force_and_stiffness}, Vec3::Zero()),
+      InputError);
+  CHECK_THROWS_AS(fit_model(states, {.ridge = -1}, Vec3::Zero()), InputError);
 }

@@ -62,7 +62,7 @@ TEST_CASE("Without a ridge it equals this library's own models of the others") {
     for (std::size_t i = 0; i < states.size(); ++i) {
       auto others = states;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-      const Model model = fit(others, {.kernel = kernel, .data = data}, states[i].at);
+      const Model model = fit_model(others, {.kernel = kernel, .data = data}, states[i].at);
       if (model.force(states[i].at).norm() > 0.7 * model.force_bound()) continue;  // there it is bounded
       CHECK((states[i].force - model.force(states[i].at) - missed[i]).norm() < 1e-6);
     }

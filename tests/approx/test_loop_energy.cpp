@@ -41,7 +41,7 @@ TEST_CASE("A linear body gives nothing away around a loop, whatever the method a
       if (kernel == Kernel::linear && data == Data::force_and_stiffness) continue;
       CAPTURE(name(kernel), name(data));
       const ModelOptions options{.kernel = kernel, .data = data, .neighbours = 25};
-      const Model fixed = fit(states, options, Vec3::Zero());
+      const Model fixed = fit_model(states, options, Vec3::Zero());
       CHECK(loop_energy(loop, [&](const Vec3& x) { return fixed.force(x); }).ratio() < 1e-11);
       ModelUpdater updater(space, options);
       CHECK(loop_energy(loop, [&](const Vec3& x) { return updater.model_at(x).force(x); }).ratio() < 1e-9);

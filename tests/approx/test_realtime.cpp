@@ -80,8 +80,8 @@ TEST_CASE("Evaluation and switch allocate nothing and lock nothing", "[realtime]
   for (const ModelOptions& options : kinds)
     for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
       const auto states = states_at(hard_set("lattice", options.neighbours, 1));
-      const Model a = fit(states, options, Vec3::Zero());
-      const Model b = fit({states.data(), states.size() / 2}, options, Vec3::Zero());
+      const Model a = fit_model(states, options, Vec3::Zero());
+      const Model b = fit_model({states.data(), states.size() / 2}, options, Vec3::Zero());
       ForceSwitch damped({.rule = rule});
       Vec3 sum = Vec3::Zero(), force;
       Mat3 jacobian;

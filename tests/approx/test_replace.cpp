@@ -118,7 +118,7 @@ TEST_CASE("10,000 replacements without refactorisation stay within five times a 
           if (i < 10000 - 6) continue;
           const Model updated = churn.model();
           const auto states = churn.current();
-          const Model fresh = fit(states, options, Vec3::Zero());
+          const Model fresh = fit_model(states, options, Vec3::Zero());
           REQUIRE(power_of(updated) == power_of(fresh));
           REQUIRE(updated.degree() == fresh.degree());
           const Judge judge(states, power_of(updated), updated.degree(), updated.uses_stiffness());
@@ -143,7 +143,7 @@ TEST_CASE("Replacing several at once equals a fresh fit", "[replace]") {
       Churn churn(hard_set("lattice", 3 * n, 9), n, options);
       for (int i = 0; i < 40; ++i) churn.replace(k);
       const Model updated = churn.model();
-      const Model fresh = fit(churn.current(), options, Vec3::Zero());
+      const Model fresh = fit_model(churn.current(), options, Vec3::Zero());
       std::mt19937 random(2);
       std::uniform_real_distribution<double> unit(-0.03, 0.03);
       for (int q = 0; q < 20; ++q) {
@@ -185,7 +185,7 @@ TEST_CASE("Automatic choice and travel: a set that moves along stays equal to a 
       kept.write(draft, hip);
       Model model;
       model.assign(draft, 1);
-      const Model fresh = fit(set, options, hip);
+      const Model fresh = fit_model(set, options, hip);
       const double scale = 1 + fresh.force(hip).norm();
       CHECK((model.force(hip) - fresh.force(hip)).norm() < 1e-9 * scale);
     }

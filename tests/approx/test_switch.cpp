@@ -21,7 +21,7 @@ std::vector<std::unique_ptr<Model>> models(std::size_t count, unsigned seed) {
     const double factor = 1 + 2 * unit(random);
     const Vec3 offset = 0.5 * Vec3(unit(random), unit(random), unit(random));
     for (auto& s : states) s.force = factor * s.force + offset;
-    made.push_back(std::make_unique<Model>(fit(states, {.kernel = Kernel::cubic}, Vec3::Zero())));
+    made.push_back(std::make_unique<Model>(fit_model(states, {.kernel = Kernel::cubic}, Vec3::Zero())));
   }
   return made;
 }
