@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
-#include "solver/body/law.hpp"
 
 namespace forefeel {
 namespace {
@@ -51,16 +50,6 @@ void check_parts(const Body& body, const std::string& file) {
 }
 
 }  // namespace
-
-std::string_view name(Law law) {
-  return law_entry(law).name;
-}
-
-std::vector<Law> all_laws() {
-#define FOREFEEL_LAW_VALUE(law) Law::law,
-  return {FOREFEEL_LAWS(FOREFEEL_LAW_VALUE)};
-#undef FOREFEEL_LAW_VALUE
-}
 
 std::string_view name(Element element) {
   return element == Element::linear ? "linear" : "quadratic";

@@ -1,30 +1,20 @@
 #pragma once
 // A body: mesh, hyperelastic law, clamped nodes, and contact nodes that translate rigidly with the HIP by x.
-// The laws, one file each: solver/laws. Young's modulus E and Poisson's ratio nu give their constants (law.hpp).
 
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
-#include "solver/laws/list.hpp"
+#include "solver/body/material.hpp"
 
 namespace forefeel {
-
-std::string_view name(Law law);  // "neo-hookean", …
-std::vector<Law> all_laws();     // those of solver/laws/list.hpp, in its order
 
 // linear: four-node tetrahedra, one point. quadratic: ten-node tetrahedra (straight edges, four points) on the same
 // mesh, which do not lock above nu = 0.45.
 enum class Element { linear, quadratic };
 std::string_view name(Element element);  // "linear", "quadratic"
 std::vector<std::string> element_names();
-
-struct Material {
-  Law law = Law::neo_hookean;
-  double young = 5000;    // E [Pa], > 0
-  double poisson = 0.45;  // nu, in (-1, 0.5)
-};
 
 struct Body {
   TetMesh mesh;

@@ -5,15 +5,12 @@
 
 #include <Eigen/Core>
 
-#include "solver/body/body.hpp"
-#include "solver/laws/list.hpp"
+#include "geometry/common/types.hpp"
+#include "solver/body/material.hpp"
 
 namespace forefeel {
 
 using Mat9 = Eigen::Matrix<double, 9, 9>;
-
-// The law as compiled for this processor.
-const LawEntry& law_entry(Law law);
 
 LawConstants law_constants(const Material& material);
 

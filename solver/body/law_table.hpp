@@ -1,0 +1,17 @@
+#pragma once
+// The laws of solver/laws by their number: which there are, their names, and what each law's file defines.
+
+#include <string_view>
+#include <vector>
+
+#include "solver/laws/list.hpp"
+
+namespace forefeel {
+
+std::string_view name(Law law);  // "neo-hookean", …
+std::vector<Law> all_laws();     // in the order of solver/laws/list.hpp
+
+const LawEntry& law_entry(Law law);           // as compiled for this processor
+const LawEntry& portable_law_entry(Law law);  // as compiled for every processor: the same bits everywhere
+
+}  // namespace forefeel
