@@ -169,7 +169,7 @@ bool BaselineNewton::factorise(const std::vector<double>& u) {
 State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations) {
   const auto n = static_cast<std::size_t>(3 * d_->free_nodes);
   const auto border = [&](std::size_t row,
-                          std::size_t c) -> double {  // of H_fc; rows without the contact hold 0
+                          std::size_t c) -> double {  // of H_fc; 0 in rows that do not touch the contact
     const std::size_t i = row / 3;
     const auto last = static_cast<std::size_t>(d_->pattern.row_start[i + 1] - 1);
     return static_cast<std::int64_t>(d_->pattern.column[last]) == d_->free_nodes

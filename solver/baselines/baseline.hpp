@@ -1,8 +1,9 @@
 #pragma once
-// The obvious way to solve a state, to be compared with: full Newton on a general sparse Cholesky factorisation,
-// warm-started from a neighbour with the contact's move folded into the first step, refactorised in every iteration,
-// with force, condensed stiffness and energy like ours. Element kernels are the same for both sides, and so is the
-// instruction set: the Eigen version is compiled once for each.
+// The plain way to solve a state, for comparison: full Newton with a general sparse Cholesky factorisation.
+//   H(u) d = -r(u),   u <- u + d     until |r| / |f| is below the tolerance; H is factorised anew in every iteration
+// It starts from a neighbour's equilibrium and includes the contact's move in the first step. It returns force [N],
+// condensed stiffness [N/m] and energy [J] as Solver does. Both sides use the same element kernels and the same
+// instruction set; the Eigen version is compiled once for each.
 
 #include <cstdint>
 #include <memory>
@@ -29,7 +30,8 @@ std::unique_ptr<SparseSolver> make_eigen_ldlt(
     const SparsePattern& pattern);  // of this processor's instruction set
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
 std::string cholmod_blas();  // the BLAS it runs on, its kernels and threads
-// The OPENBLAS_CORETYPE of this processor's instruction set where OpenBLAS chose lesser kernels, or null.
+// The value of OPENBLAS_CORETYPE that would give OpenBLAS kernels for this processor's instruction set. Null if it
+// uses such kernels already.
 const char* cholmod_blas_wanted();
 
 enum class Baseline { eigen_ldlt, cholmod };
@@ -37,7 +39,7 @@ enum class Baseline { eigen_ldlt, cholmod };
 class BaselineNewton {
  public:
   BaselineNewton(std::shared_ptr<const Discretisation> discretisation, Baseline which);
-  // u: the neighbour's equilibrium (local vector); becomes that at x.
+  // u: in, the neighbour's equilibrium (local vector); out, the equilibrium at x.
   State solve(std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations = 30);
 
  private:

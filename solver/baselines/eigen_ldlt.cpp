@@ -1,4 +1,4 @@
-// Eigen's SimplicialLDLT, compiled once per instruction set; the macro gives each copy its own names, so that the
+// Eigen's SimplicialLDLT, compiled once per instruction set. The macro gives each copy its own names, so that the
 // linker cannot mix them.
 #define Eigen FOREFEEL_EIGEN
 #include <Eigen/SparseCholesky>

@@ -60,7 +60,7 @@ std::vector<std::string> element_names() {
 }
 
 namespace {
-// Held along a line at most, a body turns about it and has no single equilibrium.
+// If all held nodes lie on one line, the body can turn about it and its equilibrium is not unique.
 void check_held(const Body& body, const std::string& file) {
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})

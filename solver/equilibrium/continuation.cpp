@@ -35,7 +35,8 @@ void Continuation::begin_at_rest() {
 }
 
 void Continuation::begin_at(const Vec3& at, const LocalField& field) {
-  has_factor_ = has_factor_ && at_ == at && field_.u == field.u;  // begun where the last solve ended
+  has_factor_ =
+      has_factor_ && at_ == at && field_.u == field.u;  // it serves if this is where the last solve ended
   field_.u = field.u;
   has_tangent_ = !field.tangent.empty();
   if (has_tangent_) field_.tangent = field.tangent;
@@ -60,7 +61,7 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
                                    const std::stop_token& stop, bool keep_factor) {
   NewtonReport report;
   const Vec3 move = x - at_;
-  if (move.isZero(0) && !has_tangent_) {  // an iteration that was broken off goes on
+  if (move.isZero(0) && !has_tangent_) {  // resumes an interrupted iteration
     trial_ = field_.u;
     return correct_trial(x, tolerance, max_iterations, stop, keep_factor);
   }
@@ -72,7 +73,7 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
   detail::predict(*d_, field_, 0.5 * move, 0.5 * (x + at_), half_);
   report = correct_trial(x, tolerance, max_iterations, stop, keep_factor);
   if (report.status != SolveStatus::converged) return report;
-  // half_ + V_b move / 2 - u_b, in place
+  // half_ + V_b move / 2 - u_b
   const std::size_t size = field_.u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
   const double *va = field_.tangent.data(), *vb = va + size, *vc = vb + size;
   double largest = 0;
@@ -116,7 +117,7 @@ NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolera
   const Vec3 from = at_;
   const double distance = (x - from).norm();
   const double steps = max_step > 0 ? std::max(1.0, std::ceil(distance / max_step * (1 - 1e-12))) : 1.0;
-  if (!(steps <= most_steps)) {  // a position of other units, or not finite: no way there
+  if (!(steps <= most_steps)) {  // not finite, or given in other units than metres
     NewtonReport report;
     report.status = SolveStatus::stalled;
     return report;

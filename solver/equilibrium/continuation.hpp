@@ -1,6 +1,7 @@
 #pragma once
-// An equilibrium that is moved along: the contact goes straight from where it is to x, the tangent du/dx predicts,
-// Newton corrects, and a step that fails is halved.
+// Continuation: moves an equilibrium along a straight line of contact positions,
+//   u <- u + V dx (prediction, V = du/dx), then Newton at x + dx (correction)
+// A step whose correction fails is halved. x [m], u local vectors [m] (discretisation.hpp), K [N/m].
 
 #include <algorithm>
 #include <array>
@@ -18,29 +19,30 @@ class Continuation {
   explicit Continuation(std::shared_ptr<const Discretisation> discretisation);
 
   void begin_at_rest();
-  void begin_at(const Vec3& at, const LocalField& field);  // an empty tangent is worked out when needed
+  void begin_at(const Vec3& at, const LocalField& field);  // an empty tangent is computed when needed
 
-  // In steps of at most max_step (0: one). Ends at x, or where the last step that worked ended. With between > 0 the steps
-  // on the way are solved to that tolerance only, and factors serve on while they contract.
+  // Moves to x in equal steps of at most max_step [m] (0: one step). Ends at x, or at the last position that was reached.
+  // With between > 0, the steps before the last are solved to that tolerance only, and a factor is reused while the
+  // iteration with it contracts.
   NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
                        const std::stop_token& stop, double between = 0);
 
   const Vec3& at() const { return at_; }
   int iterations() const { return iterations_; }  // since begin
-  // Newton at x from the prediction u, on one factor where that contracts.
+  // Newton at x from the prediction u; keeps one factor while the iteration with it contracts.
   NewtonReport correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
                        const std::stop_token& stop);
 
-  // How far the last two steps of advance are from smooth: the larger |u_b - u_a - (V_a + V_b) move / 2| / |move|, of second
-  // order in the step where u is smooth, of the size of the jump over the step where it came out on another branch.
+  // Smoothness of the last two steps of advance(), from a to b each: the larger |u_b - u_a - (V_a + V_b) dx / 2| / |dx|.
+  // It is of second order in the step if u is smooth, and large if a step ended on another branch of equilibria.
   double kink() const { return std::max(kinks_[0], kinks_[1]); }
 
   const LocalField& field() const { return field_; }  // with its tangent after an advance that converged
-  // The iterate that the last step ended with, where it did not converge.
+  // The last iterate of a step that did not converge.
   const std::vector<double>& trial() const { return trial_; }
-  // Makes sure of a tangent at the point begun at, and of a factor near it; false where it is not stable.
+  // Provides a tangent at the starting point and a factor near it. False if that equilibrium is not stable.
   bool prepare();
-  void forget_factor() { has_factor_ = false; }         // newton()'s was used elsewhere
+  void forget_factor() { has_factor_ = false; }         // to be called after other use of newton()
   const Mat3& stiffness() const { return stiffness_; }  // after an advance or a correction that converged
   NewtonSolver& newton() { return newton_; }
 
@@ -58,7 +60,7 @@ class Continuation {
   Vec3 at_ = Vec3::Zero();
   Mat3 stiffness_ = Mat3::Zero();
   bool has_tangent_ = false;
-  bool has_factor_ = false;  // of, or near, field_
+  bool has_factor_ = false;  // newton_.factor() belongs to field_ or to a field near it
   int iterations_ = 0;
   std::array<double, 2> kinks_{};  // of the last step and the one before
 };

@@ -1,10 +1,12 @@
 #pragma once
-// Up to eight neighbouring states at once, in the lanes of vector instructions, on one factor M of H near them:
-//   u <- u - M^{-1} r_f(u), accelerated by Anderson mixing (Walker, Ni 2011) over the last steps,
-// then for each state, with V = du/dx corrected once or more by M^{-1} and rho = -(H [V; I])_f, delta = M^{-1} rho,
-//   K = [V; I]^T H [V; I] - sym(rho^T delta)      second order in what V lacks, times how well M fits
-//   f = -(g_c + V^T r_f)                          second order in what u lacks
-// A state whose iteration does not contract is left to the caller, and so is one whose stiffness does not settle.
+// Solves up to eight neighbouring states at once, in the lanes of vector instructions, with one factor M of a tangent H
+// near them:
+//   u <- u - M^{-1} r_f(u), accelerated by Anderson mixing (Walker, Ni 2011) over the last steps.
+// Then V = du/dx is corrected once or more by M^{-1}. With rho = -(H [V; I])_f and delta = M^{-1} rho,
+//   K = [V; I]^T H [V; I] - sym(rho^T delta)      [N/m], error of second order in that of V, times the misfit of M
+//   f = -(g_c + V^T r_f)                          [N], error of second order in that of u
+// r_f: residual of the free nodes, g_c: its row of the contact. A state whose iteration does not contract, or whose
+// stiffness does not settle, is left to the caller.
 
 #include <array>
 #include <memory>
@@ -22,8 +24,8 @@ struct LocalField {
 
 struct LaneResult {
   bool converged = false;
-  bool stiffness_settled = false;  // false: M fits too badly for K and V, which then hold nothing
-  double contraction = 0;  // the worst share of a residual that a step left; 0 where there was no step
+  bool stiffness_settled = false;  // false: M fits too badly; K and V are not valid
+  double contraction = 0;          // largest ratio of the residuals after and before a step; 0: no step
   int iterations = 0;
   double residual = 0, energy = 0, min_jacobian = 0;
   Vec3 force = Vec3::Zero();
@@ -43,9 +45,9 @@ class LaneSolver {
  public:
   explicit LaneSolver(std::shared_ptr<const Discretisation> discretisation);
 
-  // fields: 1 to 8 predictions, the contact's rows of u at the states' positions; those that converge are replaced by
-  // the equilibria. residual_tolerance: |r_f| / max(|f|, floor). rounds: corrections of V and K at most; with one, V is
-  // good for a prediction and K seldom settled.
+  // fields: 1 to 8 predictions with the contact's rows of u at the states' positions; out: the equilibria of those that
+  // converge. residual_tolerance: on |r_f| / max(|f|, floor). rounds: largest number of corrections of V and K; after one,
+  // V is good enough for a prediction, but K has seldom settled.
   void solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
              std::array<LaneResult, lane_count>& results, int rounds = 3);
 
@@ -59,7 +61,7 @@ class LaneSolver {
               std::array<LaneResult, lane_count>& results);
 
   std::shared_ptr<const Discretisation> d_;
-  std::size_t size_;  // of a local vector in lanes
+  std::size_t size_;  // length of a local vector in lanes
   std::vector<double> u_, residual_, step_, tangent_, product_;
   static constexpr int depth_ = 3;                              // of the mixing
   std::array<std::vector<double>, depth_> step_change_, move_;  // of the last iterations

@@ -57,7 +57,7 @@ bool NewtonSolver::factorise_shifted(const std::vector<double>& u) {
   return false;
 }
 
-// step_ is a direction of descent; u moves along it. False where no length of it helps.
+// Moves u along step_, a direction of descent. False if no length of the step helps.
 bool NewtonSolver::line_search(std::vector<double>& u, NewtonReport& report) {
   const std::int64_t n = 3 * d_->free_nodes;
   double slope = 0;
@@ -101,9 +101,8 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
       report.status = SolveStatus::cancelled;
       return report;
     }
-    // The factor serves on while each step with it takes the residual down fivefold: a step without a new factor
-    // costs a tenth. The equilibrium itself gets its own, which also shows that it is stable, unless the caller is
-    // content with one that contracts.
+    // A factor is reused while each step with it reduces the residual fivefold: a step without a new factor costs a
+    // tenth. The equilibrium itself gets its own factor, which also shows that it is stable, unless keep_factor is set.
     const bool settled = report.residual <= tolerance ||
                          report.residual * std::max(report.force.norm(), d_->force_floor) <= d_->round_off;
     const bool keep = has_factor && (keep_factor || !settled) && report.residual < 0.2 * before;

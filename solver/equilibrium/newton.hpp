@@ -1,7 +1,9 @@
 #pragma once
-// Static Newton at a held contact: r_f(u) = 0, u_c = x. Steps d = -H_ff^{-1} r_f, halved until J > 0 (where the law
-// needs it) and the energy or the residual falls; where H_ff is not positive definite, a multiple of the stiffness
-// at rest is added. An equilibrium counts as converged only if H_ff is positive definite there: it is stable.
+// Newton's method for a static equilibrium with the contact held at x:
+//   r_f(u) = 0,  u_c = x,     steps d = -H_ff^{-1} r_f
+// r = dW/du [N], H = d2W/du2 [N/m]; f the free nodes, c the contact. A step is halved until J = det F > 0 (if the law
+// needs that) and the energy or the residual falls. If H_ff is not positive definite, a multiple of the stiffness at rest
+// is added to it. An iterate counts as converged only if H_ff is positive definite there: the equilibrium is stable.
 
 #include <memory>
 #include <stop_token>
@@ -26,16 +28,18 @@ class NewtonSolver {
  public:
   explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
 
-  // u, a local vector with the contact already at x, becomes the equilibrium. On success `factor()` is of H(u) itself;
-  // with keep_factor it may be of an iterate before, and then the last step with it took the residual down fivefold.
+  // u: a local vector with the contact at x; out: the equilibrium. On success factor() belongs to H(u) itself. With
+  // keep_factor it may belong to an earlier iterate; the last step with it then reduced the residual at least fivefold.
   NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations,
                      const std::stop_token& stop, bool keep_factor = false);
-  // V = du/dx and K at u from the factor, be it of H(u) or of one nearby (`left`: the share of an error that a step with
-  // it leaves): see lane_solver.hpp. False where that factor fits too badly.
+  // V = du/dx and K at u from the factor, which belongs to H(u) (left = 0) or to a tangent nearby (left: the share of an
+  // error that a step with it leaves), as in lane_solver.hpp. False if that factor fits too badly.
   bool condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness);
-  double contraction() const { return contraction_; }  // of the last steps with the factor; 0: it is of H(u)
+  double contraction() const {
+    return contraction_;
+  }  // of the last steps with the factor; 0: it belongs to H(u)
   const Factorisation& factor() const { return factor_; }
-  bool factorise(const std::vector<double>& u);  // H(u); false unless positive definite
+  bool factorise(const std::vector<double>& u);  // factor of H(u); false unless positive definite
 
   const Discretisation& discretisation() const { return *d_; }
 

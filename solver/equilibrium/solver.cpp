@@ -75,7 +75,7 @@ struct Solver::Impl {
     out.partial = std::move(partial);
   }
 
-  // Up to eight states in lanes; false where a state is left to others.
+  // Solves up to eight states in lanes; false for each state that was not solved.
   std::array<bool, lane_count> run_lanes(const Vec3* xs, std::size_t count, const SolveOptions& options,
                                          SolveOutcome* out) {
     std::array<LocalField, lane_count> fields;
@@ -105,7 +105,7 @@ struct Solver::Impl {
     return done;
   }
 
-  // Whether the trapezium rule on the stiffnesses leads from the one force to the other: no other branch in between.
+  // True if the trapezium rule on the stiffnesses leads from one force to the other: both lie on one branch.
   bool fits(const State& a, const State& b) const {
     const Vec3 foretold = a.force - 0.5 * (a.stiffness + b.stiffness) * (b.at - a.at);
     return (foretold - b.force).norm() <= 0.1 * std::max({a.force.norm(), b.force.norm(), d->force_floor});
