@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "approx/baselines/baseline.hpp"
@@ -18,6 +19,9 @@
 #include "approx/predecessors/methods.hpp"
 #include "apps/bench/bench_approx.hpp"
 
+#include "apps/bench/bench.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/scene.hpp"

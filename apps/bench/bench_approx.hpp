@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "solver/equilibrium/solver.hpp"
 

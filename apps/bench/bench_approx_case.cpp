@@ -8,6 +8,7 @@
 #include <random>
 
 #include "apps/bench/bench_approx.hpp"
+#include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "solver/lattice/generate.hpp"

@@ -10,10 +10,13 @@
 #include <chrono>
 #include <cmath>
 #include <nanoflann.hpp>
+#include <nlohmann/json.hpp>
 #include <random>
 
+#include "apps/bench/bench.hpp"
 #include "apps/bench/bench_regions.hpp"
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/state_space.hpp"

@@ -8,8 +8,11 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "apps/bench/bench_elements.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "geometry/meshing/phantom.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // How far each element locks: force at a given depth over Poisson's ratio, beside a refined quadratic reference.
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 
 namespace forefeel {
 

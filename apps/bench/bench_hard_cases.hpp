@@ -2,7 +2,7 @@
 // The table of hard cases: laws x Poisson's ratio x contact x motion on the liver phantom, and bodies of odd size,
 // stiffness and shape.
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 
 namespace forefeel {
 

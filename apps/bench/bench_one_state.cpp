@@ -9,10 +9,13 @@
 
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "apps/bench/bench_one_state.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "geometry/common/error.hpp"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

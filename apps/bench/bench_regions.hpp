@@ -3,10 +3,11 @@
 // two indexes agree on the built-in setups.
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 
 namespace forefeel {
 

@@ -15,10 +15,13 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 
+#include "apps/bench/bench.hpp"
 #include "apps/bench/bench_one_state.hpp"
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/coverage/state_space.hpp"

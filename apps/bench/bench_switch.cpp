@@ -19,10 +19,14 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <nlohmann/json.hpp>
 
 #include "approx/baselines/baseline.hpp"
 #include "approx/loops/instruction_set.hpp"
 #include "approx/switch/force_switch.hpp"
+#include "apps/bench/bench.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/laboratory/laboratory.hpp"
 #include "scheduling/motion/random.hpp"

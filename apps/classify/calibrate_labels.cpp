@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "apps/classify/calibration.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/laboratory/laboratory.hpp"
 #include "apps/picture/page.hpp"

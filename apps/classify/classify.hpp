@@ -3,11 +3,12 @@
 
 #include <array>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "geometry/coverage/agreement.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/regions.hpp"

@@ -6,10 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "apps/classify/classify.hpp"
 #include "apps/classify/run_table.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"

@@ -5,9 +5,11 @@
 
 #include <memory>
 
+#include "apps/bench/bench.hpp"
 #include "apps/bench/bench_elements.hpp"
 #include "apps/bench/bench_hard_cases.hpp"
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 
@@ -52,26 +54,24 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Commands& commands) {
+void add_bench(CommandLine& line) {
   const auto options = std::make_shared<BenchOptions>();
-  CLI::App& sub =
-      add_command(app, commands, "bench", "Speed against error, beside named baselines of the same run",
-                  [&commands, options] { return run_bench(commands.globals, *options); });
-  sub.add_option("WHAT", options->what, "approx, solver, coverage or switch")
-      ->required()
-      ->check(CLI::IsMember({"approx", "solver", "coverage", "switch"}));
-  sub.add_option("SCENE", options->scene,
-                 "Scene to take states from; default: the built-in one of each bench.\n"
-                 "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
-  sub.add_option("-o,--output", options->output,
-                 "Folder: approx.csv and .svg of approx, hard_cases.csv and .html of hard-cases")
-      ->type_name("DIR");
-  sub.add_option(
-         "--states", options->states,
-         "bench solver: the lattice of a box shrunk about rest to at most N states, for large bodies;\n"
-         "1: a single state, its time and memory")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1000000}));
+  Command sub = line.add("bench", "Speed against error, beside named baselines of the same run");
+  sub.runs([options](const Globals& globals) { return run_bench(globals, *options); });
+  sub.option("WHAT", options->what, "approx, solver, coverage or switch")
+      .required()
+      .one_of({"approx", "solver", "coverage", "switch"});
+  sub.option("SCENE", options->scene,
+             "Scene to take states from; default: the built-in one of each bench.\n"
+             "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
+  sub.option("-o,--output", options->output,
+             "Folder: approx.csv and .svg of approx, hard_cases.csv and .html of hard-cases")
+      .shows("DIR");
+  sub.option("--states", options->states,
+             "bench solver: the lattice of a box shrunk about rest to at most N states, for large bodies;\n"
+             "1: a single state, its time and memory")
+      .shows("N")
+      .between(std::size_t{1}, std::size_t{1000000});
 }
 
 }  // namespace forefeel

@@ -6,9 +6,14 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "apps/classify/calibration.hpp"
 #include "apps/classify/classify.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/values.hpp"
 #include "apps/picture/coverage_picture.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -341,49 +346,45 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
 
 }  // namespace
 
-void add_classify(CLI::App& app, Commands& commands) {
+void add_classify(CommandLine& line) {
   const auto arguments = std::make_shared<ClassifyArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "classify", "Where states make the force known: safe, sparse, gap, blank",
-                  [&commands, arguments] { return run_classify(commands.globals, *arguments); });
-  sub.add_option("states", arguments->states,
-                 ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
-      ->type_name("STATES|RUN/");
-  sub.add_option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
-      ->check(CLI::IsMember({"delaunay", "octree"}));
-  sub.add_option("--spacing", arguments->spacing,
-                 "Spacing h that counts as fully populated [m]; default: the file's")
-      ->type_name("H");
-  sub.add_option("--box", arguments->box, "Box [m]; default: the scene's, else that of the states")
-      ->type_name("X0,Y0,Z0:X1,Y1,Z1");
-  sub.add_option("--points", arguments->points, "Label these positions (CSV x,y,z)")->type_name("Q.csv");
-  sub.add_option("--line", arguments->line, "Label N positions along a line")->type_name("X,Y,Z:X,Y,Z:N");
-  sub.add_option("--grid", arguments->grid, "Label a grid of this step over the box [m]")->type_name("H");
-  sub.add_option("-o,--output", arguments->output,
-                 ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")
-      ->type_name("OUT");
-  sub.add_option("--diff", arguments->diff, "Two sets of states: what changed from A to B")
-      ->expected(2)
-      ->type_name("A B");
-  sub.add_flag("--agreement", arguments->agreement, "Compare both indexes by volume");
-  sub.add_option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body")
-      ->type_name("SCENE");
-  sub.add_option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
-      ->type_name("X,Y,Z");
-  sub.add_option("--known", arguments->known, "States known before a run began")->type_name("STATES");
-  sub.add_option("--calibrate", arguments->calibrate,
-                 "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES "
-                 "default to the lattice")
-      ->type_name("SCENE");
-  sub.add_option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")
-      ->check(CLI::Range(1, 10000));
+  Command sub = line.add("classify", "Where states make the force known: safe, sparse, gap, blank");
+  sub.runs([arguments](const Globals& globals) { return run_classify(globals, *arguments); });
+  sub.option("states", arguments->states,
+             ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
+      .shows("STATES|RUN/");
+  sub.option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
+      .one_of({"delaunay", "octree"});
+  sub.option("--spacing", arguments->spacing,
+             "Spacing h that counts as fully populated [m]; default: the file's")
+      .shows("H");
+  sub.option("--box", arguments->box, "Box [m]; default: the scene's, else that of the states")
+      .shows("X0,Y0,Z0:X1,Y1,Z1");
+  sub.option("--points", arguments->points, "Label these positions (CSV x,y,z)").shows("Q.csv");
+  sub.option("--line", arguments->line, "Label N positions along a line").shows("X,Y,Z:X,Y,Z:N");
+  sub.option("--grid", arguments->grid, "Label a grid of this step over the box [m]").shows("H");
+  sub.option("-o,--output", arguments->output,
+             ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")
+      .shows("OUT");
+  sub.option("--diff", arguments->diff, "Two sets of states: what changed from A to B").takes(2).shows("A B");
+  sub.flag("--agreement", arguments->agreement, "Compare both indexes by volume");
+  sub.option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body").shows("SCENE");
+  sub.option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
+      .shows("X,Y,Z");
+  sub.option("--known", arguments->known, "States known before a run began").shows("STATES");
+  sub.option("--calibrate", arguments->calibrate,
+             "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES "
+             "default to the lattice")
+      .shows("SCENE");
+  sub.option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")
+      .between(1, 10000);
   CoverageOptions& limits = arguments->coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {
-    sub.add_option(option, value, text)->check(above_zero)->group("Thresholds");
+    sub.option(option, value, text).check(above_zero).group("Thresholds");
   };
   // Beyond 90 degrees a cone says that the states lie on one side: nothing is enclosed.
   const auto angle = [&](const char* option, double& value, const char* text) {
-    sub.add_option(option, value, text)->check(above_zero)->check(at_most_90)->group("Thresholds");
+    sub.option(option, value, text).check(above_zero).check(at_most_90).group("Thresholds");
   };
   threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
   threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "approx/judge/leave_one_out.hpp"
@@ -15,7 +16,10 @@
 #include "approx/predecessors/methods.hpp"
 #include "approx/select/updater.hpp"
 #include "apps/classify/repeated_states.hpp"
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/values.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -328,42 +332,38 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
 
 }  // namespace
 
-void add_evaluate(CLI::App& app, Commands& commands) {
+void add_evaluate(CommandLine& line) {
   const auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "evaluate", "Forces approximated from known states at given points",
-                  [&commands, arguments] { return run_evaluate(commands.globals, *arguments); });
-  sub.add_option("STATES", arguments->states, "State file, or states as CSV")->required();
-  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")->required()->type_name("Q.csv");
-  sub.add_option("--method", arguments->method, "Approximation")
-      ->check(CLI::IsMember(
-          {"rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"}))
-      ->capture_default_str();
-  sub.add_option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
-      ->check(CLI::IsMember({"linear", "cubic", "quintic"}));
-  sub.add_option("--data", arguments->data, "Default: force+stiffness where the states have it")
-      ->check(CLI::IsMember({"force", "force+stiffness"}));
-  sub.add_option(
+  Command sub = line.add("evaluate", "Forces approximated from known states at given points");
+  sub.runs([arguments](const Globals& globals) { return run_evaluate(globals, *arguments); });
+  sub.option("STATES", arguments->states, "State file, or states as CSV").required();
+  sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").required().shows("Q.csv");
+  sub.option("--method", arguments->method, "Approximation")
+      .one_of({"rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"})
+      .shows_default();
+  sub.option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
+      .one_of({"linear", "cubic", "quintic"});
+  sub.option("--data", arguments->data, "Default: force+stiffness where the states have it")
+      .one_of({"force", "force+stiffness"});
+  sub.option(
          "--neighbours", arguments->neighbours,
          "States in a model (default 25 with stiffness, else 100; without it no fewer than 20); outside safe "
          "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
          "with --select nearest. Centres of rbf-network")
-      ->check(above_zero)
-      ->check([](const std::string& text) {
+      .check(above_zero)
+      .check([](const std::string& text) {
         const double n = std::strtod(text.c_str(), nullptr);
         return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
       });
-  sub.add_option("--select", arguments->select, "Neighbour rule")
-      ->check(CLI::IsMember({"label", "nearest"}))
-      ->capture_default_str();
-  sub.add_option("--spacing", arguments->spacing,
-                 "h [m]; default: as in the file, else the median distance of states")
-      ->check(above_zero);
-  sub.add_option("--ridge", arguments->ridge,
-                 "For noisy states, on the kernel's diagonal; auto: chosen by leave-one-out")
-      ->type_name("NUMBER|auto")
-      ->capture_default_str();
-  sub.add_option("-o,--output", arguments->output, "Forces as CSV")->type_name("OUT.csv");
+  sub.option("--select", arguments->select, "Neighbour rule").one_of({"label", "nearest"}).shows_default();
+  sub.option("--spacing", arguments->spacing,
+             "h [m]; default: as in the file, else the median distance of states")
+      .check(above_zero);
+  sub.option("--ridge", arguments->ridge,
+             "For noisy states, on the kernel's diagonal; auto: chosen by leave-one-out")
+      .shows("NUMBER|auto")
+      .shows_default();
+  sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 
 }  // namespace forefeel

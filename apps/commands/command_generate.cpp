@@ -8,11 +8,14 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/commands/commands.hpp"
 #include "apps/commands/generate_error.hpp"
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
@@ -144,19 +147,18 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
 
 }  // namespace
 
-void add_generate(CLI::App& app, Commands& commands) {
+void add_generate(CommandLine& line) {
   const auto arguments = std::make_shared<GenerateArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "generate", "Fill the lattice of a scene, outward from rest; resumes",
-                  [&commands, arguments] { return run_generate(commands.globals, *arguments); });
-  sub.add_option("SCENE", arguments->scene, "Scene (TOML)")->required();
-  sub.add_option("-o,--output", arguments->output, "State file; gone on with where it exists")
-      ->required()
-      ->type_name("S.states");
-  sub.add_option("--error", arguments->error,
-                 "Instead place as few states as hold this relative error:\n"
-                 "95 % of the box within E, all of it within 2 E")
-      ->type_name("E");
+  Command sub = line.add("generate", "Fill the lattice of a scene, outward from rest; resumes");
+  sub.runs([arguments](const Globals& globals) { return run_generate(globals, *arguments); });
+  sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
+  sub.option("-o,--output", arguments->output, "State file; gone on with where it exists")
+      .required()
+      .shows("S.states");
+  sub.option("--error", arguments->error,
+             "Instead place as few states as hold this relative error:\n"
+             "95 % of the box within E, all of it within 2 E")
+      .shows("E");
 }
 
 }  // namespace forefeel

@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/mesh_file.hpp"
@@ -152,20 +155,16 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 
 }  // namespace
 
-void add_mesh(CLI::App& app, Commands& commands) {
+void add_mesh(CommandLine& line) {
   auto arguments = std::make_shared<MeshArguments>();
-  CLI::App& sub = add_command(app, commands, "mesh",
-                              "A tetrahedral mesh from a surface, a volume mesh or a built-in body",
-                              [arguments, &commands] { return run_mesh(commands.globals, *arguments); });
-  sub.add_option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")
-      ->type_name("SURFACE");
-  sub.add_option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2")
-      ->required()
-      ->type_name("OUT.msh");
-  sub.add_option("--elements", arguments->elements, "Tetrahedra, met within 5 %")->type_name("N");
-  sub.add_option("--length", arguments->length, "Scale so that the longest side is this [m]")->type_name("M");
-  sub.add_option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab")
-      ->type_name("NAME");
+  Command sub = line.add("mesh", "A tetrahedral mesh from a surface, a volume mesh or a built-in body");
+  sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
+  sub.option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")
+      .shows("SURFACE");
+  sub.option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2").required().shows("OUT.msh");
+  sub.option("--elements", arguments->elements, "Tetrahedra, met within 5 %").shows("N");
+  sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
+  sub.option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab").shows("NAME");
 }
 
 }  // namespace forefeel

@@ -7,8 +7,12 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/laboratory/reproduce.hpp"
@@ -92,7 +96,7 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
 }
 
 // What an option is for; `all` runs everything.
-void refuse_in_vain(const std::string& what, const CLI::App& sub) {
+void refuse_in_vain(const std::string& what, const Command& sub) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> uses{
       {"--depth", {"extrapolation", "damping"}},
       {"--gap", {"extrapolation"}},
@@ -102,16 +106,15 @@ void refuse_in_vain(const std::string& what, const CLI::App& sub) {
       {"--seeds", {"speed"}},
       {"--workers", {"speed"}}};
   for (const auto& [option, experiments_of] : uses)
-    if (sub.count(option) > 0 && what != "all" &&
-        std::ranges::find(experiments_of, what) == experiments_of.end())
+    if (sub.given(option) && what != "all" && std::ranges::find(experiments_of, what) == experiments_of.end())
       throw InputError(option, fmt::format("without effect on reproduce {}, expected with {} or all", what,
                                            fmt::join(experiments_of, ", ")));
-  if (what == "speed" && sub.count("--seed") > 0)
+  if (what == "speed" && sub.given("--seed"))
     throw InputError("--seed",
                      "without effect on reproduce speed, expected --seeds N: the sessions of seeds 1 to N");
 }
 
-int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const CLI::App& sub) {
+int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const Command& sub) {
   const std::vector<Experiment> wanted = chosen(arguments.what);
   refuse_in_vain(arguments.what, sub);
   const ReproduceOptions options = checked(arguments);
@@ -151,46 +154,42 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
 
 }  // namespace
 
-void add_reproduce(CLI::App& app, Commands& commands) {
+void add_reproduce(CommandLine& line) {
   const auto arguments = std::make_shared<ReproduceArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "reproduce", "The paper's table and figures, ours beside them",
-                  [&commands, arguments, &app] {
-                    return run_reproduce(commands.globals, *arguments, *app.get_subcommand("reproduce"));
-                  });
+  Command sub = line.add("reproduce", "The paper's table and figures, ours beside them");
+  sub.runs([arguments, sub](const Globals& globals) { return run_reproduce(globals, *arguments, sub); });
   std::string names;
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
-  sub.add_option(
+  sub.option(
          "WHAT", arguments->what,
          names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")
-      ->required();
-  sub.add_option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
-  sub.add_option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
-      ->required()
-      ->type_name("DIR/");
-  sub.add_option("--depth", arguments->options.depth, "Length of the path in spacings")
-      ->check(CLI::Range(4, 100))
-      ->capture_default_str();
-  sub.add_option("--gap", arguments->gap,
-                 "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")
-      ->check(CLI::Range(2, 98));
-  sub.add_option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
-      ->check(CLI::Range(0.05, 3600.0))
-      ->capture_default_str();
-  sub.add_option("--rounds", arguments->options.rounds, "Timed repetitions in `timing`")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  sub.add_option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  sub.add_option("--seeds", arguments->options.seeds,
-                 "Seeds of `speed`, 1 to this; their geometric mean counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  sub.add_option("--workers", arguments->options.workers, "Numbers of workers of `speed`")
-      ->check(CLI::Range(1, 100000))
-      ->delimiter(',')
-      ->capture_default_str();
+      .required();
+  sub.option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
+  sub.option("-o,--output", arguments->output, "Folder for tables, pictures and the report")
+      .required()
+      .shows("DIR/");
+  sub.option("--depth", arguments->options.depth, "Length of the path in spacings")
+      .between(4, 100)
+      .shows_default();
+  sub.option("--gap", arguments->gap,
+             "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")
+      .between(2, 98);
+  sub.option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
+      .between(0.05, 3600.0)
+      .shows_default();
+  sub.option("--rounds", arguments->options.rounds, "Timed repetitions in `timing`")
+      .between(1, 100000)
+      .shows_default();
+  sub.option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
+      .between(0.01, 1000.0)
+      .shows_default();
+  sub.option("--seeds", arguments->options.seeds, "Seeds of `speed`, 1 to this; their geometric mean counts")
+      .between(1, 1000)
+      .shows_default();
+  sub.option("--workers", arguments->options.workers, "Numbers of workers of `speed`")
+      .between(1, 100000)
+      .splits_at(',')
+      .shows_default();
 }
 
 }  // namespace forefeel

@@ -6,10 +6,13 @@
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/picture/summary_json.hpp"
@@ -371,41 +374,36 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
 
 }  // namespace
 
-void add_session(CLI::App& app, Commands& commands) {
+void add_session(CommandLine& line) {
   const auto given = std::make_shared<SessionArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "session",
-                  "A headless haptic session: workers solve while a 1 kHz loop renders", [&commands, given] {
-                    return given->mpi ? run_with_mpi(commands.globals, *given)
-                                      : run_session_command(commands.globals, *given, nullptr);
-                  });
-  sub.add_option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults")->required();
-  sub.add_option("--states", given->states, "States known at the start; new ones are appended (.states)")
-      ->type_name("S");
-  sub.add_option("--device", given->device,
-                 "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or "
-                 "hand:PROFILE[,target=NAME,grip=…]");
-  sub.add_option("--clock", given->clock, "real or virtual");
-  sub.add_option("--seconds", given->seconds, "Length [s]");
-  sub.add_option("--workers", given->workers, "Workers that solve");
-  sub.add_flag("--mpi", given->mpi,
-               "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
-  sub.add_option("--policy", given->policy,
-                 "What is solved next; clairvoyant rehearses the session under up to seven schedules first, "
-                 "and takes as many times longer");
-  sub.add_option("--predictor", given->predictor, "kalman or constant-velocity");
-  sub.add_option("--switch", given->switching, "paper, smooth or none");
-  sub.add_option("--cost", given->cost,
-                 "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
-  sub.add_option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
-  sub.add_option("--select", given->select, "Neighbour set: label or nearest");
-  auto* arrivals = sub.add_option("--arrivals", given->arrivals,
-                                  "CSV t,x,y,z, rows in any order: states become known at given times");
-  sub.add_option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")
-      ->excludes(arrivals);
-  sub.add_option("-o,--output", given->output, "Folder for the files of the run")
-      ->type_name("RUN/")
-      ->required();
+  Command sub = line.add("session", "A headless haptic session: workers solve while a 1 kHz loop renders");
+  sub.runs([given](const Globals& globals) {
+    return given->mpi ? run_with_mpi(globals, *given) : run_session_command(globals, *given, nullptr);
+  });
+  sub.option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults").required();
+  sub.option("--states", given->states, "States known at the start; new ones are appended (.states)")
+      .shows("S");
+  sub.option("--device", given->device,
+             "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or "
+             "hand:PROFILE[,target=NAME,grip=…]");
+  sub.option("--clock", given->clock, "real or virtual");
+  sub.option("--seconds", given->seconds, "Length [s]");
+  sub.option("--workers", given->workers, "Workers that solve");
+  sub.flag("--mpi", given->mpi,
+           "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
+  sub.option("--policy", given->policy,
+             "What is solved next; clairvoyant rehearses the session under up to seven schedules first, "
+             "and takes as many times longer");
+  sub.option("--predictor", given->predictor, "kalman or constant-velocity");
+  sub.option("--switch", given->switching, "paper, smooth or none");
+  sub.option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
+  sub.option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
+  sub.option("--select", given->select, "Neighbour set: label or nearest");
+  const Option arrivals = sub.option("--arrivals", given->arrivals,
+                                     "CSV t,x,y,z, rows in any order: states become known at given times");
+  sub.option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")
+      .excludes(arrivals);
+  sub.option("-o,--output", given->output, "Folder for the files of the run").shows("RUN/").required();
 }
 
 }  // namespace forefeel

@@ -7,9 +7,13 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/values.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -149,22 +153,19 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
 
 }  // namespace
 
-void add_solve(CLI::App& app, Commands& commands) {
+void add_solve(CommandLine& line) {
   const auto arguments = std::make_shared<SolveArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "solve", "Tight solves on the reference branch: force, stiffness, energy",
-                  [&commands, arguments] { return run_solve(commands.globals, *arguments); });
-  sub.add_option("SCENE", arguments->scene, "Scene (TOML)")->required();
-  auto* at =
-      sub.add_option("--at", arguments->at, "Position of the HIP from rest [m]; may be repeated: --at=X,Y,Z")
-          ->allow_extra_args(false)
-          ->type_name("X,Y,Z");
-  sub.add_option("--points", arguments->points, "CSV of positions x,y,z [m]")
-      ->type_name("F.csv")
-      ->excludes(at);
-  sub.add_flag("--discretisation-error", arguments->discretisation_error,
-               "Estimate what the mesh gets wrong by quadratic elements on it");
-  sub.add_option("-o,--output", arguments->output, "States as CSV")->type_name("OUT.csv");
+  Command sub = line.add("solve", "Tight solves on the reference branch: force, stiffness, energy");
+  sub.runs([arguments](const Globals& globals) { return run_solve(globals, *arguments); });
+  sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
+  const Option at =
+      sub.option("--at", arguments->at, "Position of the HIP from rest [m]; may be repeated: --at=X,Y,Z")
+          .takes_one()
+          .shows("X,Y,Z");
+  sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").shows("F.csv").excludes(at);
+  sub.flag("--discretisation-error", arguments->discretisation_error,
+           "Estimate what the mesh gets wrong by quadratic elements on it");
+  sub.option("-o,--output", arguments->output, "States as CSV").shows("OUT.csv");
 }
 
 }  // namespace forefeel

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "apps/classify/repeated_states.hpp"
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
@@ -250,33 +253,28 @@ int run_info(const Globals& globals, const std::string& file) {
 
 }  // namespace
 
-void add_import(CLI::App& app, Commands& commands) {
+void add_import(CommandLine& line) {
   auto arguments = std::make_shared<ImportArguments>();
-  CLI::App& sub =
-      add_command(app, commands, "import", "Measured or foreign states from a CSV into a state file",
-                  [arguments, &commands] { return run_import(commands.globals, *arguments); });
-  sub.add_option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]")
-      ->required()
-      ->type_name("F.csv");
-  sub.add_option("-o,--output", arguments->output, "State file to write")->required()->type_name("S.states");
-  sub.add_option("--spacing", arguments->spacing, "What counts as fully populated [m]")
-      ->required()
-      ->type_name("H");
+  Command sub = line.add("import", "Measured or foreign states from a CSV into a state file");
+  sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
+  sub.option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
+  sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
+  sub.option("--spacing", arguments->spacing, "What counts as fully populated [m]").required().shows("H");
 }
 
-void add_export(CLI::App& app, Commands& commands) {
+void add_export(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
-  CLI::App& sub = add_command(app, commands, "export", "States as a table or for ParaView",
-                              [arguments, &commands] { return run_export(commands.globals, *arguments); });
-  sub.add_option("states", arguments->input, "State file or CSV")->required()->type_name("STATES");
-  sub.add_option("-o,--output", arguments->output, "File to write")->required()->type_name("F.csv|F.vtu");
+  Command sub = line.add("export", "States as a table or for ParaView");
+  sub.runs([arguments](const Globals& globals) { return run_export(globals, *arguments); });
+  sub.option("states", arguments->input, "State file or CSV").required().shows("STATES");
+  sub.option("-o,--output", arguments->output, "File to write").required().shows("F.csv|F.vtu");
 }
 
-void add_info(CLI::App& app, Commands& commands) {
+void add_info(CommandLine& line) {
   auto file = std::make_shared<std::string>();
-  CLI::App& sub = add_command(app, commands, "info", "What a file holds: states, mesh or surface",
-                              [file, &commands] { return run_info(commands.globals, *file); });
-  sub.add_option("file", *file, "State file, CSV of states, mesh or surface")->required()->type_name("FILE");
+  Command sub = line.add("info", "What a file holds: states, mesh or surface");
+  sub.runs([file](const Globals& globals) { return run_info(globals, *file); });
+  sub.option("file", *file, "State file, CSV of states, mesh or surface").required().shows("FILE");
 }
 
 }  // namespace forefeel

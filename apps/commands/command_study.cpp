@@ -8,11 +8,15 @@
 #include <cmath>
 #include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/console/command.hpp"
+#include "apps/commands/commands.hpp"
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/console/values.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/picture/study_gantt.hpp"
@@ -209,24 +213,23 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
 
 }  // namespace
 
-void add_study(CLI::App& app, Commands& commands) {
+void add_study(CommandLine& line) {
   const auto arguments = std::make_shared<StudyArguments>();
-  CLI::App& sub = add_command(app, commands, "study",
-                              "Every combination of policies, devices, models …; table, ranking, report",
-                              [&commands, arguments] { return run_command(commands.globals, *arguments); });
-  sub.add_option("STUDY", arguments->study,
-                 "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
-                 "which the motion needs per "
-                 "second, but for those known at the start, are L times what the workers solve per second, "
-                 "messages included")
-      ->required();
-  sub.add_option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
-      ->required()
-      ->type_name("DIR/");
-  sub.add_option("--gantt", arguments->gantt,
-                 "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
-      ->check(above_zero)
-      ->type_name("CELL");
+  Command sub = line.add("study", "Every combination of policies, devices, models …; table, ranking, report");
+  sub.runs([arguments](const Globals& globals) { return run_command(globals, *arguments); });
+  sub.option("STUDY", arguments->study,
+             "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
+             "which the motion needs per "
+             "second, but for those known at the start, are L times what the workers solve per second, "
+             "messages included")
+      .required();
+  sub.option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
+      .required()
+      .shows("DIR/");
+  sub.option("--gantt", arguments->gantt,
+             "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
+      .check(above_zero)
+      .shows("CELL");
 }
 
 }  // namespace forefeel

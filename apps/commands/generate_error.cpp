@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "approx/model/model_options.hpp"
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/placement/placement.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 // forefeel generate --error E: as few states as hold the estimated error below E (scheduling/placement/placement.hpp).
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/states/state_file.hpp"
 

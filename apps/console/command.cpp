@@ -2,166 +2,256 @@
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <unistd.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <iostream>
-#include <mutex>
+#include <cstdlib>
+#include <deque>
+#include <optional>
+#include <string_view>
 
+#include "apps/console/suggest.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
-namespace {
 
-// Warnings wait here until the command has something else to show: an input error that follows stays the only
-// line.
-std::mutex waiting_mutex;
-std::vector<std::string> waiting_warnings;
+// ---- one option ----
 
-std::int64_t now_ns() {
-  return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+Option& Option::required() {
+  option_->required();
+  return *this;
 }
 
-}  // namespace
+Option& Option::shows(const std::string& value) {
+  option_->type_name(value);
+  return *this;
+}
 
-CLI::App& add_command(CLI::App& app, Commands& commands, const std::string& name,
-                      const std::string& description, std::function<int()> run) {
-  CLI::App& sub = *app.add_subcommand(name, description);
-  Globals& globals = commands.globals;
+Option& Option::shows_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option& Option::group(const std::string& heading) {
+  option_->group(heading);
+  return *this;
+}
+
+Option& Option::check(const std::function<std::string(const std::string&)>& refusal) {
+  option_->check(refusal);
+  return *this;
+}
+
+Option& Option::one_of(const std::vector<std::string>& words) {
+  option_->check(CLI::IsMember(words));
+  return *this;
+}
+
+Option& Option::between(int low, int high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option& Option::between(double low, double high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option& Option::between(std::size_t low, std::size_t high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option& Option::takes(int values) {
+  option_->expected(values);
+  return *this;
+}
+
+Option& Option::takes_one() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option& Option::splits_at(char delimiter) {
+  option_->delimiter(delimiter);
+  return *this;
+}
+
+Option& Option::excludes(const Option& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+// ---- one command ----
+
+template <class Value>
+Option Command::option(const std::string& names, Value& variable, const std::string& help) {
+  return Option(app_->add_option(names, variable, help));
+}
+
+using std::optional, std::string, std::vector;
+template Option Command::option(const string&, string&, const string&);
+template Option Command::option(const string&, double&, const string&);
+template Option Command::option(const string&, int&, const string&);
+template Option Command::option(const string&, std::size_t&, const string&);
+template Option Command::option(const string&, optional<string>&, const string&);
+template Option Command::option(const string&, optional<double>&, const string&);
+template Option Command::option(const string&, optional<int>&, const string&);
+template Option Command::option(const string&, optional<std::size_t>&, const string&);
+template Option Command::option(const string&, optional<long long>&, const string&);
+template Option Command::option(const string&, vector<string>&, const string&);
+template Option Command::option(const string&, vector<int>&, const string&);
+
+Option Command::flag(const std::string& names, bool& variable, const std::string& help) {
+  return Option(app_->add_flag(names, variable, help));
+}
+
+bool Command::given(const std::string& name) const {
+  return app_->count(name) > 0;
+}
+
+// ---- what is wrong on a command line ----
+
+namespace {
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
+// The first word must be a command. CLI11 would only call it an unexpected argument.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<std::string> names = command_names(app);
+  if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
+  const std::string word = argv[1];
+  if (word.starts_with("-") || std::ranges::find(names, word) != names.end()) return;
+  throw InputError("command '" + word + "'", fmt::format("unknown, did you mean '{}'? Expected one of {}",
+                                                         nearest_word(word, names), listed(names)));
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+// A mistyped option is found before parsing, or its value would pass for a positional argument.
+void check_options(const CLI::App& app, int argc, const char* const* argv) {
+  const std::string first = argv[1];
+  const CLI::App& chosen = first.starts_with("-") ? app : *app.get_subcommand(first);
+  const std::vector<std::string> names = option_names(chosen);
+  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    if (!word.starts_with("--") || std::ranges::find(names, word) != names.end()) continue;
+    throw InputError(&chosen == &app ? "options" : first,
+                     fmt::format("unknown option '{}', did you mean '{}'? See forefeel {}--help", word,
+                                 nearest_word(word, names), &chosen == &app ? "" : first + " "));
+  }
+}
+
+// CLI11 writes several lines in several forms; this makes one line of them.
+InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App& sub = chosen.empty() ? app : *chosen.front();
+  const std::string where = chosen.empty() ? "options" : sub.get_name();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty())
+    return {where, fmt::format("unexpected argument '{}', see forefeel {} --help",
+                               app.remaining(true).front(), where)};
+  std::string text = error.what();
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
+  while (text.ends_with("; ")) text.resize(text.size() - 2);
+  return {where, text + fmt::format(" (see forefeel {}--help)", chosen.empty() ? "" : where + " ")};
+}
+
+// An empty value comes from a shell variable that is not set; it must not pass for an option that is not there.
+void check_values(const CLI::App& app) {
+  const auto check = [](const CLI::App& of) {
+    for (const CLI::Option* option : of.get_options())
+      if (std::ranges::any_of(option->results(), &std::string::empty))
+        throw InputError(option->get_name(), "is empty, expected a value");
+  };
+  check(app);
+  for (const CLI::App* sub : app.get_subcommands()) check(*sub);
+}
+
+std::string refuse_seed(const std::string& text) {
+  errno = 0;
+  std::strtoull(text.c_str(), nullptr, 0);
+  const bool fits = errno == 0 && !text.starts_with('-');
+  return fits ? std::string() : "is " + text + ", expected a whole number of at least 0, below 2^64";
+}
+
+void add_shared_options(CLI::App& sub, Globals& globals) {
   sub.option_defaults()->always_capture_default(false);
+  const char* const heading = "Everywhere";
   sub.add_flag("--json", globals.json, "One JSON document on stdout, everything else on stderr")
-      ->group("Everywhere");
-  sub.add_flag("--quiet", globals.quiet, "Nothing but results, warnings and errors")->group("Everywhere");
+      ->group(heading);
+  sub.add_flag("--quiet", globals.quiet, "Nothing but results, warnings and errors")->group(heading);
   sub.add_option("--threads", globals.threads, "Threads; 0: all cores")
       ->check(CLI::Range(0, 4096))
       ->type_name("N")
-      ->group("Everywhere");
+      ->group(heading);
   sub.add_option("--seed", globals.seed, "Seed of everything random")
-      ->check([](const std::string& text) {
-        errno = 0;
-        std::strtoull(text.c_str(), nullptr, 0);
-        const bool fits = errno == 0 && !text.starts_with('-');
-        return fits ? std::string() : "is " + text + ", expected a whole number of at least 0, below 2^64";
-      })
+      ->check(refuse_seed)
       ->type_name("N")
-      ->group("Everywhere");
+      ->group(heading);
   sub.add_option("--set", globals.set, "Override a key of the scene: material.poisson=0.4; may be repeated")
       ->allow_extra_args(false)
       ->type_name("KEY.PATH=VALUE")
-      ->group("Everywhere");
-  sub.callback([&commands, run = std::move(run)] {
-    commands.chosen = [&commands, run] {
-      if (commands.globals.threads > 0) omp_set_num_threads(commands.globals.threads);
-      return run();
-    };
-  });
-  return sub;
-}
-
-nlohmann::ordered_json number(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return value;
-}
-
-nlohmann::ordered_json vector3(const Eigen::Ref<const Eigen::Vector3d>& value) {
-  return nlohmann::ordered_json::array({number(value.x()), number(value.y()), number(value.z())});
-}
-
-void print_json(const nlohmann::ordered_json& document) {
-  flush_warnings();
-  std::cout << document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n'
-            << std::flush;
-}
-
-void flush_warnings() {
-  const std::lock_guard lock(waiting_mutex);
-  for (const std::string& line : waiting_warnings) std::cerr << "forefeel: warning: " << line << '\n';
-  waiting_warnings.clear();
-}
-
-void answer(const Globals& globals, const std::string& line) {
-  flush_warnings();
-  (globals.json ? std::cerr : std::cout) << line << '\n' << std::flush;
-}
-
-void say(const Globals& globals, const std::string& line) {
-  flush_warnings();
-  if (!globals.quiet) answer(globals, line);
-}
-
-void warn(const Globals&, const std::string& line) {
-  const std::lock_guard lock(waiting_mutex);
-  waiting_warnings.push_back(line);
-}
-
-namespace {
-
-std::string refuse_unless(const std::string& text, bool (*good)(double), const char* expected) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool number = !text.empty() && *end == '\0';
-  return number && std::isfinite(value) && good(value) ? ""
-                                                       : fmt::format("is {}, expected {}", text, expected);
+      ->group(heading);
 }
 
 }  // namespace
 
-std::string above_zero(const std::string& text) {
-  return refuse_unless(
-      text, [](double v) { return v > 0; }, "a number above 0");
+// ---- the command line ----
+
+struct CommandLine::Parser {
+  CLI::App app;
+  Globals globals;
+  std::deque<std::function<int(const Globals&)>> runs;         // one a command; references stay valid
+  const std::function<int(const Globals&)>* chosen = nullptr;  // that of the command that was given
+  Parser(const std::string& description, const std::string& name) : app(description, name) {}
+};
+
+CommandLine::CommandLine(const std::string& description, std::function<std::string()> version)
+    : parser_(std::make_unique<Parser>(description, "forefeel")) {
+  parser_->app.set_version_flag("--version", std::move(version), "Version, also of the libraries");
+  parser_->app.require_subcommand(0, 1);
 }
 
-std::string zero_or_more(const std::string& text) {
-  return refuse_unless(
-      text, [](double v) { return v >= 0; }, "a number of at least 0");
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::add(const std::string& name, const std::string& description) {
+  CLI::App& sub = *parser_->app.add_subcommand(name, description);
+  add_shared_options(sub, parser_->globals);
+  std::function<int(const Globals&)>& run = parser_->runs.emplace_back();
+  sub.callback([parser = parser_.get(), &run] { parser->chosen = &run; });
+  return Command(&sub, &run);
 }
 
-Eigen::Vector3d parse_vector(const std::string& text, const std::string& where) {
-  const auto refuse = [&]() -> InputError {
-    return {where, fmt::format("'{}' is not a position, expected three finite numbers X,Y,Z", text)};
-  };
-  Eigen::Vector3d value;
-  const char* next = text.data();
-  const char* const end = text.data() + text.size();
-  const auto skip_blanks = [&] {
-    while (next != end && *next == ' ') ++next;
-  };
-  for (int i = 0; i < 3; ++i) {
-    skip_blanks();
-    const auto [after, error] = std::from_chars(next, end, value[i]);
-    if (error != std::errc{} || !std::isfinite(value[i])) throw refuse();
-    next = after;
-    skip_blanks();
-    if (i < 2 && (next == end || *next++ != ',')) throw refuse();
+int CommandLine::run(int argc, const char* const* argv) {
+  CLI::App& app = parser_->app;
+  check_command(app, argc, argv);
+  check_options(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {  // --help, --version
+    return app.exit(done);
+  } catch (const CLI::ParseError& error) {
+    throw usage_error(app, error);
   }
-  if (next != end) throw refuse();
-  return value;
-}
-
-Progress::Progress(const Globals& globals, std::string title)
-    : live_(!globals.quiet && isatty(STDERR_FILENO) != 0), title_(std::move(title)), started_ns_(now_ns()) {}
-
-Progress::~Progress() {
-  if (live_ && shown_ns_ > 0) std::cerr << "\r\033[K" << std::flush;
-}
-
-void Progress::show(double share, const std::string& text) {
-  if (!live_) return;
-  const std::int64_t now = now_ns();
-  if (now - shown_ns_ < 100'000'000) return;
-  if (shown_ns_ == 0) flush_warnings();
-  shown_ns_ = now;
-  std::string left;
-  if (share > 0.01 && share < 1) {
-    const double elapsed = 1e-9 * static_cast<double>(now - started_ns_);
-    const auto seconds = static_cast<long>(std::lround(elapsed * (1 - share) / share));
-    left = fmt::format(", {}:{:02} left", seconds / 60, seconds % 60);
-  }
-  std::cerr << fmt::format("\r\033[K{} {:3.0f} %  {}{}", title_, 100 * share, text, left) << std::flush;
+  check_values(app);
+  if (!parser_->chosen)
+    throw InputError("command", "none given, expected one of " + listed(command_names(app)));
+  const Globals& globals = parser_->globals;
+  if (globals.threads > 0) omp_set_num_threads(globals.threads);
+  const int code = (*parser_->chosen)(globals);
+  flush_warnings();
+  return code;
 }
 
 }  // namespace forefeel

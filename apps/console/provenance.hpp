@@ -1,7 +1,7 @@
 #pragma once
 // What made a result: command line, version, commit, libraries, machine.
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace forefeel {

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/sha256.hpp"

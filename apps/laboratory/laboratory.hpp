@@ -4,12 +4,13 @@
 
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "scheduling/workers/reference_service.hpp"
 

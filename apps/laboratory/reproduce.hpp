@@ -4,6 +4,7 @@
 // experiments().
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

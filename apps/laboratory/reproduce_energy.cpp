@@ -10,10 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "approx/judge/loop_energy.hpp"
 #include "approx/predecessors/methods.hpp"
 #include "approx/switch/force_switch.hpp"
+#include "apps/console/json.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"

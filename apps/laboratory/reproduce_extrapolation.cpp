@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "apps/console/json.hpp"
 #include "apps/laboratory/paper_ground.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"

@@ -11,7 +11,10 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/laboratory/speed_bound.hpp"
 #include "apps/picture/plot.hpp"

@@ -13,11 +13,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "approx/baselines/baseline.hpp"
 #include "approx/loops/instruction_set.hpp"
 #include "approx/select/neighbours.hpp"
+#include "apps/console/json.hpp"
 #include "apps/laboratory/paper_ground.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"

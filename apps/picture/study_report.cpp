@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "apps/console/provenance.hpp"
 #include "apps/picture/page.hpp"

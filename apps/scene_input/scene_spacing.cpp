@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
 #include "apps/scene_input/sha256.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"

@@ -2,7 +2,7 @@
 // `spacing = "auto"` of a scene: scheduling/placement/auto_spacing.hpp, worked out once per body, box, model and
 // tolerance and kept in the cache folder.
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "geometry/states/state_file.hpp"

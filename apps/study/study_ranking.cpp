@@ -1,8 +1,10 @@
 #include "apps/study/study_ranking.hpp"
+#include "apps/console/json.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 namespace forefeel {
 namespace {

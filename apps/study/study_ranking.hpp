@@ -3,7 +3,7 @@
 // The unit of evidence is a trace with a seed: whatever else varies is averaged within it (only where every
 // value compared has a result), so that many settings of one recording do not pass for many recordings.
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>

@@ -12,9 +12,12 @@
 #include <fstream>
 #include <limits>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
 #include "apps/picture/summary_json.hpp"
 #include "apps/study/study_speed.hpp"
 #include "geometry/common/output_file.hpp"

@@ -5,12 +5,12 @@
 // whatever else of the study changes, and never mistaken for another.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/console/command.hpp"
+#include "apps/console/console.hpp"
 #include "apps/study/study_plan.hpp"
 
 namespace forefeel {

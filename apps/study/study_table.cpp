@@ -1,8 +1,10 @@
 #include "apps/study/study_table.hpp"
+#include "apps/console/json.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 namespace forefeel {

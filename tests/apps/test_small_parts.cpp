@@ -1,9 +1,11 @@
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "apps/classify/run_table.hpp"
-#include "apps/console/command.hpp"
 #include "apps/console/suggest.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/values.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/sha256.hpp"
 #include "geometry/common/error.hpp"

@@ -1,0 +1,21 @@
+#pragma once
+// The subcommands of forefeel. Each adds itself to the command line; a file command_NAME.cpp holds it.
+
+#include "apps/console/command.hpp"
+
+namespace forefeel {
+
+void add_mesh(CommandLine& line);
+void add_import(CommandLine& line);  // this and the two below: command_states.cpp
+void add_export(CommandLine& line);
+void add_info(CommandLine& line);
+void add_solve(CommandLine& line);
+void add_generate(CommandLine& line);
+void add_classify(CommandLine& line);
+void add_evaluate(CommandLine& line);
+void add_session(CommandLine& line);
+void add_study(CommandLine& line);
+void add_reproduce(CommandLine& line);
+void add_bench(CommandLine& line);
+
+}  // namespace forefeel
