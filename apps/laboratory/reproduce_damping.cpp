@@ -98,7 +98,7 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
     options.planning.arrivals = folder / "damping-arrivals.csv";
     options.motion.replay.reset();
     options.model.fit = way.method.model;
-    options.model.method = Method::rbf;
+    options.model.method = SessionMethod::rbf;
     options.switching.rule = way.rule;
     options.workers.cost = "constant:0.01";
     options.workers.threads = laboratory.globals().threads;

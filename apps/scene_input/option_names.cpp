@@ -7,9 +7,10 @@ const Words<Clock>& clock_words() {
   return words;
 }
 
-const Words<Method>& method_words() {
-  static const Words<Method> words{
-      {"rbf", Method::rbf}, {"trilinear", Method::trilinear}, {"tricubic", Method::tricubic}};
+const Words<SessionMethod>& method_words() {
+  static const Words<SessionMethod> words{{"rbf", SessionMethod::rbf},
+                                          {"trilinear", SessionMethod::trilinear},
+                                          {"tricubic", SessionMethod::tricubic}};
   return words;
 }
 

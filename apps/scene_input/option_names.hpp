@@ -12,10 +12,10 @@ namespace forefeel {
 template <class Choice>
 using Words = std::vector<std::pair<std::string, Choice>>;
 
-const Words<Clock>& clock_words();          // real, virtual
-const Words<Method>& method_words();        // rbf, trilinear, tricubic
-const Words<Placement>& placement_words();  // lattice, adaptive, path
-const Words<Select>& select_words();        // label, nearest
-const Words<SwitchRule>& switch_words();    // paper, smooth, none
+const Words<Clock>& clock_words();           // real, virtual
+const Words<SessionMethod>& method_words();  // rbf, trilinear, tricubic
+const Words<Placement>& placement_words();   // lattice, adaptive, path
+const Words<Select>& select_words();         // label, nearest
+const Words<SwitchRule>& switch_words();     // paper, smooth, none
 
 }  // namespace forefeel

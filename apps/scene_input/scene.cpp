@@ -197,7 +197,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.model.method = table.word("method", method_words()).value_or(session.model.method);
   session.planning.placement =
       table.word("placement", placement_words()).value_or(session.planning.placement);
-  if (session.model.method != Method::rbf && session.planning.placement != Placement::lattice)
+  if (session.model.method != SessionMethod::rbf && session.planning.placement != Placement::lattice)
     throw table.wrong("placement",
                       fmt::format("lattice with method = \"{}\", which interpolates between lattice states",
                                   *table.text("method")));

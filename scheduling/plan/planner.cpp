@@ -193,7 +193,7 @@ PlannerView Planner::view(double now) const {
           .workers = generator_.workers(),
           .pending = pending_,
           .with_stiffness = setup_.model.fit.data == Data::force_and_stiffness,
-          .in_cells = setup_.model.method != Method::rbf,
+          .in_cells = setup_.model.method != SessionMethod::rbf,
           .surprises = surprises_};
 }
 

@@ -38,8 +38,8 @@ SessionModel::SessionModel(const StateSpace& space, const ModelRecipe& recipe)
       rbf_(space, recipe.fit),
       first_(space, at_first(recipe.fit, space)),
       with_stiffness_(recipe.fit.data == Data::force_and_stiffness),
-      lattice_(recipe.method != Method::rbf),
-      cubic_(recipe.method == Method::tricubic) {
+      lattice_(recipe.method != SessionMethod::rbf),
+      cubic_(recipe.method == SessionMethod::tricubic) {
   if (recipe.guess.isZero(0)) return;
   State rest;
   rest.force = Vec3::Zero();

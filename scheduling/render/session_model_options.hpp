@@ -5,7 +5,7 @@
 
 namespace forefeel {
 
-enum class Method {
+enum class SessionMethod {
   rbf,        // radial basis functions around the HIP
   trilinear,  // in the lattice cell around the HIP
   tricubic    // the same
@@ -13,7 +13,7 @@ enum class Method {
 
 struct SessionModelOptions {
   ModelOptions fit = {};  // of method rbf
-  Method method = Method::rbf;
+  SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
   // While nothing is known the hand feels the stiffness that a disc on a half-space of the body's material would have
   // (solver/body/contact_stiffness.hpp): no solve, no state. The first true state replaces it, faded in like any
@@ -27,7 +27,7 @@ void check(const SessionModelOptions& options);
 // The same once a session's plan has decided what the options leave open.
 struct ModelRecipe {
   ModelOptions fit = {};  // no more neighbours than there can be states (for_states)
-  Method method = Method::rbf;
+  SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // [spacings]
   Mat3 guess = Mat3::Zero();    // stiffness felt while nothing is known [N/m]; zero: none
 };

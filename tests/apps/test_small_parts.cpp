@@ -3,8 +3,8 @@
 #include <random>
 
 #include "apps/classify/run_table.hpp"
-#include "apps/console/suggest.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/suggest.hpp"
 #include "apps/console/values.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/sha256.hpp"

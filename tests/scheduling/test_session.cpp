@@ -292,7 +292,7 @@ TEST_CASE(
   const auto is_guess = [&](const FrameRecord& f) {
     return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm();
   };
-  for (const Method method : {Method::rbf, Method::tricubic})
+  for (const SessionMethod method : {SessionMethod::rbf, SessionMethod::tricubic})
     for (const Data data : {Data::force, Data::force_and_stiffness}) {
       CAPTURE(static_cast<int>(method), name(data));
       options.model.method = method;
@@ -676,7 +676,7 @@ TEST_CASE("kill -9 loses nothing that was committed") {
 }
 
 TEST_CASE("older methods render from the lattice cell around the HIP, and wait for its corners") {
-  for (const Method method : {Method::trilinear, Method::tricubic}) {
+  for (const SessionMethod method : {SessionMethod::trilinear, SessionMethod::tricubic}) {
     CAPTURE(static_cast<int>(method));
     SessionOptions options = virtual_options(1.5);
     options.model.method = method;
