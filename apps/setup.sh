@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that are missing: `setup.sh` what builds and runs forefeel, `setup.sh tests` also
-# what its tests compare with, `setup.sh sanitizers` also clang for the thread sanitizer, `setup.sh mpi` also Open MPI for
-# workers in other processes. Safe to repeat; needs root,
-# or sudo, only when something is missing.
+# Installs the Debian 12 packages that are missing. Safe to repeat; needs root, or sudo, only when something is missing.
+#   setup.sh              what builds and runs forefeel
+#   setup.sh tests        also what its tests compare with, the formatter, and what makes a package
+#   setup.sh sanitizers   also clang for the thread sanitizer
+#   setup.sh mpi          also Open MPI for workers in other processes
 set -euo pipefail
 
 packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboost-dev libtet1.5-dev libsqlite3-dev libcli11-dev
@@ -10,7 +11,8 @@ packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboos
           zlib1g-dev catch2 gnuplot-nox)
 case "${1:-}" in
   "") ;;
-  tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx) ;;
+  tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx
+                    clang-format-14 dpkg-dev file) ;;
   sanitizers) packages+=(clang libomp-dev) ;;
   mpi) packages+=(openmpi-bin libboost-mpi-dev libopenmpi-dev) ;;
   *) echo "setup.sh: '$1' is unknown, expected nothing, tests, sanitizers or mpi" >&2; exit 2 ;;

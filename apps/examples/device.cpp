@@ -1,7 +1,6 @@
 // A device of your own that follows a measured motion. Usage: device MOTION.csv, rows of t,x,y,z [s, m].
 
 #include <fmt/format.h>
-
 #include <forefeel/forefeel.hpp>
 #include <fstream>
 
@@ -9,14 +8,13 @@ using namespace forefeel;
 
 // 1. A device says where the hand is at time t, once a millisecond: it must not allocate, lock or throw.
 struct Measured final : Device {
-  std::vector<double> times;
-  std::vector<Vec3> positions;
-  double duration() const override { return times.back(); }
-  Vec3 position(double t, const Vec3&) noexcept override {
-    const auto next = static_cast<std::size_t>(std::ranges::upper_bound(times, t) - times.begin());
-    if (next == 0 || next == times.size()) return next == 0 ? positions.front() : positions.back();
-    const double share = (t - times[next - 1]) / (times[next] - times[next - 1]);
-    return (1 - share) * positions[next - 1] + share * positions[next];
+  std::vector<std::pair<double, Vec3>> samples;
+  double duration() const override { return samples.back().first; }
+  Vec3 position(double t, const Vec3&) noexcept override {  // interpolated between two samples [m]
+    const auto b = std::ranges::upper_bound(samples, t, {}, &std::pair<double, Vec3>::first);
+    if (b == samples.begin() || b == samples.end()) return (b == samples.end() ? samples.back() : *b).second;
+    const auto a = std::prev(b);
+    return a->second + (t - a->first) / (b->first - a->first) * (b->second - a->second);
   }
 };
 
@@ -26,17 +24,17 @@ int main(int argc, char** argv) {
   std::ifstream file(argc > 1 ? argv[1] : "");
   double t, x, y, z;
   for (char comma; file >> t >> comma >> x >> comma >> y >> comma >> z;)
-    device->times.push_back(t), device->positions.emplace_back(x, y, z);
-  if (device->times.empty()) return fmt::print(stderr, "expected a file of t,x,y,z\n"), 2;
-
+    device->samples.emplace_back(t, Vec3(x, y, z));
+  if (device->samples.empty()) return fmt::print(stderr, "expected a file of t,x,y,z\n"), 2;
   // 3. The session takes the device as an object.
-  const double spacing = 0.004;
-  auto body = std::make_shared<Body>(Body{.mesh = phantom("beam", 240)});
-  body->clamp = body->mesh.groups.at("clamp"), body->contact = body->mesh.groups.at("contact");
-  const Box reach{Vec3::Constant(-3 * spacing), Vec3::Constant(3 * spacing)};
-  SessionInput input{.touched = {.body = body, .space = {.spacing = spacing, .box = reach}}};
-  input.parts.device = device;
-  const SessionOptions options{.clock = {.kind = Clock::virtual_time, .seconds = device->duration()}};
+  auto body = std::make_shared<Body>();
+  body->mesh = phantom("beam", 240);
+  body->clamp = body->mesh.groups.at("clamp");
+  body->contact = body->mesh.groups.at("contact");
+  SessionInput input{.touched = {.body = body, .space = {.spacing = 0.004}}, .parts = {.device = device}};
+  input.touched.space.box = {Vec3::Constant(-0.012), Vec3::Constant(0.012)};  // of the states [m]
+  SessionOptions options;
+  options.clock = {.kind = Clock::virtual_time, .seconds = device->duration()};
   for (const FrameRecord& frame : run_session(input, options).frames)
-    if (frame.t >= 0) fmt::print("{:.3f},{:.6f}\n", frame.t, frame.sent.norm());  // [s], [N]
+    fmt::print("{:.3f},{:.6f}\n", frame.t, frame.sent.norm());  // [s], [N]
 }

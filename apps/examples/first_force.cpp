@@ -1,7 +1,6 @@
 // First force: a body, exact states on a small lattice, and a model that answers in microseconds.
 
 #include <fmt/format.h>
-
 #include <forefeel/forefeel.hpp>
 
 using namespace forefeel;
@@ -18,10 +17,12 @@ int main() {
   const double spacing = 0.004;  // [m]
   const Box box{Vec3::Constant(-2 * spacing), Vec3::Constant(2 * spacing)};
   StateSpace space({.spacing = spacing, .box = box});
+  GenerateOptions lattice_options;
+  lattice_options.spacing = spacing, lattice_options.box = box;
   const auto keep = [&](State state) {
     if (state.usable()) space.insert(std::move(state));
   };
-  generate_lattice(body, {.spacing = spacing, .box = box}, {}, keep, {});
+  generate_lattice(body, lattice_options, {}, keep, {});
   fmt::print("states: {}\n", space.size());
 
   // 3. The model: radial basis functions through the 25 nearest states and their stiffness.

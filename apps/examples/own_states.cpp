@@ -1,12 +1,11 @@
 // States of your own -> labels. Usage: own_states [STATES.csv], columns x,y,z,fx,fy,fz [m, N].
 
 #include <fmt/format.h>
-
 #include <forefeel/forefeel.hpp>
 
 using namespace forefeel;
 
-// Measured forces of a spring of 200 N/m on a lattice with a hole of 4 cm along x.
+// Measured forces of a spring of 200 N/m on a lattice with a hole of 5 cm along x.
 std::vector<State> measured(double spacing) {
   std::vector<State> states;
   for (const Vec3& at : lattice({Vec3(-0.05, -0.01, -0.01), Vec3(0.05, 0.01, 0.01)}, spacing)) {

@@ -1,8 +1,6 @@
-// A policy of your own: what lies ahead of the hand is solved first. It is registered under a name, as a scene would
-// use it, and compared with a built-in policy.
+// A policy of your own, registered under a name and compared with a built-in one: what lies ahead comes first.
 
 #include <fmt/format.h>
-
 #include <forefeel/forefeel.hpp>
 
 using namespace forefeel;
@@ -31,8 +29,9 @@ int main() {
   const Box reach{Vec3::Constant(-0.012), Vec3::Constant(0.012)};
   const SessionInput input{.touched = {.body = body, .space = {.spacing = 0.004, .box = reach}}};
   for (const char* policy : {"ahead", "nearest"}) {
-    SessionOptions options{.clock = {.kind = Clock::virtual_time, .seconds = 2},
-                           .planning = {.policy = policy}};
+    SessionOptions options;
+    options.clock = {.kind = Clock::virtual_time, .seconds = 2};
+    options.planning.policy = policy;
     options.workers.cost = ConstantCost{.seconds = 0.05};
     const SessionSummary summary = summarise(run_session(input, options), input, options);
     fmt::print("{}: within the JND on {:.0f} % of the path\n", policy,

@@ -1,7 +1,6 @@
 // A haptic session in code: a simulated hand, workers that solve ahead of it, and the summary as a type.
 
 #include <fmt/format.h>
-
 #include <forefeel/forefeel.hpp>
 
 using namespace forefeel;

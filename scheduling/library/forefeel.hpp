@@ -28,6 +28,7 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
+#include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"

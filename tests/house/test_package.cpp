@@ -1,0 +1,109 @@
+// The installed library: a clean prefix, `find_package(forefeel)`, and every example built and run against it.
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <regex>
+#include <sstream>
+
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+
+using namespace forefeel::test;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define FOREFEEL_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define FOREFEEL_SANITIZED 1
+#endif
+#endif
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ran(const Workshop& shop, const std::string& command) {
+  const Workshop::Outcome outcome = shop.shell(command);
+  INFO(command << "\n" << outcome.out.substr(0, 4000) << "\n" << outcome.err.substr(0, 4000));
+  REQUIRE(outcome.code == 0);
+  return outcome.out;
+}
+
+double value_after(const std::string& text, const std::string& words) {
+  INFO(text);
+  const std::size_t at = text.find(words);
+  REQUIRE(at != std::string::npos);
+  return std::stod(text.substr(at + words.size()));
+}
+
+std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += word.size()) ++n;
+  return n;
+}
+
+void check_headers(const Workshop& shop) {
+  const std::string include = "prefix/include/forefeel";
+  const std::string unprefixed =
+      "grep -rlE '#include \"(geometry|solver|approx|scheduling|apps)/' " + include;
+  CHECK(shop.shell(unprefixed).out.empty());
+  CHECK(shop.shell("grep -rlE '#include <(CGAL|nlohmann|CLI|toml|sqlite3)' " + include).out.empty());
+  CHECK(shop.shell("find " + include + " -name '*_cgal.hpp' -o -path '*/baselines/*'").out.empty());
+  CHECK(fs::exists(shop.path() / include / "forefeel.hpp"));
+}
+
+void check_manual(const Workshop& shop) {
+  const std::string page = ran(shop, "cat prefix/share/man/man1/forefeel.1");
+  for (const char* command : {"mesh", "solve", "generate", "import", "export", "info", "classify", "evaluate",
+                              "session", "study", "reproduce", "bench"})
+    CHECK_THAT(page, Catch::Contains(std::string(".SS forefeel ") + command + "\n"));
+  const std::string complete =
+      "source prefix/share/bash-completion/completions/forefeel; COMP_WORDS=(forefeel ";
+  CHECK(ran(shop, "bash -c '" + complete + "sess); COMP_CWORD=1; _forefeel; echo ${COMPREPLY[@]}'") ==
+        "session\n");
+  CHECK(ran(shop, "bash -c '" + complete +
+                      "session --devi); COMP_CWORD=2; _forefeel; echo ${COMPREPLY[@]}'") == "--device\n");
+}
+
+}  // namespace
+
+TEST_CASE("examples are built against the installed library in a clean prefix, and run", "[package]") {
+#ifdef FOREFEEL_SANITIZED
+  return skip("the library is built with a sanitizer");
+#endif
+  const Workshop shop;
+  ran(shop, "cmake --install '" + build_folder().string() + "' --prefix prefix");
+  check_headers(shop);
+  check_manual(shop);
+  ran(shop,
+      "cmake -S prefix/share/forefeel/examples -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "
+      "-DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build build");
+
+  const std::string first = ran(shop, "build/first_force");
+  CHECK(value_after(first, "states: ") == 125);
+  CHECK(value_after(first, "relative error: ") < 0.01);
+  CHECK(value_after(first, "force: ") < 0);  // against a motion along +x
+
+  const std::string labels = ran(shop, "build/own_states");
+  CHECK_THAT(labels, Catch::Contains("-80 mm: blank") && Catch::Contains("-40 mm: safe") &&
+                         Catch::Contains("  0 mm: gap") && Catch::Contains(" 40 mm: safe"));
+  shop.write("one.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n");
+  CHECK_THAT(ran(shop, "build/own_states one.csv"), Catch::Contains("sparse") && !Catch::Contains("safe"));
+  CHECK(shop.shell("build/own_states none.csv").code == 2);
+
+  const std::string session = ran(shop, "build/session_in_code");
+  CHECK(value_after(session, "frames ") == 2000);
+  CHECK(value_after(session, "states solved ") > 10);
+  CHECK(value_after(session, "can tell: ") > 50);
+
+  const std::string policies = ran(shop, "build/policy");
+  CHECK(value_after(policies, "ahead: within the JND on ") > 0);
+  CHECK(value_after(policies, "nearest: within the JND on ") > 0);
+
+  shop.write("motion.csv", "0,0,0,0\n0.5,0,0,-0.004\n1,0.002,0,-0.004\n");
+  const std::string forces = ran(shop, "build/device motion.csv");
+  CHECK(count(forces, "\n") == 1000);
+  CHECK(value_after(forces, "\n0.900,") > 0.001);  // [N]
+  CHECK(shop.shell("build/device none.csv").code == 2);
+}
