@@ -12,7 +12,7 @@ constexpr std::size_t slack = 8;  // loops run past the last row by less than a 
 DenseFactor::DenseFactor(std::size_t row_capacity) : row_capacity_(row_capacity) {
   if (row_capacity == 0) return;
   stride_ = (row_capacity + slack + 7) / 8 * 8;
-  if (stride_ % 64 == 0) stride_ += 8;  // columns a power of two apart would share cache sets
+  if (stride_ % 64 == 0) stride_ += 8;  // else columns would lie a power of two apart and share cache sets
   columns_.assign(stride_ * row_capacity, 0.0);
   border_.assign(border * (row_capacity + slack), 0.0);
   inverse_diagonal_.assign(row_capacity + slack, 0.0);
@@ -39,7 +39,7 @@ void DenseFactor::remove(std::span<const std::size_t> removed, std::span<const s
   update();
 }
 
-// The columns become vectors; row and column become a unit row.
+// The deleted columns become vectors of an update; each deleted row becomes a unit row.
 void DenseFactor::take_out(std::span<const std::size_t> removed) {
   starts_.clear();
   for (std::size_t t = 0; t < removed.size(); ++t) {
@@ -60,12 +60,12 @@ void DenseFactor::take_out(std::span<const std::size_t> removed) {
   }
 }
 
-// The columns become vectors; what is kept moves together.
+// The deleted columns become vectors of an update; the kept rows close up.
 void DenseFactor::close_up(std::span<const std::size_t> removed, std::span<const std::size_t> kept) {
   const dense::Loops& loops = dense::loops();
   const dense::Kept stay = describe(kept);
   starts_.clear();
-  std::size_t start = 0;  // rows kept before the one that is taken out
+  std::size_t start = 0;  // kept rows before the one that is taken out
   for (std::size_t t = 0; t < removed.size(); ++t) {
     while (start < kept.size() && kept[start] < removed[t]) ++start;
     double* vector = vectors_.data() + t * stride_;
@@ -130,7 +130,7 @@ std::uint32_t DenseFactor::append(std::size_t count, std::uint32_t skip, const d
                    panel_stride(), cross_border_.data(), count);
   loops.row_products(cross_.data(), panel_stride(), m, count, gram);
 
-  // The small factor of what the old rows leave unexplained, row by row; a row that adds nothing is dropped.
+  // Cholesky of the Schur complement of the new rows, row by row; a row that adds nothing is dropped.
   std::uint32_t taken = 0;
   double small[panel][panel] = {};
   for (std::size_t r = 0; r < count; ++r) {

@@ -1,11 +1,11 @@
 #pragma once
-// A Cholesky factor that grows and shrinks, with a border of right-hand sides that follows it:
+// A Cholesky factor that grows and shrinks, with right-hand sides that follow it:
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
-// remove() takes rows and columns out of A: with those columns of L deleted, A = L L^T + V V^T of what stays,
-// V being the deleted columns, a positive update of the trailing factor by one reflection a column for many
-// of them together (which is stable; a downdate is never needed). append() adds up to 8 rows at the end by a
-// triangular solve. Both carry Y along, so that it is never solved for again. A removed row stays as a hole
-// (a unit row) until the factor closes up. O(k m^2) for k rows. Nothing allocates after construction.
+// remove() deletes rows and columns of A. With the same columns of L deleted, the rest of A is L L^T + V V^T,
+// where V holds the deleted columns. This is a positive update of the trailing factor, done by one reflection
+// per column for many deleted columns at once; it is stable, and a downdate is never needed. append() adds up
+// to 8 rows at the end by a triangular solve. Both update Y too. A deleted row stays as a hole (a unit row)
+// until the factor closes up. Cost: O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,31 +31,31 @@ class DenseFactor {
 
   // Turns the rows (ascending) into holes.
   void remove(std::span<const std::size_t> removed);
-  // Takes the rows out and closes up: only the rows of `kept` (ascending) stay, all others not removed must
+  // Deletes the rows and closes up: only the rows of `kept` (ascending) stay. All rows in neither list must
   // be holes.
   void remove(std::span<const std::size_t> removed, std::span<const std::size_t> kept);
 
-  // The panel that append() reads: element (r, c) of the new rows of A against all rows, new ones included,
-  // and their rows of B. Row-major, stride panel_stride(); valid until the next append().
+  // The panel that append() reads: the new rows of A, element (r, c) for column c (new rows included), and
+  // their rows of B. Row-major with stride panel_stride(); valid until the next append().
   double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
   double* panel_border(std::size_t r) { return cross_border_.data() + r * border; }
   std::size_t panel_stride() const { return (row_capacity_ + 3 * panel - 1) / 8 * 8; }
-  // Appends `count` panel rows; holes on purpose are marked in skip. A row whose pivot falls below
-  // tolerance[r] times its diagonal entry carries nothing new and becomes a hole. Returns the rows that were
-  // taken, bit r for row r.
+  // Appends `count` panel rows; rows to be left as holes are marked in skip. A row whose pivot is below
+  // tolerance[r] times its diagonal entry adds nothing and becomes a hole. Returns the rows that were taken,
+  // bit r for row r.
   std::uint32_t append(std::size_t count, std::uint32_t skip, const double* tolerance);
 
   // Y: row m has 16 entries.
   const double* border_row(std::size_t row) const { return border_.data() + row * border; }
-  // The row of the largest 1 / L_rr (of holes: 1), and that.
+  // The row with the largest 1 / L_rr (1 for holes), and that value.
   std::pair<std::size_t, double> weakest_row() const;
-  // Solves L z = y in place for three right-hand sides at y, y + stride and y + 2 stride, as above.
+  // Solves L z = y in place for three right-hand sides of length rows() at y, y + stride and y + 2 stride.
   void solve(double* y, std::size_t stride);
   // Solves L^T z = y in place for three right-hand sides of length rows(), padded by 8.
   void solve_transposed(double* y0, double* y1, double* y2) const;
 
  private:
-  static constexpr std::size_t most_vectors = 20;  // that wait for their update at a time
+  static constexpr std::size_t most_vectors = 20;  // most vectors that wait for their update
 
   void take_out(std::span<const std::size_t> removed);
   void close_up(std::span<const std::size_t> removed, std::span<const std::size_t> kept);

@@ -5,8 +5,8 @@
 namespace forefeel::detail {
 namespace {
 
-// Corners of a tetrahedron of circumradius 1.3, turned by an irrational angle about each axis so that no
-// lattice point, and no symmetry of a lattice, meets an anchor.
+// Corners of a tetrahedron of circumradius 1.3, turned by an irrational angle about each axis, so that no
+// anchor coincides with a lattice point or lies symmetrically among them.
 struct Tetrahedron {
   Eigen::Matrix<double, 3, 4> corners;
   Eigen::Matrix4d barycentric;  // of (1, y)

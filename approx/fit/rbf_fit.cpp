@@ -11,19 +11,20 @@ using namespace detail;
 
 namespace {
 
-// Pivots, relative to the diagonal, below which a row is a near-duplicate that rounding cannot tell from what
-// is there. Two values a distance e apart count as e^2 (for r: e), two Hermite values as e^3 (r^3) or e^4
-// (r^5); of the last the gradients beside them carry nearly all, so they go early.
+// Pivots, relative to the diagonal, below which a row counts as a near-duplicate: rounding cannot tell it
+// from the other rows. The pivot of a value at the distance e from another one is of order e^2 (e for r);
+// with Hermite data it is e^3 (r^3) or e^4 (r^5). In the last case the gradients there determine nearly all
+// of it, so the limit is higher.
 double pivot_tolerance(int power, bool hermite, bool value) {
   if (!hermite) return 1e-15;
   return power == 5 && value ? 1e-11 : 1e-14;
 }
-// Ridge of a set with weights: in states far closer together than others no row is ever dropped, which would
-// change at once what the rest makes of them, and rounding decides about nothing.
+// Ridge of a set with weights, large enough that no row is ever dropped: dropping one would change the model
+// at once.
 double least_ridge(int power, bool hermite, bool value) {
   return 10 * std::max(pivot_tolerance(power, hermite, value), 1e-14);
 }
-// Pivot of the last functional at the border of a lattice set, in units of h^k: medians over half balls.
+// Pivot of the last functional at the border of a lattice set, in units of h^k: median over half balls.
 double border_pivot(int power, bool hermite, bool value) {
   if (!hermite) return power == 5 ? 3 : 0.9;
   return value ? (power == 5 ? 1 : 0.6) : 2;
@@ -98,7 +99,7 @@ void RbfFit::place(std::size_t slot, const Sample& sample) {
   functionals(slot);
 }
 
-// l and v of the slot's rows.
+// l and v (polynomial.hpp) of the slot's rows.
 void RbfFit::functionals(std::size_t slot) {
   const double y[3] = {px_[slot], py_[slot], pz_[slot]};
   double l[max_terms], gradient[3 * max_terms];
@@ -125,10 +126,9 @@ void RbfFit::functionals(std::size_t slot) {
   }
 }
 
-// On the diagonal of a functional: the user's, what keeps it from being dropped, and what its state's weight
-// asks for. The last is about the
-// pivot of a state at the border of a lattice set of spacing h times 1 / w - 1, so that w is about the share
-// of it that counts.
+// Ridge on the diagonal of a functional: the user's, the least ridge of a set with weights, and a term for
+// the weight w of its state. The last is (1 / w - 1) times the pivot of a state at the border of a lattice
+// set of spacing h, so that the state counts with a share of about w.
 double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const double w = slot_[slot].sample.weight;
   const int k = level_.power - (functional > 0 ? 2 : 0);
@@ -207,7 +207,8 @@ void RbfFit::refit(std::span<const Sample> samples) {
   assert(samples.size() <= capacity_);
   factorise(samples);
   if (!drops_matter()) return;
-  // Which functionals are dropped depends on their order; nearest to the centre first makes it the set's own.
+  // Which functionals are dropped depends on their order. Sorting by distance to the centre makes the choice
+  // a function of the set.
   sorted_.assign(samples.begin(), samples.end());
   const Vec3 centre = centre_;
   std::ranges::sort(sorted_, [&](const Sample& a, const Sample& b) {
@@ -217,8 +218,8 @@ void RbfFit::refit(std::span<const Sample> samples) {
   factorise(sorted_);
 }
 
-// Between two Hermite states of r^5 so much is known already that what a near-duplicate adds is lost in
-// rounding: a history of updates must not decide which of them count.
+// With r^5 and stiffness, what a near-duplicate adds is below rounding. Which of the duplicates is dropped
+// must then not depend on the history of updates, so the set is factorised in a fixed order.
 bool RbfFit::drops_matter() const {
   return dropped_slots_ > 0 && level_.hermite && level_.power == 5;
 }

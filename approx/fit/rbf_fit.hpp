@@ -1,17 +1,19 @@
 #pragma once
-// Solves [A P; P^T 0][lambda; c] = [f; 0] (paper Eq. 2) for a set of states and keeps the factor alive, so
-// that k of n states are replaced in O(k n^2). With K the kernel of polynomial.hpp (positive definite), K = L
-// L^T and Y = L^-1 [P f], all of it maintained by DenseFactor:
+// The coefficients of an RBF model for a set of states:
+//   [A P; P^T 0][lambda; c] = [f; 0]      (paper Eq. 2)
+// The factor is kept, so that k of n states are replaced in O(k n^2). With K the projected kernel of
+// polynomial.hpp (positive definite), K = L L^T and Y = L^-1 [P f], which DenseFactor maintains:
 //   c minimises |Y_P c - Y_f|,   lambda = L^-T (Y_f - Y_P c).
-// The anchors of K lie around the set and expire when it has moved or changed its size.
+// The anchors of K lie around the set; the set is factorised anew if it has moved away from them or changed
+// its size.
 //
-// A model is watched at some of its own states. Where it misses them by more than a fresh factor would, its
-// coefficients are refined with the misfit in twice the working precision and the factor that is there
-// (Wilkinson 1963, ch. 3), so that an updated model is as good as one made anew however old its factor is; or
-// all is made anew where that takes less time.
+// Each model is checked at some of its own states. If it misses them by more than a fresh factor would, its
+// coefficients are refined: the misfit is computed in twice the working precision and corrected with the
+// present factor (Wilkinson 1963, ch. 3). An updated model is therefore as accurate as one made anew. Small
+// sets are refined, larger ones factorised anew, whichever is faster.
 //
-// Kernel and degree step down together where the states do not determine the polynomial: r^5 + quadratic ->
-// r^3 + linear -> r + constant -> tangent. Rank decides: pivots of P^T P.
+// Kernel and degree step down together if the states do not determine the polynomial: r^5 + quadratic ->
+// r^3 + linear -> r + constant -> tangent. The rank of P decides, by the pivots of P^T P.
 
 #include <array>
 #include <cstddef>
@@ -30,17 +32,16 @@ struct Sample {
   StateId id;
   Vec3 at, force;
   Mat3 stiffness;  // NaN where not known
-  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows lets it go out of the
-  // model gradually, so that a weight that is a continuous function of the HIP makes the model one.
+  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows removes it gradually
+  // as w tends to 0, so that the model is a continuous function of the HIP if w is.
   double weight = 1;
-  double reach = 1;  // as in Neighbour
-  double near = 1;   // its part in the side of a gap that is nearer to the HIP; 1 where there is one side
-  bool weighted = false;  // of a set with weights, though all may be 1: no weight that reaches 1 changes how
-                          // a model is made
-  bool state = true;      // false: a place that carries data, but is no state (affine_places)
+  double reach = 1;       // as in Neighbour
+  double near = 1;        // weight in the nearer side of a gap; 1 if there is one side
+  bool weighted = false;  // belongs to a set with weights; stays true even if every weight is 1
+  bool state = true;      // false: an auxiliary place with data (affine_places in model_options.hpp)
 };
 
-// Of a set with weights, in units of ModelOptions::length: of one state that counts alone, too.
+// Least radius of a set with weights, in units of ModelOptions::length.
 namespace detail {
 constexpr double least_size = 0.01;
 }
@@ -51,16 +52,16 @@ class RbfFit {
   RbfFit(const ModelOptions& options, std::size_t capacity);
 
   std::size_t size() const { return alive_; }
-  // All anew; near-duplicates of earlier samples are dropped.
+  // Factorises the set anew; near-duplicates of earlier samples are dropped.
   void refit(std::span<const Sample> samples);
-  // Takes states out and puts samples in, by update or by refit, whichever is cheaper. Returns true for a
-  // refit. All removed ids (ascending) must be in the set, no added one may be.
+  // Removes states and adds samples, by an update or by a refit, whichever is faster. Returns true for a
+  // refit. All removed ids (ascending) must be in the set; no added id may be.
   bool replace(std::span<const StateId> removed, std::span<const Sample> added);
-  // What must leave and come to make the set `wanted` (ascending ids).
+  // The states to remove and to add in order to get the set `wanted` (ascending ids).
   void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
                   std::vector<StateId>& missing) const;
 
-  // The model for a HIP at `hip`; bridge and half_ball as NeighbourSelector's bridge() and radius().
+  // Writes the model for a HIP at `hip`; bridge and half_ball are NeighbourSelector's bridge() and radius().
   // Allocates only if `out` was not reserved.
   void write(ModelDraft& out, const Vec3& hip, double bridge = 0, double half_ball = 0) {
     write(out.data(), hip, bridge, half_ball);
@@ -78,7 +79,7 @@ class RbfFit {
   struct Slot {
     Sample sample;
     bool alive = false;
-    bool has_stiffness = false;  // and it is used
+    bool has_stiffness = false;  // known and used
     std::uint32_t dropped = 0;   // functionals without a row of their own
   };
 
@@ -92,7 +93,7 @@ class RbfFit {
   void place(std::size_t slot, const Sample& sample);
   void functionals(std::size_t slot);
   void append_panel(std::size_t first_slot, std::size_t count);
-  enum class Outcome { refused, done, stale };  // stale: the set is right, the factor no longer suits it
+  enum class Outcome { refused, done, stale };  // stale: the set is right, but its factor must be made anew
   Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
   bool frame_expired();
   void remove_and_close();
@@ -143,8 +144,8 @@ class RbfFit {
   DenseFactor factor_;
   std::vector<Slot> slot_;
   AlignedArray px_, py_, pz_;  // scaled positions by slot
-  AlignedArray hull_;          // 3 x slot_stride: of the living, drawn to their mean by 1 - weight
-  bool weighted_ = false;      // of a set with weights
+  AlignedArray hull_;      // 3 x slot_stride: of the living states, moved towards their mean by 1 - weight
+  bool weighted_ = false;  // of a set with weights
   // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
   // known), the weight (0 for holes), and room for distances.
   enum SlotArray : std::size_t {
@@ -178,9 +179,9 @@ class RbfFit {
   double upper_[detail::max_terms * detail::max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
   std::vector<std::uint32_t> living_;                         // slots in the order of the model's centres
   std::size_t watched_ = 0;
-  bool updated_ = false, worn_ = false;  // since the last refit; has lost digits by that
+  bool updated_ = false, worn_ = false;  // since the last refit; the factor has lost digits
   std::size_t given_stride_ = 0;
-  AlignedArray given_, misfit_;  // 12 x given_stride: f and dF/dy of the living slots, what the model leaves
+  AlignedArray given_, misfit_;  // 12 x given_stride: f and df/dy of the living slots, and the misfit
   AlignedArray correction_, last_correction_;  // 3 x row_stride: of lambda
   double polynomial_correction_[3][detail::max_terms] = {};
 };

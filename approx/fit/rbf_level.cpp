@@ -1,4 +1,5 @@
-// Frame and level of a set: its centre and size, and the highest kernel and degree whose polynomial it determines.
+// Frame and level of a set: its centre and size, and the highest kernel and degree whose polynomial it
+// determines.
 #include <algorithm>
 #include <cmath>
 
@@ -15,8 +16,8 @@ int power_of(Kernel kernel) {
   return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
 }
 
-// The last pivot of a pivoted Cholesky is at least det / (product of the other diagonal entries), and the
-// determinant needs no pivoting.
+// A quick test that is sufficient, not necessary: the last pivot of a pivoted Cholesky is at least det /
+// (product of the other diagonal entries), and the determinant needs no pivoting.
 bool surely_full_rank(std::size_t q, const double* gram) {
   double rest[max_terms][max_terms], correlation = 1, least = gram[0], most = gram[0];
   for (std::size_t i = 0; i < q; ++i) std::copy_n(gram + i * q, i + 1, rest[i]);
@@ -61,8 +62,9 @@ bool full_rank(std::size_t q, double* gram) {
 
 }  // namespace
 
-// Centre and scale so that the set fills the unit ball; in a set with weights what counts of it, so that a far
-// state that hardly does changes neither which polynomial is determined nor what a ridge means.
+// Centre and scale, so that the set fills the unit ball. In a set with weights each state counts by its
+// weight: a far state of little weight then changes neither the rank of the polynomial nor the meaning of a
+// ridge.
 void RbfFit::set_frame(std::span<const Sample> samples) {
   const bool weighted = samples[0].weighted;
   double total = 0, largest = 0;
@@ -86,7 +88,7 @@ void RbfFit::set_frame(std::span<const Sample> samples) {
 RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
   Level level{power_of(options_.kernel), options_.kernel == Kernel::quintic ? 2 : 1,
               options_.data == Data::force_and_stiffness};
-  // Places that carry the affine fit determine it, however little the set around them is.
+  // The auxiliary places determine the polynomial, however small the set is.
   if (std::ranges::any_of(samples, [](const Sample& s) { return !s.state; })) return level;
   for (;; --level.degree) {
     if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
@@ -111,8 +113,8 @@ RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
   }
 }
 
-// The same question for the level in use, from the rows that are there; a set that once stepped down is asked
-// anew.
+// True if level_for would give the present level. Uses the rows that are there, unless the set has stepped
+// down.
 bool RbfFit::level_still_fits() {
   const int wanted = options_.kernel == Kernel::quintic ? 2 : 1;
   if (level_.degree == wanted) {

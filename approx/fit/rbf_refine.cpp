@@ -1,4 +1,4 @@
-// The watch over a kept factor and the refinement of what comes out of it.
+// Checks of a kept factor, and iterative refinement of the coefficients.
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +12,12 @@ using namespace detail;
 
 namespace {
 
-// States watched at a time: an evaluation of a small set costs little beside its update.
+// States checked at a time: evaluating a model there costs little beside its update.
 constexpr std::size_t watched(std::size_t n) {
   return n <= 16 ? n : n <= 32 ? 16 : 8;
 }
-// Where digits count as lost. Factors of lattices, fresh or not, stay below these: by a factor of two or more
-// for 25 to 75 Hermite and 100 to 300 plain states.
+// Limits beyond which digits count as lost. Factors of lattice sets, fresh or updated, stay below them by a
+// factor of two or more (25 to 75 Hermite states, 100 to 300 plain ones).
 constexpr double lost = 3e-14;        // misfit, per 100 rows, and P^T lambda, in units of the largest force
 constexpr double least_pivot = 1e-5;  // of K
 constexpr double least_determined = 1e-3;  // pivot ratio of P
@@ -64,7 +64,7 @@ bool RbfFit::has_lost_digits(const ModelData& out) {
     }
     return !(squared <= allowed * allowed);
   };
-  // The state that is known least apart from the others, where errors gather first, and others in turn.
+  // Checks the state with the smallest pivot, where errors appear first, and others in turn.
   bool lost_some = false;
   const auto at = std::ranges::lower_bound(living_, static_cast<std::uint32_t>(weakest / rows_per_slot_));
   if (at != living_.end()) lost_some = missed(static_cast<std::size_t>(at - living_.begin()));
@@ -77,7 +77,8 @@ bool RbfFit::has_lost_digits(const ModelData& out) {
   return lost_some;
 }
 
-// What the model leaves, into misfit_ and, by rows of the factor, into correction_; its largest entry.
+// The misfit of the model at its states, into misfit_ and, in the order of the factor's rows, into
+// correction_. Returns its largest entry.
 double RbfFit::misfit(const ModelData& out) {
   const std::size_t b = rows_per_slot_;
   exact::loops().misfit(out.power, b == 4, out.padded, out.data.data(), out.stride, out.polynomial[0].data(),
@@ -85,7 +86,7 @@ double RbfFit::misfit(const ModelData& out) {
   double largest = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     double* to = correction_.data() + c * row_stride_;
-    std::fill_n(to, row_stride_, 0.0);  // all: of a larger set before it nothing may be left
+    std::fill_n(to, row_stride_, 0.0);  // all of it: an earlier, larger set must leave nothing
     for (std::size_t i = 0; i < living_.size(); ++i)
       for (std::size_t t = 0; t < b; ++t) {
         const std::size_t row = living_[i] * b + t;
@@ -100,7 +101,7 @@ double RbfFit::misfit(const ModelData& out) {
   return largest;
 }
 
-// -P^T lambda, which should vanish.
+// rest = -P^T lambda, which should be zero.
 void RbfFit::constraint(const ModelData& out, double* rest) const {
   const std::size_t b = rows_per_slot_, q = terms_;
   for (std::size_t c = 0; c < 3; ++c)
@@ -114,7 +115,7 @@ void RbfFit::constraint(const ModelData& out, double* rest) const {
     }
 }
 
-// Adds the correction `by` times (1 or -1) to the model.
+// Adds `by` (1 or -1) times the correction to the model.
 void RbfFit::correct(ModelData& out, double by) {
   const std::size_t b = rows_per_slot_;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -127,7 +128,8 @@ void RbfFit::correct(ModelData& out, double by) {
   }
 }
 
-// Each round sums over all pairs of states in twice the working precision.
+// A round of refinement sums over all pairs of states in twice the working precision, so for larger sets a
+// refit is faster.
 bool RbfFit::refit_is_cheaper() const {
   return mode_ == Mode::automatic && updated_ && alive_ > most_refined;
 }
@@ -161,7 +163,7 @@ void RbfFit::solve_correction(const ModelData& out) {
     }
   }
   double along[3 * max_terms], total[3 * max_terms] = {};
-  for (int pass = 0; pass < 2; ++pass) {  // the second takes out what rounding left
+  for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the rounding error of the first
     dense::loops().dots3(q, m, correction_.data(), orthogonal_.data(), row_stride_, along);
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t j = 0; j < q; ++j) {
@@ -188,7 +190,8 @@ void RbfFit::solve_correction(const ModelData& out) {
   }
 }
 
-// Iterative refinement of the coefficients. False if it did not converge: the factor has lost too many digits.
+// Iterative refinement of the coefficients. False if it did not converge: the factor has lost too many
+// digits.
 bool RbfFit::refine(ModelData& out) {
   load_given();
   const double before = misfit(out);
@@ -198,14 +201,15 @@ bool RbfFit::refine(ModelData& out) {
     const double* z = correction_.data();
     double size = 0;
     for (std::size_t i = 0; i < 3 * row_stride_; ++i) size = std::max(size, std::abs(z[i]));
-    // No longer converging, or not a number; the first rounds may mend one thing after the other.
+    // Stop if it no longer converges or is not a number. The first rounds may reduce one component after the
+    // other.
     if (!(size < (round < 3 ? 2 : 0.5) * last)) break;
     last = size;
     correct(out, 1);
     std::copy_n(correction_.data(), 3 * row_stride_, last_correction_.data());
     const double after = misfit(out);
     if (after <= 2 * before) continue;
-    std::copy_n(last_correction_.data(), 3 * row_stride_, correction_.data());  // worse than nothing
+    std::copy_n(last_correction_.data(), 3 * row_stride_, correction_.data());  // made it worse: undo
     correct(out, -1);
     return false;
   }

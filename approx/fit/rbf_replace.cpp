@@ -1,4 +1,5 @@
-// Replacing some of the states: which leave and come, update or refit, and closing up the rows that are left empty.
+// Replacing some of the states: which leave and come, update or refit, and closing up the rows that are left
+// empty.
 #include <algorithm>
 
 #include "approx/fit/rbf_fit.hpp"
@@ -46,7 +47,7 @@ bool RbfFit::replace(std::span<const StateId> removed, std::span<const Sample> a
   return true;
 }
 
-// True where the anchors no longer suit the set: its centre or size has changed much.
+// True if the anchors no longer suit the set: its centre or its size has changed much.
 bool RbfFit::frame_expired() {
   if (alive_ == 0) return true;
   double sums[5];
@@ -68,8 +69,8 @@ void RbfFit::leave(std::size_t slot) {
 
 namespace {
 
-// Measured: an update of more of n states than this costs as much as a refit or more. With stiffness at n =
-// 25, 50 and 75 from 8, 12 and 16 states on for r^3, from 9, 14 and 17 for r^5.
+// Replacing more than this many of n states takes as long as a refit, or longer. Measured with stiffness at n
+// = 25, 50 and 75: from 8, 12 and 16 states on for r^3, from 9, 14 and 17 for r^5.
 double most_updated(double n, bool hermite) {
   return hermite ? std::min(4 + 0.15 * n, 0.5 * n) : 2 + 0.2 * n;
 }
@@ -88,7 +89,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   index_.clear();
   for (const StateId id : removed) leave(std::ranges::lower_bound(by_id_, id, {}, &Entry::id)->slot);
   if (dropped_slots_ > 0 && !removed.empty())
-    for (std::size_t s = 0; s < slots_; ++s) {  // what was dropped beside a state that left may count again
+    for (std::size_t s = 0; s < slots_; ++s) {  // a row dropped beside a removed state may count again
       if (!slot_[s].alive || slot_[s].dropped == 0) continue;
       added_.push_back(slot_[s].sample);
       leave(s);
@@ -96,7 +97,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   std::ranges::sort(index_);
   std::erase_if(by_id_, [&](const Entry& e) { return slot_array(in_use)[e.slot] == 0; });
   added_.insert(added_.end(), added.begin(), added.end());
-  // Holes cost as much as rows: where four go with a state, closing up soon pays.
+  // Holes cost as much as rows, so with four rows per state closing up pays soon.
   if ((b == 4 && 8 * (slots_ - alive_) > alive_) || slots_ + added_.size() > slot_capacity_)
     remove_and_close();
   else
@@ -106,7 +107,7 @@ RbfFit::Outcome RbfFit::try_update(std::span<const StateId> removed, std::span<c
   return level_still_fits() ? Outcome::done : Outcome::stale;
 }
 
-// Takes the rows of index_ out and moves all arrays together.
+// Removes the rows of index_ and closes up all arrays.
 void RbfFit::remove_and_close() {
   const std::size_t b = rows_per_slot_;
   std::size_t first = 0;  // slots before it stay

@@ -1,4 +1,4 @@
-// The coefficients from the factor, and the model made of them.
+// The coefficients from the factor, and the model that they make.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace forefeel {
 using namespace detail;
 
-// min |Y_P c - Y_f| by modified Gram-Schmidt on [Y_P Y_f], whose last columns become the residual; then
-// lambda = L^-T residual. P^T lambda = 0 is as exact as the residual is orthogonal.
+// Minimises |Y_P c - Y_f| by modified Gram-Schmidt on [Y_P Y_f], whose last columns become the residual; then
+// lambda = L^-T residual. P^T lambda = 0 holds as exactly as the residual is orthogonal to Y_P.
 void RbfFit::solve() {
   const std::size_t m = factor_.rows(), q = terms_;
   dense::loops().columns_of(factor_.border_row(0), m, q + 3, orthogonal_.data(), row_stride_);
@@ -32,8 +32,8 @@ void RbfFit::solve() {
   factor_.solve_transposed(residual, residual + row_stride_, residual + 2 * row_stride_);
 }
 
-// Back from the projected kernel to phi: only the polynomial changes, by -s sum_b lambda_b v_b.
-// False where the factor has lost too much for it.
+// From the projected kernel back to phi: only the polynomial changes, by -s sum_b lambda_b v_b.
+// False if the factor has lost too many digits.
 bool RbfFit::write_sum(ModelData& out) {
   solve();
   const std::size_t m = factor_.rows();
@@ -82,7 +82,8 @@ double largest_of(const double* values, std::size_t n) {
 
 }  // namespace
 
-// The bound B; where no stiffness is known, twice the largest secant from the mean of the states stands for K.
+// The bound B (model_data.hpp). If no stiffness is known, twice the largest secant from the mean of the
+// states replaces K.
 void RbfFit::set_bound(ModelData& out) {
   double largest = 0;
   for (std::size_t s = 0; s < slots_; ++s)
@@ -162,8 +163,8 @@ RbfFit::Reach RbfFit::reach_from(const Vec3& y) {
       reach.farthest = std::max(reach.farthest,
                                 reach.nearest + slot_array(share)[s] * (slot_array(away)[s] - reach.nearest));
   }
-  // States about equally far count about equally, so that the tangent does not change at once when another state
-  // becomes the nearest.
+  // States about equally far count about equally, so that the tangent does not change at once when another
+  // state becomes the nearest.
   reach.farthest = std::max(reach.farthest, reach.nearest + options_.length * inverse_scale_);
   reach.mean = Vec3(extent[0], extent[1], extent[2]) / total;
   reach.radius =
@@ -171,8 +172,8 @@ RbfFit::Reach RbfFit::reach_from(const Vec3& y) {
   return reach;
 }
 
-// Length [m] of which the trust distance is 1.5 times and the hold distance 4 times: the radius of the set, or the
-// distance between states if that is more.
+// Length [m] of which the trust distance is 1.5 times and the hold distance 4 times: the radius of the set,
+// or the distance between states if that is more.
 double RbfFit::length_of(const Reach& reach, double half_ball) {
   double length = reach.radius;
   if (weighted_ &&
@@ -191,8 +192,8 @@ double RbfFit::length_of(const Reach& reach, double half_ball) {
   return length;
 }
 
-// Bound, hulls and tangent (see model_data.hpp). A state's share of the tangent falls to zero with its weight and
-// towards the farthest state, so that the tangent changes gradually as the set does.
+// Bound, hulls and tangent (see model_data.hpp). A state's share of the tangent falls to zero with its weight
+// and towards the farthest state, so that the tangent changes gradually as the set does.
 void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball) {
   const Vec3 y = within_range(scaled(hip));
   const Reach reach = reach_from(y);
@@ -215,7 +216,8 @@ void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, doubl
     write_tangent_of_sum(out, hip, reach.first, reach.nearest, reach.farthest);
 }
 
-// Where every stiffness is known: the mean of f_i - K_i (x - x_i) over the states, about their mean position.
+// Tangent if every stiffness is known: the mean of f_i - K_i (x - x_i) over the states, about their mean
+// position.
 void RbfFit::write_mean_tangent(ModelData& out, const Reach& reach) {
   const Sample& base = slot_[reach.first].sample;
   const double origin[3] = {px_[reach.first], py_[reach.first], pz_[reach.first]};
@@ -238,8 +240,9 @@ void RbfFit::write_mean_tangent(ModelData& out, const Reach& reach) {
   out.tangent_force += out.tangent_jacobian * at;
 }
 
-// The planes about the states: those of the nearer side, drawn to their mean where they count less, or of both
-// sides, drawn to the HIP, which is between them however little the far one counts.
+// The planes that bound the states: of the nearer side, each state moved towards the mean as its weight
+// falls; or of both sides, each state moved towards the HIP, which lies between the sides however small the
+// weight of the far one is.
 void RbfFit::write_hull(const ModelData& out, ModelData::Hull& hull, bool near, const Vec3& centre) {
   if (!weighted_) {
     const double* y = out.data.data();
@@ -259,7 +262,7 @@ void RbfFit::write_hull(const ModelData& out, ModelData::Hull& hull, bool near, 
     middle = total > 0 ? Vec3(middle / total) : centre;
   }
   std::size_t n = 0;
-  if (!near) {  // the HIP itself too, whatever counts fully
+  if (!near) {  // the HIP itself belongs to the hull
     for (std::size_t d = 0; d < 3; ++d) to[d][n] = middle[Eigen::Index(d)];
     ++n;
   }
@@ -272,8 +275,9 @@ void RbfFit::write_hull(const ModelData& out, ModelData::Hull& hull, bool near, 
   hull.set(to[0], to[1], to[2], n, out.trust);
 }
 
-// Where not every stiffness is known: the force of a state and the slope of the sum there, never steeper than
-// what is known; the mean of those about as near as the nearest where the HIP is outside, where it may count.
+// Tangent if not every stiffness is known: the force of the nearest state and the slope of the sum there,
+// limited to the largest known stiffness. If the HIP is outside the hull: the mean over the states about as
+// near as the nearest.
 void RbfFit::write_tangent_of_sum(ModelData& out, const Vec3& hip, std::size_t first, double nearest,
                                   double farthest) {
   const Sample& base = slot_[first].sample;

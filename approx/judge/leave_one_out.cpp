@@ -71,7 +71,7 @@ class Crossed {
                 : options.kernel == Kernel::cubic ? 3
                                                   : 5,
                 options.kernel == Kernel::quintic ? 2 : 1, options.data == Data::force_and_stiffness};
-    for (;; --level.degree) {  // as RbfFit steps down
+    for (;; --level.degree) {  // steps down as RbfFit does
       if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
       level.hermite = level.hermite && level.degree > 0;
       set_rows(centre, radius, level.hermite);
@@ -87,11 +87,11 @@ class Crossed {
     }
   }
 
-  // Misses of every state, NaN where the others do not determine it.
+  // Errors at every state; NaN if the others do not determine a model.
   std::vector<Vec3> misses(double ridge) const {
     std::vector<Vec3> out(states_.size(), Vec3::Constant(unknown));
     if (values_.size() == 0) return out;
-    // K is positive definite there but for rounding.
+    // K is positive definite there, up to rounding.
     const VectorXd inverse = (values_.array().max(1e-15 * values_.maxCoeff()) + ridge).inverse();
     const MatrixXd lambda = vectors_ * (inverse.asDiagonal() * (vectors_.transpose() * right_));
     for (std::size_t begin = 0; begin < rows_.size();) {

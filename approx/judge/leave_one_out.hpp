@@ -1,12 +1,12 @@
 #pragma once
-// How well each state is foretold by the others, and the ridge that foretells best, for noisy states.
-// With the kernel K = s A (s = -1 for r and r^5), the ridge rho on its diagonal and G the upper left block of
-// the inverse of [K + rho I, P; P^T, 0], the coefficients are lambda = G f, and without the rows b of one state
-// its own data are missed by
-//   e_b = f_b - f~_(-b) = G_bb^-1 lambda_b
-// exactly, for every rho (the formula of Allen's PRESS and of Wahba, Spline Models for Observational Data,
-// 1990, ch. 4, with a block of four rows where the stiffness is used too). One eigendecomposition of K on the
-// null space of P^T serves every rho: O(n^3), then O(n^2) each.
+// Leave-one-out errors: how well the other states predict each state, and the ridge that predicts noisy
+// states best.
+//   e_b = f_b - f~_(-b) = G_bb^-1 lambda_b,     lambda = G f
+// b: the rows of one state (one, or four if the stiffness is used); f~_(-b): the model without them; G: the
+// upper left block of the inverse of [K + rho I, P; P^T, 0]; K = s A the kernel (s = -1 for r and r^5, else
+// 1); rho the ridge. The formula is exact for every rho (Allen's PRESS; Wahba, Spline Models for
+// Observational Data, 1990, ch. 4). One eigendecomposition of K on the null space of P^T, O(n^3), serves
+// every rho, O(n^2) each.
 
 #include <span>
 #include <vector>
@@ -15,18 +15,18 @@
 
 namespace forefeel {
 
-// Force missed at each usable state by the model of the others [N]; NaN where they do not determine one.
-// options: kernel, data, ridge (of all states: scale and centre stay those of the whole set).
+// f - f~ [N] at each usable state, f~ the model of the others; NaN if they do not determine a model. Scale
+// and centre stay those of the whole set. Uses kernel, data and ridge of the options.
 std::vector<Vec3> leave_one_out(std::span<const State> states, const ModelOptions& options);
 
 struct RidgeChoice {
   double ridge = 0;       // in the units of ModelOptions::ridge
-  double missed = 0;      // root mean square of the forces missed with it [N]
-  double unsmoothed = 0;  // the same with none [N]
+  double missed = 0;      // root mean square of the errors with this ridge [N]
+  double unsmoothed = 0;  // the same without a ridge [N]
 };
 
-// The ridge, 0 or a half power of ten from 1e-12 to 10, that misses least over sets of options.neighbours
-// states from all over the space.
+// The ridge (0, or a half power of ten from 1e-12 to 10) with the least error over sets of options.neighbours
+// states from the whole space.
 RidgeChoice choose_ridge(const StateSpace& space, const ModelOptions& options);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// Arrays that start on a cache line, so that full vectors never straddle two.
+// Arrays that start on a cache line (64 bytes), so that no full vector lies across two lines.
 
 #include <cstddef>
 #include <new>

@@ -7,7 +7,7 @@ void solve_transposed3(const double* l, std::size_t stride, const double* invers
                        double* y1, double* y2) {
   double* __restrict y[3] = {y0, y1, y2};
   std::size_t end = m;
-  if (const std::size_t odd = m % 4; odd != 0) {  // the last columns one by one, so that the rest go in fours
+  if (const std::size_t odd = m % 4; odd != 0) {  // the last columns one by one; the others in fours
     for (std::size_t c = m; c-- > m - odd;)
       for (auto* yk : y) {
         double value = yk[c];
@@ -30,8 +30,8 @@ void solve_transposed3(const double* l, std::size_t stride, const double* invers
         sum[2][t] += value * x2;
       }
     };
-    // The four just solved come last, so that the others need not wait for them, and by a load that asks for
-    // no more than their store.
+    // The four entries just solved come last, so that the others need not wait for them, with a load of the
+    // same width as their store.
     const std::size_t whole = width == 8 ? (c + 11) / 8 * 8 : c + 4;
     for (std::size_t i = whole; i < m; i += width) add(i, load(y[0] + i), load(y[1] + i), load(y[2] + i));
     for (std::size_t i = whole; i > c;) {
@@ -57,9 +57,9 @@ void solve_transposed3(const double* l, std::size_t stride, const double* invers
 
 namespace {
 
-// One step of modified Gram-Schmidt on a column c and the K after it, whose products with it (its own square
-// first) stand in `products`: takes it out of the others, normalises it, and leaves the products of the next
-// column with those after it. One sweep for all of them.
+// One step of modified Gram-Schmidt on a column c and the K columns after it. products: in, the products of c
+// with itself and with these; out, those of the next column with itself and the ones after it. Removes c's
+// component from the others and normalises c, in one sweep.
 template <std::size_t K>
 FOREFEEL_INLINE void take_out(std::size_t m, double* __restrict c, std::size_t stride, double* products) {
   const double unit = 1 / __builtin_sqrt(products[0]), squared = 1 / products[0];
@@ -81,7 +81,8 @@ FOREFEEL_INLINE void take_out(std::size_t m, double* __restrict c, std::size_t s
   for (std::size_t t = whole; t < K; ++t) products[t] = sum_of(sum[t]);
 }
 
-// Takes Q orthonormal columns out of three more once again; their components are added to right[c * q + j].
+// Projects three columns once more onto the complement of Q orthonormal ones; adds the components to right[c
+// * q + j].
 template <std::size_t Q>
 FOREFEEL_INLINE void take_out_again(std::size_t q, std::size_t m, const double* __restrict columns,
                                     std::size_t stride, double* __restrict rest, double* right) {

@@ -1,6 +1,6 @@
 #pragma once
-// The loops of dense_kernels.hpp that stand in files of their own, for the instruction set that a file is compiled
-// for, and what these files share.
+// The loops of dense_kernels.hpp that stand in files of their own, for the instruction set that a file is
+// compiled for, and what these files share.
 
 #include <type_traits>
 

@@ -6,8 +6,8 @@ namespace {
 
 // The reflection I - k u u^T, u = (-s, v), that takes (d, v) to (r, 0): with t = |v|^2
 //   s = t / (d + r),   k = (d + r) / (r t),   so that k s = 1 / r.
-// Nothing cancels, and it tends to one that leaves d alone as v vanishes. The three divisions do not wait for
-// each other.
+// Nothing cancels, and as v tends to 0 the reflection tends to one that leaves d as it is. The three
+// divisions do not depend on each other.
 template <std::size_t G>
 struct Reflection {
   double s, k, inverse, v[G];
@@ -81,8 +81,8 @@ FOREFEEL_INLINE void make_corner(const double* __restrict l, std::size_t stride,
   }
 }
 
-// A vector of rows of C columns at at[t] and of G vectors, which are read and written once for all of them; of
-// the columns only the lanes from `skip` on.
+// Reflects one vector of rows of C columns (at at[t]) and of G update vectors, which are read and written
+// once for all columns. Of the columns only the lanes from `skip` on are written.
 template <std::size_t G, std::size_t C>
 FOREFEEL_INLINE void reflect_rows(const Reflection<G>* __restrict h, double* const* at, double* from,
                                   std::size_t from_stride, std::size_t skip = 0) {
@@ -113,8 +113,8 @@ struct Columns {
     for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
     reflect_rows<G, C>(corner.h, at, v + i, vs, skip);
   }
-  // The vector that holds the first row below the corner, then the corner: what is stored one by one is stored
-  // after the vector around it has been read, which would have to wait for it. Returns the next row.
+  // Reflects the vector that holds the first row below the corner, then stores the corner. The order matters:
+  // reading a vector right after storing single entries of it would stall. Returns the next row.
   inline __attribute__((always_inline)) std::size_t begin(const Corner<G, C>& corner, double* inverse) const {
     const std::size_t next = col + C, i = next / width * width;
     if (i < next && i < m) rows(corner, i, next - i);
@@ -134,8 +134,9 @@ struct Columns {
   }
 };
 
-// The columns first <= c < last, C at a time. With many vectors the reflections of the next columns are made as
-// soon as their rows are there: their roots and divisions take their time while the rest of the rows is reflected.
+// The columns first <= c < last, C at a time. With many vectors, the reflections of the next columns are
+// computed as soon as their rows are ready, so that their roots and divisions overlap with the reflection of
+// the other rows.
 template <std::size_t G, std::size_t C>
 FOREFEEL_INLINE std::size_t update_by(double* __restrict l, std::size_t stride, double* __restrict inverse,
                                       double* __restrict y, std::size_t first, std::size_t last,

@@ -101,8 +101,8 @@ const sums::Loops& sums::loops() {
   static const Loops chosen = [] {
     Loops all = FOREFEEL_CHOSEN(sum_loops);
 #ifdef FOREFEEL_MULTIVERSION
-    // Fifteen numbers a state are loaded for some thirty operations: wider vectors gain nothing, and where stores stand
-    // between two sums they were up to half slower (25 states 43 to 77 ns, with AVX2 always 46).
+    // Each state loads fifteen numbers for about thirty operations, so wider vectors gain nothing. With
+    // stores between two sums they were up to half slower (25 states: 43 to 77 ns; AVX2: always 46).
     if (approx_instruction_set() == InstructionSet::avx512) {
       std::ranges::copy(avx2::sum_loops.quick[1], all.quick[1]);
       all.hermite = avx2::sum_loops.hermite;

@@ -1,8 +1,8 @@
 #pragma once
-// Which compilation of the inner loops runs. They are compiled once per set and chosen at start, so that one
-// binary serves old and new processors. The environment variable FOREFEEL_ISA (portable, avx2 or avx512) asks
-// for a lower set than the processor has, to measure or to test it; a higher one is not granted, and anything else
-// counts as unset here: check_instruction_set() is for a program's start.
+// The instruction set of the inner loops. They are compiled once per set; the best set that the processor
+// supports is chosen at start. The environment variable FOREFEEL_ISA (portable, avx2 or avx512) selects a
+// lower set, for measurements and tests. A higher set than the processor's is ignored, and so is any other
+// value; a program calls check_instruction_set() at its start to report such a value.
 
 #include <string_view>
 
@@ -11,7 +11,7 @@ namespace forefeel {
 enum class InstructionSet { portable, avx2, avx512 };  // x86-64, x86-64-v3, x86-64-v4
 std::string_view name(InstructionSet set);
 InstructionSet approx_instruction_set();
-// InputError where FOREFEEL_ISA is set to none of the names; empty counts as unset.
+// Throws InputError if FOREFEEL_ISA is set to another value; empty counts as unset.
 void check_instruction_set();
 
 }  // namespace forefeel

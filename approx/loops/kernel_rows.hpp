@@ -1,5 +1,5 @@
 #pragma once
-// Leaf loops that fill rows of the kernel matrix, compiled for several instruction sets (instruction_set.hpp).
+// Loops that fill rows of the kernel matrix, compiled for several instruction sets (instruction_set.hpp).
 // Power k = 1, 3, 5 of phi(r) = r^k. Functionals: 0 value, 1..3 derivative along an axis.
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Compiled once per instruction set.
+// Compiled once per instruction set, with -ffast-math: sums over centres, whose order of addition is free.
 #include "approx/loops/kernel_sums.hpp"
 
 #include <bit>
@@ -11,9 +11,9 @@
 namespace forefeel::FOREFEEL_ISA {
 namespace {
 
-// tiny is added to r^2, so that its root has an inverse (where that is estimated in single precision, there).
-// The divider works beside the other units, so that some vectors of each turn take their roots there, and the
-// first few by estimates.
+// `tiny` is added to r^2, so that 1 / r is finite (in single precision if it is estimated there). The divider
+// works in parallel with the other units: of each turn, the first `estimated` vectors take their roots by
+// estimates, the others from the divider.
 #if defined(__AVX512F__)
 constexpr double tiny = 1e-200;
 constexpr std::size_t turn = 3, estimated = 2;
@@ -55,15 +55,16 @@ FOREFEEL_INLINE Pack divided_root(Pack x) {
 FOREFEEL_INLINE Pack inverse_root_estimate(Pack x) {
   return reinterpret_cast<Pack>(_mm512_rsqrt14_pd(reinterpret_cast<__m512d>(x)));
 }
-// x as a value of its own, of which -ffast-math makes no other product.
+// Keeps x as it is: -ffast-math must not rearrange the product that it belongs to.
 FOREFEEL_INLINE Pack kept(Pack x) {
   asm("" : "+v"(x));
   return x;
 }
 #endif
 
-// sqrt(x), x >= tiny, to an ulp: by the divider, or by the estimate that the processor has of 1 / sqrt(x), with a
-// series: that of AVX-512 is within 2^-14 (series to e^3), that of single precision within 1.5 2^-12 (to e^4).
+// sqrt(x), x >= tiny, to an ulp: from the divider, or from the processor's estimate of 1 / sqrt(x) and a
+// series. The estimate of AVX-512 is within 2^-14 (series to e^3), that of single precision within 1.5 2^-12
+// (series to e^4).
 FOREFEEL_INLINE Pack root(Pack x, [[maybe_unused]] bool divided) {
 #if defined(__AVX512F__)
   if (!divided) {
@@ -112,7 +113,7 @@ FOREFEEL_INLINE void add_plain(const double* data, std::size_t stride, std::size
   for (std::size_t c = 0; c < 3; ++c) s[c] = times_plus(phi, load(data + (3 + c) * stride + i), s[c]);
 }
 
-// Six sums by name: what an array holds, GCC keeps on the stack between two loops.
+// Six sums as named members: GCC would keep an array on the stack between two loops.
 struct HermiteSums {
   Pack s0{}, s1{}, s2{}, t0{}, t1{}, t2{};
 };
@@ -184,8 +185,9 @@ FOREFEEL_INLINE void finish(const Pack s[4], const Pack t[9], const double* p, c
 }
 
 #if defined(__AVX512F__)
-// G vectors of centres step by step together, so that little waits for what stands just before it; the last D take
-// their roots from the divider. phi = h + h e (1/2 + 3/8 e + 5/16 e^2), h = x^(K/2) by the estimated root.
+// G vectors of centres in step with each other, so that few instructions wait for the one before; the last D
+// take their roots from the divider. phi = h + h e (1/2 + 3/8 e + 5/16 e^2), h = x^(K/2) by the estimated
+// root.
 template <int K, std::size_t G, std::size_t D>
 FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::size_t i, const Pack y[3],
                                   Pack s[3]) {
@@ -214,7 +216,7 @@ FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::s
       s[c] = times_plus(phi[t], load(data + (3 + c) * stride + i + t * width), s[c]);
 }
 
-// In fours. Those left over come first: a root that takes long had better not be waited for at the end.
+// In groups of four vectors. The rest comes first, so that its slow roots are not waited for at the end.
 template <int K>
 FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_t stride, const Pack y[3],
                                    Pack s[3]) {
@@ -261,14 +263,15 @@ FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, 
   finish<K>(s, polynomial, y, f);
 }
 
-// |a| <= b, false where a is not a number: by their bits, for -ffast-math takes all for numbers.
+// |a| <= b; false if a is not a number. Compares bits, because -ffast-math assumes that all values are
+// numbers.
 [[maybe_unused]] FOREFEEL_INLINE bool not_above(double a, double b) {
   const auto size = std::bit_cast<std::int64_t>(a) & std::numeric_limits<std::int64_t>::max();
   return size <= std::bit_cast<std::int64_t>(b);
 }
 
-// Between two evaluations the processor looks ahead by a few vectors of centres only: what leads to the first of
-// them is kept short, and the polynomial stands where it has to wait for it.
+// From one evaluation to the next the processor looks ahead by a few vectors of centres only. So the
+// instructions before the first of them are few, and the polynomial is placed where the sums wait anyway.
 template <int K, bool hermite>
 bool quick(const sums::Sum& m, const double x[3], double f[3]) {
   Pack y[3];

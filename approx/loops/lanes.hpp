@@ -1,6 +1,7 @@
 #pragma once
-// A vector as wide as the instruction set that this translation unit is compiled for. Only for leaf loops that
-// are compiled once per set: nothing here may be shared between them, so all is local to the translation unit.
+// A vector (Pack) as wide as the instruction set that the file is compiled for. Only for loops that are
+// compiled once per set: the linker must not share anything here between sets, so all of it is local to the
+// file.
 
 #include <cstddef>
 

@@ -1,9 +1,10 @@
 #pragma once
-// RBF model of the force (paper Eq. 1, 2): per force component
-//   f~(x) = p(x) + sum_i lambda_i phi(|x - x_i|),   [A P; P^T 0][lambda; c] = [f; 0],   A_ij = phi(|x_i -
-//   x_j|)
-// phi = r or r^3 with linear p, r^5 with quadratic p; with stiffness data each state also contributes three
-// derivative functionals per component (Hermite). Coordinates are centred and scaled inside.
+// RBF model of the force f [N] at the HIP position x [m] (paper Eq. 1, 2), for each component
+//   f~(x) = p(x) + sum_i lambda_i phi(|x - x_i|)
+//   [A P; P^T 0][lambda; c] = [f; 0],   A_ij = phi(|x_i - x_j|)
+// x_i: positions of the states; p: polynomial with coefficients c, P its terms at the x_i; phi = r or r^3
+// with linear p, r^5 with quadratic p. With stiffness data each state adds three derivatives per component
+// (Hermite, or gradient-enhanced, interpolation). Coordinates are centred and scaled inside.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,7 @@ namespace forefeel {
 class LatticeField;
 struct ModelData;  // model_data.hpp
 
-// A model in the making: memory for one model, filled by RbfFit::write or set_lattice and handed to Model::assign.
+// Memory for one model, filled by RbfFit::write or set_lattice and then given to Model::assign.
 class ModelDraft {
  public:
   ModelDraft();  // f~ = 0 everywhere
@@ -48,21 +49,22 @@ class Model {
 
   Vec3 force(const Vec3& x) const noexcept;                                  // [N]; no allocation, no lock
   void evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept;  // jacobian_ij = df_i/dx_j [N/m]
-  std::span<const StateId> states() const noexcept;                          // those it was made from
-  Kernel kernel() const noexcept;                                            // after step-down,
-  int degree() const noexcept;                                               // and that of p
+  std::span<const StateId> states() const noexcept;                          // the states it was made from
+  Kernel kernel() const noexcept;                                            // after step-down
+  int degree() const noexcept;                                               // of p, after step-down
   bool is_tangent() const noexcept;  // stepped down to the tangent (or held force) of the nearest state
   // No force of this model exceeds B = 1.25 (F + K D) [N]: F and K the largest force and stiffness among its
-  // states, D the hold distance. f~ is the RBF sum inside the hull of the states and up to the trust distance
-  // outside; from twice that on it is a tangent, which is held from D on (model_data.hpp).
+  // states, D the hold distance, beyond which the force is held constant. f~ is the RBF sum inside the hull
+  // of the states and up to the trust distance outside it, and a tangent from twice that distance on
+  // (model_data.hpp).
   double force_bound() const noexcept;
   double trust_distance() const noexcept;  // [m]
   double hold_distance() const noexcept;   // [m]
   std::uint64_t serial() const noexcept;   // grows with every update of one updater; 0 for the empty model
   bool uses_stiffness() const noexcept;    // Hermite data, after step-down
 
-  // Becomes what the draft describes. The two exchange their memory, so that a released model is reused without
-  // allocation; the draft then holds what this model was.
+  // Becomes the model that the draft describes. The two exchange their memory, so that a released model is
+  // reused without allocation; the draft then holds the former content of this model.
   void assign(ModelDraft& draft, std::uint64_t serial) noexcept;
   void reserve(const ModelOptions& options);  // memory that the next draft gets from here; f~ stays as it is
   const ModelData& data() const noexcept { return *data_; }  // to read; for benchmarks of the sums

@@ -36,7 +36,7 @@ ModelOptions for_states(ModelOptions options, std::size_t states) {
   const std::size_t asked = options.neighbours;
   options.neighbours = std::min(asked, std::max(states, uncapped_neighbours));
   if (matrix_bytes(options, options.neighbours) <= most_bytes) return options;
-  std::size_t low = uncapped_neighbours, high = options.neighbours;  // the one fits, the other does not
+  std::size_t low = uncapped_neighbours, high = options.neighbours;  // low fits, high does not
   while (high - low > 1)
     (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
   throw InputError("model.neighbours",

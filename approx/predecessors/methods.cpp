@@ -37,9 +37,6 @@ std::span<const Method> all_methods() {
   return methods;
 }
 
-// --- curves
-// ----------------------------------------------------------------------------------------------------
-
 DeflectionCurves::DeflectionCurves(std::span<const State> states) {
   std::vector<const State*> sorted;
   for (const State& s : states)
@@ -54,12 +51,12 @@ DeflectionCurves::DeflectionCurves(std::span<const State> states) {
       curves_.push_back({direction, {0.0}, {Vec3::Zero()}});
       curve = curves_.end() - 1;
     }
-    if (!(depth > curve->depth.back() * (1 + 1e-9))) continue;  // there already
+    if (!(depth > curve->depth.back() * (1 + 1e-9))) continue;  // the curve already reaches there
     curve->depth.push_back(depth);
     curve->force.push_back(s->force);
   }
-  // Directions with a single state would hide longer curves beside them; they stay only where there is
-  // nothing else.
+  // A direction with a single state would hide longer curves beside it; such directions are used only if
+  // there are fewer than three longer curves.
   if (std::ranges::count_if(curves_, [](const Curve& c) { return c.depth.size() > 2; }) >= 3)
     std::erase_if(curves_, [](const Curve& c) { return c.depth.size() <= 2; });
 }
@@ -86,8 +83,8 @@ Vec3 DeflectionCurves::force(const Vec3& x) const {
         std::swap(curve, best[i]);
       }
   }
-  // Weights with which the three directions add up to that of x: exact for a linear body. Where they lie in a
-  // plane, the nearest direction alone.
+  // Weights with which the three directions add up to that of x: exact for a linear body. If the three lie in
+  // a plane, the nearest direction alone.
   Vec3 weight = Vec3::UnitX();
   if (best[2] != nullptr) {
     Mat3 frame;
@@ -124,17 +121,14 @@ Vec3 TwoForce::force(const Vec3& x) const {
          (x - points_[first]).dot(span) / span.squaredNorm() * (forces_[first] - forces_[second]);
 }
 
-// --- network
-// ---------------------------------------------------------------------------------------------------
-
 namespace {
 
-// Positions of the network are centred and of size 1; nearer than this they count as equal. Far above what
-// rounding leaves of states of a body a kilometre from the origin, far below any distance that matters.
+// Positions of the network are centred and of size 1; positions nearer than this count as equal. It is far
+// above the rounding error of states a kilometre from the origin and far below any distance that matters.
 constexpr double tie = 1e-8;
 
-// Rank of every point by x, then y, then z, where coordinates that differ by rounding count as equal: by gaps
-// in their sorted order, so that no grid of rounding can come between two of them.
+// Rank of every point by x, y and z. Coordinates that differ by rounding have the same rank: a rank ends at a
+// gap in the sorted order, so that no rounding grid can separate two equal coordinates.
 std::vector<std::array<std::size_t, 3>> ranks_of(const std::vector<Vec3>& points) {
   std::vector<std::array<std::size_t, 3>> ranks(points.size());
   std::vector<std::size_t> order(points.size());
@@ -151,7 +145,7 @@ std::vector<std::array<std::size_t, 3>> ranks_of(const std::vector<Vec3>& points
   return ranks;
 }
 
-// Farthest-point sampling from the point nearest the origin; the first of `points` where several are as far.
+// Farthest-point sampling, from the point nearest to the origin on; the first of `points` among equals.
 std::vector<Vec3> spread(const std::vector<Vec3>& points, std::size_t count) {
   std::vector<Vec3> chosen;
   std::vector<double> distance(points.size());
@@ -181,7 +175,7 @@ RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
     if (s.usable()) known.push_back(&s);
   const std::size_t n = known.size();
   centres = centres_of(n, centres);
-  // From the first on, whatever the distance to the origin of coordinates.
+  // Relative to the first state, so that the distance to the origin of coordinates does not matter.
   const Vec3 origin = known[0]->at;
   Vec3 mean = Vec3::Zero();
   for (const State* s : known) mean += (s->at - origin) / double(n);
@@ -191,7 +185,7 @@ RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
   if (!(scale_ > 0)) scale_ = 1;
   std::vector<Vec3> points;
   for (const State* s : known) points.emplace_back((s->at - middle_) / scale_);
-  // By position, so that neither the choice of centres nor the sums depend on the order of states.
+  // Sorted by position, so that neither the centres nor the sums depend on the order of the states.
   const auto ranks = ranks_of(points);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -213,8 +207,9 @@ RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
     matrix.block<1, 3>(row, m + 1) = y.transpose();
     right.row(row) = known[order[i]]->force.transpose();
   }
-  // The least weights where states do not settle them (as many centres as states, states in a plane): these
-  // do not depend on the order in which columns are eliminated.
+  // If the states do not determine the weights (as many centres as states, states in a plane), the smallest
+  // weights:
+  // they do not depend on the order in which columns are eliminated.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
   factor.setThreshold(1e-10);
   factor.compute(matrix);
@@ -231,9 +226,6 @@ Vec3 RbfNetwork::force(const Vec3& x) const {
   }
   return sum;
 }
-
-// --- one interface
-// ---------------------------------------------------------------------------------------------
 
 Approximation::Approximation(Method method, std::span<const State> states, const MethodOptions& options)
     : field_(TwoForce(std::span<const State>{})) {

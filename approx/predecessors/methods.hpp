@@ -1,17 +1,19 @@
 #pragma once
-// The older methods, to compare with; every one gives f~(x) from a fixed set of states.
-//   trilinear     on the lattice {k h}^3, cells with all eight corners (Matyska, Peterlik 2007); elsewhere the
-//                 value at the nearest place of such a cell, or the force of the nearest state if that is nearer
-//   tricubic      the same by cubic convolution; quadratic ghost values beyond the border
-//   deflection    force-deflection curves along directions from rest, linear in depth, on from the last two
-//                 states beyond a curve's end, and between the three nearest directions (Mahvash, Hayward 2004)
-//   two_force     linear in position along the line through two states (Picinbono et al. 2002): those that a
-//                 simulation which computes forces along its way would have computed last, the two nearest
+// The older methods, for comparison. Each gives the force f~(x) [N] at x [m] from a fixed set of states (x_i,
+// F_i).
+//   trilinear     in cells of the lattice {k h}^3 with all eight corners (Matyska, Peterlik 2007); elsewhere
+//                 the value at the nearest point of such a cell, or the force of the nearest state if nearer
+//   tricubic      the same by cubic convolution, with quadratic ghost values beyond the border
+//   deflection    force-deflection curves along directions from rest: linear in depth, extrapolated from the
+//                 last two states, interpolated between the three nearest directions (Mahvash, Hayward 2004)
+//   two_force     linear in position along the line through two states (Picinbono et al. 2002). A simulation
+//                 uses the two that it computed last; here these are the two nearest states
 //   offline_rbf   one RBF model of all states (Peterlik et al.)
-//   rbf_network   r^3 and linear p by least squares with fewer centres than states (De et al.)
-// None passes |f~(x)| <= max |F_i| + 2 S d(x), with d the distance to the nearest state and S the largest
-// stiffness known or secant |F_i - F_j| / |x_i - x_j| of a state and the nearest to it: beyond that the force
-// is shortened, so that what these methods do far from their states can be compared, but slams no device.
+//   rbf_network   r^3 and linear p by least squares, with fewer centres than states (De et al.)
+// Every method is bounded by |f~(x)| <= max |F_i| + 2 S d(x); a longer force is shortened to this, so that
+// the methods can be compared far from their states without harm to a device. d(x) [m]: distance to the
+// nearest state; S [N/m]: the largest known stiffness, or secant |F_i - F_j| / |x_i - x_j| of a state and the
+// one nearest to it.
 
 #include <span>
 #include <string_view>
@@ -31,7 +33,7 @@ std::span<const Method> all_methods();
 struct MethodOptions {
   ModelOptions model{};     // offline_rbf
   double spacing = 0.006;   // lattice methods [m]
-  std::size_t centres = 0;  // of rbf_network, see centres_of()
+  std::size_t centres = 0;  // of rbf_network; 0: see centres_of()
 };
 
 class DeflectionCurves {
@@ -44,7 +46,7 @@ class DeflectionCurves {
     Vec3 direction;
     std::vector<double> depth;  // ascending, from 0 [m]
     std::vector<Vec3> force;
-    Vec3 at(double d) const;  // linear; on from the last two beyond the end
+    Vec3 at(double d) const;  // linear; extrapolated from the last two states
   };
   std::vector<Curve> curves_;
 };
@@ -75,11 +77,11 @@ class RbfNetwork {
 
 class Approximation {
  public:
-  // Any method but rbf, whose neighbour set follows the HIP (ModelUpdater). InputError where the states do
-  // not suit.
+  // Any method but rbf, whose neighbour set follows the HIP (ModelUpdater). Throws InputError if the states
+  // do not suit the method.
   Approximation(Method method, std::span<const State> states, const MethodOptions& options);
   Vec3 force(const Vec3& x) const;
-  double bound(const Vec3& x) const;  // [N]; of offline_rbf the model's own
+  double bound(const Vec3& x) const;  // [N]; for offline_rbf the bound of the model
 
  private:
   std::variant<LatticeField, DeflectionCurves, TwoForce, RbfNetwork, Model> field_;

@@ -14,36 +14,39 @@ namespace {
 
 constexpr double loyalty = 0.95;  // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
-constexpr std::size_t few = 256;  // states that are all looked at, wherever they are
+constexpr std::size_t few = 256;  // up to so many states, all are candidates
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // In spacings:
-constexpr double shell = 2.5;       // behind the nearest state, of those that decide where a side lies
+constexpr double shell =
+    2.5;  // depth behind the nearest state in which states determine the position of a side
 constexpr double pulled_to = 0.25;  // before the nearest state of a side,
 constexpr double pulled_r =
-    2.2;  // and for r, which a layer or two suit well, before a single side, if n is for two
-constexpr double band = 0.4;      // of the key, over which a weight rises,
-constexpr double band_r5 = 0.8;   // and of r^5 on force, which trusts its outermost states farthest of all,
-constexpr double band_r = 1.4;    // and of r, whose ridge is the least steep in w
-constexpr double entering = 2;    // before the end of what is looked at, over which a state comes in
+    2.2;                      // and for kernel r, for which one or two layers suffice, before a single side
+constexpr double band = 0.4;  // of the key, over which a weight rises,
+constexpr double band_r5 = 0.8;   // for r^5 on force, which extrapolates farthest,
+constexpr double band_r = 1.4;    // for r, whose ridge falls least steeply with w
+constexpr double entering = 2;    // before the end of the candidates' distance, over which a state enters
 constexpr double farthest = 32;   // a far side
-constexpr double fading = 8;      // before that, over which it goes
-constexpr double at_hip = 0.25;   // within this of the HIP a state has hardly a direction
-constexpr double off_view = 100;  // what a state seems farther by, per square of how far it is off a view
-constexpr double in_view = 0.3;   // cosine to a view from which it is off it
+constexpr double fading = 8;      // before that, over which it fades
+constexpr double at_hip = 0.25;   // a state within this distance of the HIP has hardly a direction
+constexpr double off_view = 100;  // added to the apparent distance, per square of the deviation from a view
+constexpr double in_view = 0.3;   // cosine to a view below which a state deviates from it
 constexpr double least_weight = 1e-10;
-constexpr double least_near = 1e-3;  // of a side so much more crowded than the nearer one that it is the set
+constexpr double least_near = 1e-3;  // least weight in the nearer side, if the far side is far more crowded
 constexpr double full_narrow = 0.2;  // c_i from which a state may count fully
-// Keys are measured from a little aside, so that states of a lattice come one by one, not shell by shell.
+// Keys are measured from a point a little aside, so that states of a lattice enter one by one, not shell by
+// shell.
 const Vec3 aside(0.17, -0.11, 0.07);
-constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side comes in
+constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far side enters
 
-// Cells of directions for culling: of two states in one, neither is off a view that the other one's side is
-// blended from (35.3 degrees across at most, and 21.6 to the view).
+// Cells of directions, to leave out hidden states early. A cell is so small (at most 35.3 degrees across,
+// views within 21.6 degrees) that a state in it does not deviate from any view used for another state of the
+// same cell.
 constexpr int coarse = 4;
-constexpr double least_sharp = 0.55;  // of a state that hides others: it has a direction
-constexpr double beyond = 1.2;        // keys are known up to that many times the last
-constexpr double first_end = 0.6;     // half balls of n states: keys looked at first
+constexpr double least_sharp = 0.55;  // a state hides others only if it has a clear direction
+constexpr double beyond = 1.2;        // keys are computed up to so many times the last one
+constexpr double first_end = 0.6;     // limit of the keys computed first, in radii of a half ball of n states
 
 // From 0 to 1 on [0, 1], twice differentiable.
 double rise(double t) {
@@ -94,8 +97,8 @@ void NeighbourSelector::forget() {
   last_.clear();
 }
 
-// The candidates: the states within the radius of the HIP, or the `least` nearest to it if those are more.
-// Returns the distance up to which none is missing, a continuous function of the HIP.
+// Collects the candidates: the states within `radius` of the HIP, or the `least` nearest ones if these are
+// more. Returns the distance up to which no state is missing, a continuous function of the HIP.
 double NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radius) {
   found_.clear();
   if (radius > 0 && space_.size() > least) space_.within(hip, radius, found_);
@@ -134,7 +137,8 @@ void NeighbourSelector::take_nearest(const Vec3& hip) {
   keep_first(n_);
 }
 
-// All candidates, from near to far, for the loops; and what of them hides others.
+// Prepares the arrays of the loops, candidates from near to far, and for each cell the distance of what hides
+// others.
 void NeighbourSelector::look_round() {
   const std::size_t n = candidates_.size(), padded = (n + lanes - 1) / lanes * lanes;
   double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
@@ -156,7 +160,7 @@ void NeighbourSelector::look_round() {
   views_seen_.assign(views_.size(), 0);
 }
 
-// What is nearest as it seems along a fixed view, and the mean direction to what is about as near.
+// The least apparent distance along a fixed view, and the mean direction to the states about as near.
 const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
   Eigen::Vector4d& at = views_[k];
   if (views_seen_[k] != 0) return at;
@@ -171,7 +175,7 @@ const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
   return at;
 }
 
-// d_i and t_i: those of the fixed views about it.
+// d_i and t_i: blended from the fixed views around the state's direction.
 void NeighbourSelector::look_along(Candidate& c) {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   double total = 0;
@@ -186,11 +190,11 @@ void NeighbourSelector::look_along(Candidate& c) {
     }
   sum /= total > 0 ? total : 1;
   c.side_towards = sum.head<3>();
-  // A state at the HIP itself is hardly seen along any view.
+  // A state at the HIP itself has no direction: its own distance counts.
   c.side_at = total > 0 ? std::min(sum[3], c.distance) : c.distance;
 }
 
-// How much a side at this distance counts.
+// beta: how much a side at this distance counts.
 double NeighbourSelector::share(double distance) const {
   const double ratio = (nearest_ + h_) / (distance + h_),
                limit = std::max(farthest * h_, nearest_ + fading * h_);
@@ -198,8 +202,8 @@ double NeighbourSelector::share(double distance) const {
          std::clamp((limit - distance) / (fading * h_), 0.0, 1.0);
 }
 
-// 1 where the directions to what is about as near as the nearest cancel, or where something that counts lies
-// opposite to them.
+// 1 if the directions to the nearest states cancel, or if something that counts lies opposite to them; 0 for
+// one side.
 double NeighbourSelector::two_sided() const {
   double total = 0;
   Vec3 ahead = Vec3::Zero();
@@ -219,7 +223,8 @@ double NeighbourSelector::two_sided() const {
   return most;
 }
 
-// Between those of two ranks, of which the second may be infinite; `last`: the second.
+// The key of a real rank, between those of the two ranks around it; `last`: the second of these, which may be
+// infinite.
 double NeighbourSelector::key_of(double rank, double& last) {
   const auto first = static_cast<std::ptrdiff_t>(rank) - 1;
   const double part = rank - std::floor(rank);
@@ -232,8 +237,9 @@ double NeighbourSelector::key_of(double rank, double& last) {
   return 1 / ((1 - part) / *at + part / last);
 }
 
-// The keys of all candidates that can be before the one of rank n, which it returns. No key is less than how
-// far a state is behind what hides it.
+// Computes the keys of all candidates that can come before rank n, and returns the key of rank n. The key of
+// a state is at least its distance behind the state that hides it, so most hidden states need not be looked
+// at.
 double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank) {
   keys_.clear();
   for (Candidate& c : candidates_) {
@@ -269,8 +275,8 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
   }
 }
 
-// How far what counts is from where its side begins: where there are hardly n states, the key of rank n may
-// be anything.
+// The largest distance of a counting state from the point its key is measured from. It replaces the key of
+// rank n if there are hardly n states, because that key is then arbitrary.
 double NeighbourSelector::extent(double end) {
   double most = 0;
   for (const Candidate& c : candidates_) {
@@ -305,8 +311,8 @@ void NeighbourSelector::take_sides(const Vec3& hip) {
 }
 
 void NeighbourSelector::weigh(const Vec3& hip, double end) {
-  // Where the set is wider than states a spacing apart would make it, weights rise the more slowly.
-  // Where they are crowded, the faster.
+  // If the set is wider than states one spacing apart would be, weights rise more slowly; if it is denser,
+  // faster.
   const double usual = half_ball(rank_), mean_spacing = radius_ / usual;
   const double wide_band = band_ * std::max({mean_spacing, std::min(h_, 2 * mean_spacing), 1e-6 * h_});
   double total = 0;
@@ -314,7 +320,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
   for (Candidate& c : candidates_) {
     c.rank = 0;
     if (!(c.key < end)) continue;
-    // Where there are no n states a side that begins to count comes in by that alone.
+    // If there are fewer than n states, a side enters by its share alone.
     c.rank = std::clamp(std::min((end - c.key) * c.narrow / wide_band, c.narrow / full_narrow), 0.0, 1.0);
     const double w = rise(c.rank);
     total += w;
@@ -324,7 +330,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
   for (const Candidate& c : candidates_) {
     const double w = rise(c.rank);
     if (!(w > least_weight)) continue;
-    // A lone state on the far side decides over a way of that length, however little it counts beside others.
+    // A lone state on the far side determines the force over this length, however small its weight.
     const double apart = 1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / h_ - 1.5 * usual);
     const double near = w * (least_near + (1 - least_near) * rise(2 * c.share - 1));
     chosen_.push_back({c.id, w, near, std::pow(apart, steep_ * (1 - c.rank))});
@@ -342,7 +348,7 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
     space_.nearest(hip, n_, found_);
     for (const StateId id : found_) chosen_.push_back({.id = id});
   } else if (label == Label::safe || space_.size() <= n_ || n_ == 1) {
-    take_nearest(hip);  // where all fit there is nothing to choose, and of one neighbour nothing to weigh
+    take_nearest(hip);  // no choice if all states fit; no weights for one neighbour
   } else {
     take_sides(hip);
     sided_ = !chosen_.empty();

@@ -1,24 +1,24 @@
 #pragma once
-// The neighbour set of a HIP: the states whose data the current model uses.
-//   nearest   the n nearest (paper 3.1), nothing else
-//   label     safe, or n states at most in all: the nearest; members of the last set stay until another state
-//             is nearer by 5 % (hysteresis). Elsewhere every member has a weight 0 < w <= 1 that is a
-//             continuous function of the HIP x, so that states enter and leave gradually (RbfFit: a ridge
-//             that falls from infinity to 0 as w rises to 1). With d_1 the distance of the nearest state, and
-//             as seen along the way to state i (what lies more than about 70 degrees off it seems farther,
-//             ever more so):
-//               d_i, t_i   distance of what is nearest there, mean direction to what is about as near
-//               beta_i     how much that side counts: from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1
-//               c_i        (beta_i (d_1 + h) / (d_i + h))^(1/3), so that the numbers of members go as 1 / distance
-//               key_i      |x_i - x - (d_i - h / 4) t_i| / c_i (for r: up to 2.2 h): of a half ball of the
-//                          boundary, not of a layer or two of it, whose polynomial would not be determined
-//               w_i        rises from 0 at the key of rank n to 1 within band h
-//             All states within a distance that is a continuous function of x are looked at, or all there are
-//             where they are few; c_i falls to 0 over the last 2 h before its end.
-//             n is never less than weighted_neighbours(), and between two sides up to bridging_neighbours()
-//             more come in, the key of a broken rank being between those of two. So the far side of a gap
-//             enters when it hardly counts and leaves likewise, and there is no axis and no number of sides
-//             that could change at once.
+// The neighbour set of a HIP at x [m]: the states whose data the current model uses, by one of two rules.
+//   nearest   the n nearest states (paper 3.1)
+//   label     in a safe region, or with at most n states in all: the n nearest; a member of the last set
+//             stays until another is nearer by 5 % (hysteresis). Elsewhere: states on all sides, with weights
+//             0 < w_i <= 1
+// The weights are continuous functions of x, so that states enter and leave gradually (RbfFit: a ridge that
+// falls from infinity to 0 as w rises to 1). h [m] is the spacing, d_1 the distance of the nearest state. As
+// seen along the direction to state i, where states more than about 70 degrees off that direction count as
+// farther away:
+//   d_i, t_i   distance of the nearest state there, mean direction to the states about as near
+//   beta_i     how much that side counts: from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1
+//   c_i        (beta_i (d_1 + h) / (d_i + h))^(1/3), so that the number of members falls as 1 / distance
+//   key_i      |x_i - x - (d_i - h / 4) t_i| / c_i (kernel r: up to 2.2 h, not h / 4), so that the members
+//              of a side fill a half ball at its boundary; one or two layers do not determine the polynomial
+//   w_i        rises from 0 at the key of rank n to 1 within band h
+// The candidates are all states within a distance that is a continuous function of x (or all states if they
+// are few); c_i falls to 0 over the last 2 h of it. n is at least weighted_neighbours(). Between two sides up
+// to bridging_neighbours() more states are added; the rank is then a real number, and its key lies between
+// those of the two nearest ranks. The far side of a gap so enters and leaves while its weight is small, and
+// no axis and no number of sides changes at once.
 
 #include <cstdint>
 #include <vector>
@@ -31,9 +31,9 @@ namespace forefeel {
 struct Neighbour {
   StateId id;
   double weight = 1;  // w
-  double near = 1;    // its part in the side that is nearer to the HIP
-  // Length in spacings over which it decides: 1 of a state among others, of a lone one beyond a gap the
-  // gap's, falling to 1 as w rises to 1.
+  double near = 1;    // its weight in the side nearer to the HIP
+  // Length, in spacings, over which the state determines the force: 1 for a state among others; for a lone
+  // state beyond a gap the width of the gap, falling to 1 as w rises to 1.
   double reach = 1;
   bool operator==(const Neighbour&) const = default;
 };
@@ -41,18 +41,18 @@ struct Neighbour {
 class NeighbourSelector {
  public:
   NeighbourSelector(const StateSpace& space, const ModelOptions& options);
-  // At most options.neighbours of them, or most_neighbours() where some count in part only, ascending ids,
-  // into `out`; returns the label of the HIP.
+  // Writes the set to `out`, by ascending ids: at most options.neighbours states, or most_neighbours() with
+  // weights. Returns the label of the HIP.
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
-  // How much the last set counts as a bridge between two sides: 0 for one side, 1 in the middle.
+  // How far the last set is a bridge between two sides: 0 for one side, 1 in the middle.
   double bridge() const { return bridge_; }
   bool weighted() const { return sided_; }
-  double radius() const { return radius_; }  // the key of rank n [m]; 0 where there are no weights
+  double radius() const { return radius_; }  // the key of rank n [m]; 0 without weights
   void forget();                             // drops hysteresis
 
  private:
   struct Candidate {
-    double key;  // distance [m], less for a member of the last set; key_i where there are weights
+    double key;  // distance [m], less for a member of the last set; with weights: key_i
     StateId id;
     Vec3 towards;  // unit direction from the HIP
     double distance;
@@ -79,11 +79,12 @@ class NeighbourSelector {
   void keep_first(std::size_t count);
 
   const StateSpace& space_;
-  std::size_t n_, weighted_, rank_;  // of members that count in full, where they have weights, and in part
-  std::size_t bridging_, most_;      // that come in between two sides; and in all
+  std::size_t n_, weighted_,
+      rank_;                     // members without weights; with weights; with weights, counting partial ones
+  std::size_t bridging_, most_;  // additional members between two sides; members in all
   Select rule_;
   double h_, pulled_, band_;  // the last two in spacings
-  double steep_;              // power of the length over which a state decides
+  double steep_;              // power of Neighbour::reach
   std::vector<StateId> found_, last_;
   std::vector<Candidate> candidates_;
   std::vector<Neighbour> chosen_;
@@ -94,7 +95,7 @@ class NeighbourSelector {
   std::size_t room_ = 0;
   bool sided_ = false;
   double nearest_ = 0, bridge_ = 0, radius_ = 0;
-  double whole_ = 0;  // of no state nearer than this is anything about its side unknown
+  double whole_ = 0;  // every state nearer than this knows its whole side
 };
 
 }  // namespace forefeel

@@ -29,8 +29,8 @@ Sample sample_of(StateId id, const State& state) {
   return sample;
 }
 
-// Adds the places of affine_places(), where the anchors of a polynomial of degree 2 are, each with the affine
-// fit of the samples as its force.
+// Adds the auxiliary places of affine_places(), at the anchors of a polynomial of degree 2. Their forces are
+// those of the affine fit of the samples.
 void add_affine_places(std::vector<Sample>& samples, double h) {
   constexpr double weight = 0.001;
   double total = 0;
@@ -79,13 +79,13 @@ struct ModelUpdater::Impl {
   ModelOptions options;
   RbfFit fit;
   NeighbourSelector selector;
-  std::vector<Neighbour> chosen, last_weighted;  // the second empty where there were none
+  std::vector<Neighbour> chosen, last_weighted;  // the second is empty if the last set had no weights
   std::vector<StateId> wanted, removed, missing;
   std::vector<Sample> added;
   ModelDraft draft;
   std::uint64_t serial = 0;
-  bool fresh = true;          // nothing may depend on earlier models
-  bool from_scratch = false;  // the fit was made by a refit of exactly its set, in order of ids
+  bool fresh = true;          // the next model must not depend on earlier ones
+  bool from_scratch = false;  // the fit is a refit of exactly its set, in order of ids
 
   Impl(const StateSpace& known, ModelOptions wished)
       : space(known),
@@ -125,7 +125,7 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, con
   m.fit.difference(m.wanted, m.removed, m.missing);
   m.added.clear();
   for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
-  // Weights move with the HIP, which changes nearly all of the matrix.
+  // Weights change with the HIP, and with them nearly all of the matrix.
   const bool weighted = m.selector.weighted();
   const bool same_set = m.removed.empty() && m.added.empty();
   const bool same_weights =

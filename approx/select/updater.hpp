@@ -1,6 +1,7 @@
 #pragma once
-// Keeps a model up to date with a growing state space and a moving HIP: chooses the neighbour set and
-// replaces k of n centres in O(k n^2) where that is cheaper than a refit.
+// Keeps a model f~ (model.hpp) up to date while the state space grows and the HIP moves. Each update chooses
+// the neighbour set (neighbours.hpp) and replaces k of n centres in O(k n^2), or refits if that is faster
+// (rbf_fit.hpp).
 
 #include "approx/model/model.hpp"
 
@@ -10,10 +11,10 @@ struct UpdateReport {
   std::size_t n = 0;         // states in the model
   std::size_t replaced = 0;  // k
   bool refit = false;
-  Label label = Label::blank;  // that chose the set
+  Label label = Label::blank;  // of the HIP; it decides how the set is chosen
 };
 
-// How an update is to be numbered, and whether its states are to be named.
+// What an update says about the model that it makes.
 struct UpdateTag {
   std::uint64_t serial = 0;  // 0: the updater counts
   bool guess = false;        // the space holds a guess: states() of the model is empty
@@ -26,11 +27,12 @@ class ModelUpdater {
   ~ModelUpdater();
   ModelUpdater(ModelUpdater&&) noexcept;
 
-  // Replaces `out` by the model for a HIP at `hip`. False while no state is known; `out` is then the zero model.
+  // Replaces `out` by the model for a HIP at `hip`. False while no state is known; `out` is then the zero
+  // model.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr, const UpdateTag& tag = {});
   Model model_at(const Vec3& hip);
-  // From here on as if newly made: the next model depends on the space and the HIP alone, not on where the
-  // HIP was.
+  // The updater is then as new: the next model depends on the space and the HIP alone, not on earlier
+  // positions.
   void forget();
 
  private:

@@ -10,8 +10,8 @@
 
 namespace forefeel::detail {
 
-// 256 directions, evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for each cell
-// of a grid on the faces of a cube those within `turned` (cosine) of some direction in the cell.
+// 256 directions, evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for
+// each cell of a grid on the faces of a cube those within `turned` (cosine) of some direction in the cell.
 class Views {
  public:
   static constexpr double turned =

@@ -11,14 +11,15 @@ std::string_view name(SwitchRule rule) {
 
 namespace {
 
-// A step that keeps |dF| <= max(floor, share |F|) whether |F| is taken before or after it, rounding included:
-// |F| after is at least |F| before / (1 + share).
+// A step with |dF| <= max(floor, share |F|), rounding included, for |F| taken before as well as after the
+// step: |F| after it is at least |F| before it / (1 + share).
 double allowed(double floor, double share, double before) {
   return std::max(floor, share / (1 + share) * before) * (1 - 1e-9);
 }
 
-// The longest s for which s <= max(floor, share |F|) holds with F = before and with F = before - s u, u a unit vector:
-// share |before| where |F| grows by it, else the root of s = share |before - s u|.
+// The longest s for which s <= max(floor, share |F|) holds with F = before and with F = before - s u, u a
+// unit vector:
+// share |before| if |F| grows with the step, else the root of s = share |before - s u|.
 double longest_step(double floor, double share, const Vec3& before, const Vec3& u) {
   const double size = before.norm(), along = share * before.dot(u), rest = 1 - share * share;
   const double shrinking = share * (std::sqrt(along * along + rest * size * size) - along) / rest;
@@ -58,7 +59,7 @@ ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool come
   Frame out;
   out.undamped = now;
   out.took_model = comes;
-  const Vec3 before = old + offset_;  // what would be rendered here if the switch did nothing
+  const Vec3 before = old + offset_;  // the force here if the switch changed nothing in this frame
   if (comes) {
     out.undamped_jump = (now - old).norm();
     offset_ = before - now;
@@ -84,11 +85,11 @@ ForceSwitch::Frame ForceSwitch::step_paper(const Model* newest, const Vec3& x) n
   if (newest != nullptr && newest != latest) {
     out.undamped_jump = (newest->force(x) - at(latest, x)).norm();
     out.took_model = true;
-    out.released = waiting_;  // never used: the latest wins
+    out.released = waiting_;  // never used: a newer model replaces it
     waiting_ = newest;
     latest = newest;
   }
-  if (weight_ >= 1 && waiting_ != nullptr) {  // the switch before is over
+  if (weight_ >= 1 && waiting_ != nullptr) {  // the previous switch is complete
     out.released_too = previous_;
     previous_ = current_;
     current_ = waiting_;

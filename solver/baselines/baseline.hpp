@@ -1,9 +1,9 @@
 #pragma once
 // The plain way to solve a state, for comparison: full Newton with a general sparse Cholesky factorisation.
-//   H(u) d = -r(u),   u <- u + d     until |r| / |f| is below the tolerance; H is factorised anew in every iteration
-// It starts from a neighbour's equilibrium and includes the contact's move in the first step. It returns force [N],
-// condensed stiffness [N/m] and energy [J] as Solver does. Both sides use the same element kernels and the same
-// instruction set; the Eigen version is compiled once for each.
+//   H(u) d = -r(u),   u <- u + d     until |r| / |f| is small enough; H is factorised in every iteration
+// It starts from a neighbour's equilibrium and includes the contact's move in the first step. It returns
+// force [N], condensed stiffness [N/m] and energy [J] as Solver does. Both sides use the same element kernels
+// and the same instruction set; the Eigen version is compiled once for each.
 
 #include <cstdint>
 #include <memory>
@@ -15,7 +15,8 @@
 
 namespace forefeel {
 
-// A sparse symmetric positive definite solver. Lower triangle by columns, n x n; values in the order of `row`.
+// A sparse symmetric positive definite solver. Lower triangle by columns, n x n; values in the order of
+// `row`.
 struct SparsePattern {
   int n = 0;
   std::vector<int> start, row;
@@ -30,8 +31,8 @@ std::unique_ptr<SparseSolver> make_eigen_ldlt(
     const SparsePattern& pattern);  // of this processor's instruction set
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
 std::string cholmod_blas();  // the BLAS it runs on, its kernels and threads
-// The value of OPENBLAS_CORETYPE that would give OpenBLAS kernels for this processor's instruction set. Null if it
-// uses such kernels already.
+// The value of OPENBLAS_CORETYPE that would give OpenBLAS kernels for this processor's instruction set. Null
+// if it uses such kernels already.
 const char* cholmod_blas_wanted();
 
 enum class Baseline { eigen_ldlt, cholmod };

@@ -1,5 +1,5 @@
-// Eigen's SimplicialLDLT, compiled once per instruction set. The macro gives each copy its own names, so that the
-// linker cannot mix them.
+// Eigen's SimplicialLDLT, compiled once per instruction set. The macro gives each copy its own names, so that
+// the linker cannot mix them.
 #define Eigen FOREFEEL_EIGEN
 #include <Eigen/SparseCholesky>
 

@@ -1,6 +1,7 @@
 #pragma once
-// A body: mesh [m], material, clamped nodes (u = 0), and contact nodes that move with the HIP (u = x, a translation).
-// HIP: haptic interaction point, the tip of the device; x [m] counts from the rest position of the contact.
+// A body: mesh [m], material, clamped nodes (u = 0), and contact nodes that move with the HIP (u = x, a
+// translation). HIP: haptic interaction point, the tip of the device; x [m] counts from the rest position of
+// the contact.
 
 #include <string>
 #include <string_view>
@@ -25,8 +26,9 @@ struct Body {
   Element element = Element::linear;
 };
 
-// Throws InputError(file: key) for a body that cannot be solved: empty or out-of-range node sets, contact on a clamped
-// node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5). Returns warnings (nu > 0.45 locks …).
+// Throws InputError(file: key) for a body that cannot be solved: empty or out-of-range node sets, contact on
+// a clamped node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5). Returns warnings (nu
+// > 0.45 locks …).
 std::vector<std::string> check(const Body& body, const std::string& file);
 
 // True if f = -K x exactly: one factorisation then gives every state.

@@ -1,19 +1,21 @@
 #pragma once
-// Estimate of the contact stiffness at rest, without a solve: the contact patch is taken for a rigid disc of the same
-// area A [m^2], bonded to an elastic half-space of the body's material,
-//   a = sqrt(A / pi)     k_n = 4 G a ln(3 - 4 nu) / (1 - 2 nu)     k_t = 8 G a / (2 - nu)     G = E / (2 (1 + nu))
+// Estimate of the contact stiffness at rest, without a solve: the contact patch is taken for a rigid disc of
+// the same area A [m^2], bonded to an elastic half-space of the body's material,
+//   a = sqrt(A / pi)   k_n = 4 G a ln(3 - 4 nu) / (1 - 2 nu)   k_t = 8 G a / (2 - nu)   G = E / (2 (1 + nu))
 //   K = k_t I + (k_n - k_t) n n^T
 // E [Pa], nu: elastic constants; a [m]: radius; k_n, k_t, K [N/m]; n: mean outward normal of the patch.
-// k_n is exact for the bonded disc (Muskhelishvili; K. L. Johnson, Contact Mechanics, 1985, eq. 3.105). k_t is that of
-// R. D. Mindlin, J. Appl. Mech. 16, 1949, which neglects the small coupling of shift and tilt. A real body is stiffer
-// where it is thin above its clamp and softer where it is slender, so this is a first guess only.
+// k_n is exact for the bonded disc (Muskhelishvili; K. L. Johnson, Contact Mechanics, 1985, eq. 3.105). k_t
+// is that of R. D. Mindlin, J. Appl. Mech. 16, 1949, which neglects the small coupling of shift and tilt. A
+// real body is stiffer where it is thin above its clamp and softer where it is slender, so this is a first
+// guess only.
 
 #include "solver/body/body.hpp"
 
 namespace forefeel {
 
-// Area of the patch [m^2]: the mean of the area of the triangles within the patch and of the area that belongs to its
-// nodes (a third of each triangle at a node). The true area of a coarse patch lies between the two.
+// Area of the patch [m^2]: the mean of the area of the triangles within the patch and of the area that
+// belongs to its nodes (a third of each triangle at a node). The true area of a coarse patch lies between the
+// two.
 double contact_area(const Body& body);
 
 // K [N/m], symmetric, positive definite. Zero if no contact node belongs to a triangle of the surface.

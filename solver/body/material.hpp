@@ -1,5 +1,6 @@
 #pragma once
-// A homogeneous isotropic material: its law (solver/laws, one file each) and the two elastic constants at rest.
+// A homogeneous isotropic material: its law (solver/laws, one file each) and the two elastic constants at
+// rest.
 
 #include "solver/body/law_table.hpp"
 

@@ -11,8 +11,8 @@ namespace forefeel {
 namespace {
 
 constexpr int most_iterations = 14;
-// If the last correction of V changed K by the relative amount g, and a step with the factor leaves the share e of an
-// error, the relative error of K that remains is about e g.
+// If the last correction of V changed K by the relative amount g, and a step with the factor leaves the share
+// e of an error, the relative error of K that remains is about e g.
 constexpr double settled_share = 1e-4, largest_gain = 3e-3, least_contraction = 0.03,
                  unknown_contraction = 0.2;
 
@@ -62,8 +62,8 @@ void LaneSolver::remember(int known) {
   move_[at].swap(last_move_);
 }
 
-// Replaces the step s by Anderson's: u + s - (Y + S) g, g = argmin |s - S g|, with S the changes of the step over the last
-// iterations and Y the moves that caused them. Lanes that have ended get no step.
+// Replaces the step s by Anderson's: u + s - (Y + S) g, g = argmin |s - S g|, with S the changes of the step
+// over the last iterations and Y the moves that caused them. Lanes that have ended get no step.
 void LaneSolver::mix(int pairs, const std::array<double, lane_count>& active) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
@@ -135,7 +135,8 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
     if (!any) break;
     for (std::size_t i = 0; i < size_; ++i) step_[i] = -residual_[i];
     factor.solve_lanes(step_.data());
-    // Mixing costs as much as an element loop, so it starts only when a plain step reduces the residual less than eightfold.
+    // Mixing costs as much as an element loop, so it starts only when a plain step reduces the residual less
+    // than eightfold.
     mixing = mixing || slow;
     if (mixing) {
       if (previous) remember(pairs++);

@@ -1,12 +1,12 @@
 #pragma once
-// Solves up to eight neighbouring states at once, in the lanes of vector instructions, with one factor M of a tangent H
-// near them:
+// Solves up to eight neighbouring states at once, in the lanes of vector instructions, with one factor M of a
+// tangent H near them:
 //   u <- u - M^{-1} r_f(u), accelerated by Anderson mixing (Walker, Ni 2011) over the last steps.
 // Then V = du/dx is corrected once or more by M^{-1}. With rho = -(H [V; I])_f and delta = M^{-1} rho,
-//   K = [V; I]^T H [V; I] - sym(rho^T delta)      [N/m], error of second order in that of V, times the misfit of M
-//   f = -(g_c + V^T r_f)                          [N], error of second order in that of u
-// r_f: residual of the free nodes, g_c: its row of the contact. A state whose iteration does not contract, or whose
-// stiffness does not settle, is left to the caller.
+//   K = [V; I]^T H [V; I] - sym(rho^T delta)   [N/m], error of second order in that of V, times M's misfit
+//   f = -(g_c + V^T r_f)                       [N], error of second order in that of u
+// r_f: residual of the free nodes, g_c: its row of the contact. A state whose iteration does not contract, or
+// whose stiffness does not settle, is left to the caller.
 
 #include <array>
 #include <memory>
@@ -35,8 +35,8 @@ struct LaneResult {
 class NewtonSolver;
 
 namespace detail {
-// K, V and the correction V^T r_f of the force, with a factor of H at `field` itself: for a state whose stiffness did not
-// settle with a neighbour's factor. False if H is not positive definite there.
+// K, V and the correction V^T r_f of the force, with a factor of H at `field` itself: for a state whose
+// stiffness did not settle with a neighbour's factor. False if H is not positive definite there.
 bool condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result);
 void copy_result(const LaneResult& result, State& state);  // of a lane that converged
 }  // namespace detail
@@ -45,9 +45,9 @@ class LaneSolver {
  public:
   explicit LaneSolver(std::shared_ptr<const Discretisation> discretisation);
 
-  // fields: 1 to 8 predictions with the contact's rows of u at the states' positions; out: the equilibria of those that
-  // converge. residual_tolerance: on |r_f| / max(|f|, floor). rounds: largest number of corrections of V and K; after one,
-  // V is good enough for a prediction, but K has seldom settled.
+  // fields: 1 to 8 predictions with the contact's rows of u at the states' positions; out: the equilibria of
+  // those that converge. residual_tolerance: on |r_f| / max(|f|, floor). rounds: largest number of
+  // corrections of V and K; after one, V is good enough for a prediction, but K has seldom settled.
   void solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
              std::array<LaneResult, lane_count>& results, int rounds = 3);
 

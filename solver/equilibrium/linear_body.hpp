@@ -1,7 +1,9 @@
 #pragma once
 // A linear body: with the contact held at x,
-//   u(x) = V x [m]     f(x) = -K x [N]     W(x) = x^T K x / 2 [J]     V = -H_ff^{-1} H_fc     K = H_cc + H_cf V [N/m]
-// so that one factorisation gives every state (H = d2W/du2; f the free nodes, c the contact: factorisation.hpp).
+//   u(x) = V x [m]     f(x) = -K x [N]     W(x) = x^T K x / 2 [J]
+//   V = -H_ff^{-1} H_fc     K = H_cc + H_cf V [N/m]
+// so that one factorisation gives every state (H = d2W/du2; f the free nodes, c the contact:
+// factorisation.hpp).
 
 #include <memory>
 #include <mutex>
@@ -17,7 +19,8 @@ namespace forefeel {
 class LinearBody {
  public:
   LinearBody(const Discretisation& d, NewtonSolver& newton);  // d must outlive this
-  // The state at x [m]; `field` receives u and V. Diverged if H_ff is not positive definite or the residual exceeds 1e-8.
+  // The state at x [m]; `field` receives u and V. Diverged if H_ff is not positive definite or the residual
+  // exceeds 1e-8.
   State state(const Vec3& x, LocalField& field) const;
 
  private:
@@ -27,8 +30,8 @@ class LinearBody {
   bool solvable_ = false;
 };
 
-// For several threads: the LinearBody's states at h along each axis, made by the thread that asks first, give every
-// other state by superposition. K is their stiffness, made symmetric.
+// For several threads: the LinearBody's states at h along each axis, made by the thread that asks first, give
+// every other state by superposition. K is their stiffness, made symmetric.
 class LinearBasis {
  public:
   LinearBasis(std::shared_ptr<const Body> body, double spacing);  // h [m], > 0

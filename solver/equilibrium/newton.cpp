@@ -101,8 +101,9 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
       report.status = SolveStatus::cancelled;
       return report;
     }
-    // A factor is reused while each step with it reduces the residual fivefold: a step without a new factor costs a
-    // tenth. The equilibrium itself gets its own factor, which also shows that it is stable, unless keep_factor is set.
+    // A factor is reused while each step with it reduces the residual fivefold: a step without a new factor
+    // costs a tenth. The equilibrium itself gets its own factor, which also shows that it is stable, unless
+    // keep_factor is set.
     const bool settled = report.residual <= tolerance ||
                          report.residual * std::max(report.force.norm(), d_->force_floor) <= d_->round_off;
     const bool keep = has_factor && (keep_factor || !settled) && report.residual < 0.2 * before;

@@ -1,9 +1,10 @@
 #pragma once
 // Newton's method for a static equilibrium with the contact held at x:
 //   r_f(u) = 0,  u_c = x,     steps d = -H_ff^{-1} r_f
-// r = dW/du [N], H = d2W/du2 [N/m]; f the free nodes, c the contact. A step is halved until J = det F > 0 (if the law
-// needs that) and the energy or the residual falls. If H_ff is not positive definite, a multiple of the stiffness at rest
-// is added to it. An iterate counts as converged only if H_ff is positive definite there: the equilibrium is stable.
+// r = dW/du [N], H = d2W/du2 [N/m]; f the free nodes, c the contact. A step is halved until J = det F > 0 (if
+// the law needs that) and the energy or the residual falls. If H_ff is not positive definite, a multiple of
+// the stiffness at rest is added to it. An iterate counts as converged only if H_ff is positive definite
+// there: the equilibrium is stable.
 
 #include <memory>
 #include <stop_token>
@@ -28,12 +29,14 @@ class NewtonSolver {
  public:
   explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
 
-  // u: a local vector with the contact at x; out: the equilibrium. On success factor() belongs to H(u) itself. With
-  // keep_factor it may belong to an earlier iterate; the last step with it then reduced the residual at least fivefold.
+  // u: a local vector with the contact at x; out: the equilibrium. On success factor() belongs to H(u)
+  // itself. With keep_factor it may belong to an earlier iterate; the last step with it then reduced the
+  // residual at least fivefold.
   NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations,
                      const std::stop_token& stop, bool keep_factor = false);
-  // V = du/dx and K at u from the factor, which belongs to H(u) (left = 0) or to a tangent nearby (left: the share of an
-  // error that a step with it leaves), as in lane_solver.hpp. False if that factor fits too badly.
+  // V = du/dx and K at u from the factor, which belongs to H(u) (left = 0) or to a tangent nearby (left: the
+  // share of an error that a step with it leaves), as in lane_solver.hpp. False if that factor fits too
+  // badly.
   bool condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness);
   double contraction() const {
     return contraction_;

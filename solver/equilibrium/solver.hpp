@@ -1,7 +1,9 @@
 #pragma once
-// Static equilibrium of a body whose contact is held at x: find u with r(u) = dW/du = 0 on the free nodes,
-// u = 0 on the clamp, u = x on the contact. Force f = -sum of dW/du over the contact nodes; condensed stiffness
-// K = -df/dx = H_cc - H_cf H_ff^{-1} H_fc. Residual reported: |r| / max(|f|, 1e-12 E L^2).
+// Static equilibrium of a body whose contact is held at x [m]: the displacements u [m] with
+//   r(u) = dW/du = 0 on the free nodes,   u = 0 on the clamp,   u = x on the contact
+//   f = -sum of dW/du over the contact nodes [N]     K = -df/dx = H_cc - H_cf H_ff^{-1} H_fc [N/m]
+// W [J] stored energy, H = d2W/du2, f and c the free nodes and the contact. The residual is |r| / max(|f|,
+// 1e-12 E L^2) with Young's modulus E and the longest side L of the mesh.
 
 #include <memory>
 #include <optional>
@@ -26,13 +28,14 @@ struct SolveOptions {
   int max_iterations = 60;   // Newton iterations in all
   double max_step = 0;       // continuation step [m]; 0: the whole way at once, halved where it fails
   bool want_displacements = false;
-  bool keep_factor = false;  // serves on while it contracts; K and du/dx are then corrected, to about 1e-5
+  bool keep_factor =
+      false;  // reuses a factor while it contracts; K and du/dx are then corrected to about 1e-5
 };
 
 struct SolveOutcome {
-  State state;                                     // status says how it ended; never throws for divergence
+  State state;  // its status says how the solve ended; divergence does not throw
   std::shared_ptr<const Equilibrium> equilibrium;  // null unless converged
-  // Cancelled after some iterations: where they stood. Not in equilibrium, but a start for from() all the same.
+  // The last iterate of a cancelled solve. Not an equilibrium, but from() can start there.
   std::shared_ptr<const Equilibrium> partial;
   std::vector<std::string> warnings;
 };
@@ -48,14 +51,17 @@ class Solver {
 
   const Body& body() const;
   std::shared_ptr<const Equilibrium> rest() const;
-  // From rest straight to x in steps <= spacing, each tight: the reference branch.
+  // On the reference branch: from rest straight to x in equal steps of at most `spacing` [m], each solved to
+  // tolerance.
   SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});
-  // From a known equilibrium, directly; falls back to smaller steps. stop is looked at between iterations.
+  // From a known equilibrium in one step, or smaller ones if that fails. Checks `stop` between iterations.
   SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
                     std::stop_token stop = {});
-  // States near a known equilibrium, eight side by side on one factor there (the last solve's, if that was it): a
-  // fraction of the time of as many single solves. What does not contract, whose K does not settle or whose force is not
-  // what the stiffnesses between foretell is solved by from(). In the order of xs; what stop prevented is cancelled.
+  // States near a known equilibrium, eight at once with one factor there (that of the last solve, if it ended
+  // there):
+  // much faster than single solves. A state is solved by from() if its iteration does not contract, if its K
+  // does not settle, or if its force differs from the one that the stiffnesses predict. Outcomes in the order
+  // of xs; states that were not solved because of `stop` are cancelled.
   std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs,
                                    const SolveOptions& options, std::stop_token stop = {});
 
@@ -64,11 +70,12 @@ class Solver {
   std::unique_ptr<Impl> impl_;
 };
 
-// Whether a second way, along the axes one after the other instead of straight, ends in another stable equilibrium at
-// state.at: its force differs by more than 1e-4. Nothing where the state is not solved or the second way does not arrive.
+// True if a second path, along the axes one after the other, ends in another stable equilibrium at state.at:
+// its force differs by more than 1e-4 (relative). Nothing if the state is not solved or the second path does
+// not arrive.
 std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
                                const SolveOptions& options = {});
-// False where that is not known.
+// The same; false if it is not known.
 bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
 
 }  // namespace forefeel

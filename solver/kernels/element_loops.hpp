@@ -22,7 +22,8 @@ struct Shape<4> {
   }
 };
 
-// Quadratic: corners L(2L - 1), then the edges 01 02 03 12 13 23 with 4 La Lb; four points, exact for degree two.
+// Quadratic: corners L(2L - 1), then the edges 01 02 03 12 13 23 with 4 La Lb; four points, exact for degree
+// two.
 template <>
 struct Shape<10> {
   static constexpr int points = 4;

@@ -16,7 +16,8 @@ constexpr int block_rows = 6, block_vectors = 1;
 constexpr int block_rows = 2, block_vectors = 1;
 #endif
 
-// C[i][j .. j+8v) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel, all of C's piece in registers.
+// C[i][j .. j+8v) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel; this part of C stays in
+// registers.
 template <int rows, int vectors>
 FOREFEEL_INLINE void rank_update(std::int64_t depth, const double* a, const double* b, std::int64_t ld,
                                  double* c, std::int64_t ldc) {
@@ -42,9 +43,9 @@ FOREFEEL_INLINE void update_rows(std::int64_t depth, const double* a, const doub
   for (; j < width; j += lane_count) rank_update<rows, 1>(depth, a, b + j, ld, c + j, ldc);
 }
 
-// Upper triangle of C (rows x width) -= A^T B over `depth` rows of one panel; row i of C starts at its column i.
-// Rows are padded to a multiple of eight, so whole vectors may be treated to the end.
-// Large fronts are taken in pieces of the panel that stay in the cache.
+// Upper triangle of C (rows x width) -= A^T B over `depth` rows of one panel; row i of C starts at its column
+// i. Rows are padded to a multiple of eight, so the last vector may be processed whole.
+// Large fronts are processed in parts of the panel that fit into the cache.
 constexpr std::int64_t depth_block = 96, width_block = 480;
 
 inline void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t width, const double* panel,
@@ -54,7 +55,7 @@ inline void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t
       const std::int64_t deep = depth - p < depth_block ? depth - p : depth_block;
       const std::int64_t last = width - first < width_block ? width : first + width_block;
       const double* piece = panel + p * ld;
-      const std::int64_t end = rows < last ? rows : last;  // rows below hold nothing in these columns
+      const std::int64_t end = rows < last ? rows : last;  // rows below are zero in these columns
       std::int64_t i = 0;
       const auto from = [&](std::int64_t row) {
         const std::int64_t start = row / lane_count * lane_count;
@@ -95,7 +96,7 @@ inline bool eliminate_rows(double* panel, std::int64_t begin, std::int64_t end, 
   return true;
 }
 
-// Cholesky of the pivot rows of a panel, in blocks of rows that later ones are updated by at once.
+// Cholesky of the pivot rows of a panel, in blocks of rows that update the later ones together.
 inline bool eliminate(double* panel, std::int64_t pivots, std::int64_t ld, std::int64_t width) {
   for (std::int64_t first = 0; first < pivots; first += depth_block) {
     const std::int64_t last = first + depth_block < pivots ? first + depth_block : pivots;
@@ -113,8 +114,8 @@ FOREFEEL_INLINE void add_rows(const double* from, double* to, std::int64_t count
   for (; i < count; ++i) to[i] += from[i];
 }
 
-// The update matrix of a child, added where its nodes stand in the parent: pivot rows to the panel, others to the
-// parent's own update matrix.
+// Adds the update matrix of a child at the places of its nodes in the parent: pivot rows to the panel, the
+// others to the parent's update matrix.
 inline void extend_add(const FrontTree& tree, const Front& child, const Front& parent,
                        const double* stack_from, double* panel, double* update) {
   const ExtendRun* runs = tree.runs + child.runs;
@@ -141,7 +142,7 @@ bool factor(const FrontTree& tree, const double* blocks, double* panels, double*
     double* panel = panels + front.panel;
     double* update = stack + front.update;
     __builtin_memset(panel, 0, static_cast<std::size_t>(pivots * front.ld) * sizeof(double));
-    for (std::int64_t i = 0; i < rest; ++i) {  // the upper triangle, and what whole vectors touch beside it
+    for (std::int64_t i = 0; i < rest; ++i) {  // the upper triangle, in whole vectors
       const std::int64_t from = i / lane_count * lane_count - (i < lane_count ? 0 : lane_count);
       __builtin_memset(update + i * front.update_ld + from, 0,
                        static_cast<std::size_t>(front.update_ld - from) * sizeof(double));

@@ -1,10 +1,11 @@
 #pragma once
-// The loops that take the time, compiled once per instruction set (SSE2, AVX2, AVX-512) and chosen at run time.
-// This header and the kernel files include nothing with inline functions of others: what is compiled for a newer
-// processor must stay in its own file.
+// The loops that take most of the time: element gradients and Hessians, and the multifrontal factorisation.
+// They are compiled once per instruction set (SSE2, AVX2, AVX-512) and chosen at run time. This header and
+// the kernel files include no header with inline functions, because code compiled for a newer processor must
+// not be shared.
 //
-// Shapes. Local nodes are numbered 0 .. n-1 free (in elimination order), n the contact (all contact nodes move as
-// one), n+1 the clamp. A vector is (n+2) x 3; eight vectors side by side ("lanes") are (n+2) x 3 x 8.
+// Shapes. Local nodes are numbered 0 .. n-1 free (in elimination order), n the contact (all contact nodes
+// move as one), n+1 the clamp. A vector is (n+2) x 3; eight vectors side by side ("lanes") are (n+2) x 3 x 8.
 // Elements come in groups of eight; the last group is padded with elements of no volume.
 
 #include <cstdint>
@@ -13,7 +14,7 @@ namespace forefeel {
 
 inline constexpr int lane_count = 8;
 
-// Constants of a law: Lamé's mu and lambda [Pa], and up to four that the law derives from them (its file says which).
+// Constants of a law: Lamé's mu and lambda [Pa], and up to four that the law derives from them.
 struct LawConstants {
   double mu = 0, lambda = 0;
   double own[4] = {};
@@ -50,18 +51,19 @@ struct ElementKernels {
 };
 
 // Multifrontal Cholesky H = U^T U in 3 x 3 blocks, by Duff and Reid 1983: the free nodes fall into supernodes
-// (fronts); front s eliminates `pivots` consecutive nodes from `first` on and updates `rest` later ones, the contact
-// last among them. Its panel is row-major, (3 pivots) x ld, holding the rows of U; 1/U_pp stands on the diagonal.
+// (fronts); front s eliminates `pivots` consecutive nodes from `first` on and updates `rest` later ones, the
+// contact last among them. Its panel is row-major, (3 pivots) x ld, and holds the rows of U, with 1/U_pp on
+// the diagonal.
 struct Front {
   std::int32_t first = 0, pivots = 0, rest = 0;
-  std::int32_t parent = -1;                    // -1: what is left goes to the contact's corner, K
+  std::int32_t parent = -1;                    // -1: the update matrix is added to the contact's corner, K
   std::int64_t panel = 0, ld = 0;              // offset and row length in the panel store
   std::int64_t rows = 0;                       // offset of the `rest` local nodes in FrontTree::rows
   std::int64_t update = 0, update_ld = 0;      // offset and row length of the update matrix in the stack
   std::int64_t runs = 0, run_count = 0;        // extend-add into the parent
   std::int64_t children = 0, child_count = 0;  // in FrontTree::children
 };
-// `length` consecutive nodes of a front's rest that stand side by side in its parent's.
+// `length` nodes that are consecutive in a front's rest and in its parent.
 struct ExtendRun {
   std::int32_t from = 0, to = 0, length = 0;
 };
@@ -77,14 +79,15 @@ struct FrontTree {
 };
 
 struct FrontKernels {
-  // False where a pivot is not positive. corner (3 x 3, row-major) receives K.
+  // False if a pivot is not positive. corner (3 x 3, row-major) receives K.
   bool (*factor)(const FrontTree&, const double* blocks, double* panels, double* stack, double* corner);
-  // U^T y = b, then U x = y - U_c x_c, where x_c is what stands in the row of the contact (0: a plain solve).
+  // U^T y = b, then U x = y - U_c x_c, where x_c is the row of the contact (0: a plain solve).
   void (*forward)(const FrontTree&, const double* panels, double* b, double* work);
   void (*backward)(const FrontTree&, const double* panels, double* b, double* work);
   void (*forward_lanes)(const FrontTree&, const double* panels, double* b, double* work);  // (n+1) x 3 x 8
   void (*backward_lanes)(const FrontTree&, const double* panels, double* b, double* work);
-  // Eight vectors of `rows` entries side by side: out = a . b, and y += factor x, each lane with its own factor.
+  // Eight vectors of `rows` entries side by side: out = a . b, and y += factor x, each lane with its own
+  // factor.
   void (*dot_lanes)(std::int64_t rows, const double* a, const double* b, double* out);
   void (*add_lanes)(std::int64_t rows, const double* factor, const double* x, double* y);
 };

@@ -1,8 +1,8 @@
 #pragma once
 // Eight doubles side by side, and what the kernels do with them: minimum, broadcast, logarithm, load, store.
 //
-// Everything is in an unnamed namespace on purpose: the kernels are compiled once per instruction set, and the linker
-// must not pick a function compiled for a newer one for general use. Include in kernel files only.
+// Everything is in an unnamed namespace on purpose: the kernels are compiled once per instruction set, and
+// the linker must not pick a function compiled for a newer one for general use. Include in kernel files only.
 
 #include "solver/kernels/kernels.hpp"
 

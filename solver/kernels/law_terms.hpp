@@ -4,9 +4,9 @@
 //   P  = 2 d1 F + 2 d2 (I1 F - F C) + dj cof F
 //   dP = 2 d1 dF + 4 d11 (F:dF) F + 2 d2 (2 (F:dF) F + I1 dF - dF C - F dF^T F - F F^T dF)
 //        + djj (cof F:dF) cof F + dj dcof
-// F deformation gradient, J = det F, C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2)/2. T is double or Lanes (lanes.hpp).
-// A law that is no function of the invariants gives energy, stress and stress_change itself (laws/linear.cpp).
-// Include in kernel files only (see lanes.hpp).
+// F deformation gradient, J = det F, C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2)/2. T is double or Lanes
+// (lanes.hpp). A law that is no function of the invariants gives energy, stress and stress_change itself
+// (laws/linear.cpp). Include in kernel files only (see lanes.hpp).
 
 #include "solver/kernels/lanes.hpp"
 

@@ -1,6 +1,7 @@
 #pragma once
-// Which solver computed a value: sources, compiler and flags of this build, and the instruction set of this machine.
-// Two builds with one revision give the same bits; what is kept on disk for later runs carries it in its name.
+// The revision of the solver: sources, compiler and flags of this build, and the instruction set of this
+// machine. Two builds with the same revision give the same bits. Files of solutions kept for later runs have
+// it in their names.
 
 #include <string>
 

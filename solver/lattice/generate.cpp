@@ -73,7 +73,7 @@ std::vector<LatticeIndex> corners_of(const LatticeIndex& k) {
   return corners;
 }
 
-// What is to be done, and the hand-over of what is done.
+// The missing states, the order in which they are solved, and their hand-over to the sink.
 class Sweep {
  public:
   Sweep(std::shared_ptr<const Body> body, const GenerateOptions& options, const std::vector<State>& known,
@@ -133,7 +133,7 @@ class Sweep {
     if (!stopped()) fill_cells();
   }
 
-  // The coarse nodes that the missing states rest on, with all on the way to them.
+  // The coarse nodes that the missing states depend on, with all nodes on the paths from rest to them.
   void plan_coarse() {
     std::set<LatticeIndex> needed;
     std::vector<LatticeIndex> open;
@@ -145,7 +145,7 @@ class Sweep {
         need(cell_of(k));
         continue;
       }
-      for (int m = 0; m < 8; ++m) {  // a cell is solved as a whole, so all its corners are
+      for (int m = 0; m < 8; ++m) {  // a cell is solved as a whole, so all its corners are needed
         LatticeIndex c = cell_of(k);
         for (std::size_t axis = 0; axis < 3; ++axis) c[axis] += (m >> axis) & 1;
         need(c);
@@ -193,7 +193,7 @@ class Sweep {
     }
   }
 
-  // Fine states by the coarse cell they lie in, cells outward from rest.
+  // Solves the fine states by coarse cells, outward from rest.
   void fill_cells() {
     std::map<LatticeIndex, std::vector<LatticeIndex>> cells;
     std::vector<LatticeIndex> order;
@@ -205,7 +205,7 @@ class Sweep {
       list.push_back(k);
     }
     for_each(order.size(), [&](SweepWorker& worker, std::size_t i) {
-      // the whole cell is solved, also where a resumed file holds a part of it: the values depend on the cell alone
+      // The whole cell is solved even if a resumed file holds a part of it: values depend on the cell alone.
       std::vector<SweepNode> nodes;
       std::vector<std::vector<const SweepNode*>> corners;
       for (int m = 1; m < 8; ++m) {

@@ -1,5 +1,6 @@
 #pragma once
-// All states of the lattice {k h}^3 inside a box, each on the reference branch (straight continuation from rest).
+// All states of the lattice {k h}^3 inside a box, each on the reference branch (straight continuation from
+// rest).
 
 #include <cstddef>
 #include <functional>
@@ -26,11 +27,11 @@ struct GenerateReport {
   double seconds = 0;
   int threads = 0;
 };
-// Solves every lattice point of the box that `known` does not hold, outward from rest. Failed states in `known` are
-// not retried. sink(state) receives each new state, failed ones included; progress(done, total) reports. Both are
-// called from one thread at a time.
-// A state is marked multivalued if its straight path jumps within its last two steps, if another path ends at another
-// equilibrium, or if its force differs from what the stiffnesses of its neighbours predict.
+// Solves every lattice point of the box that `known` does not hold, outward from rest. Failed states in
+// `known` are not retried. sink(state) receives each new state, failed ones included; progress(done, total)
+// reports. Both are called from one thread at a time.
+// A state is marked multivalued if its straight path jumps within its last two steps, if another path ends at
+// another equilibrium, or if its force differs from what the stiffnesses of its neighbours predict.
 GenerateReport generate_lattice(std::shared_ptr<const Body> body, const GenerateOptions& options,
                                 const std::vector<State>& known, const std::function<void(State)>& sink,
                                 const std::function<void(std::size_t, std::size_t)>& progress);

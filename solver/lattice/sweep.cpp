@@ -11,15 +11,16 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// A force that differs by more than this share from what the stiffness of a neighbour foretells is looked into; with an
-// element turned inside out, one that differs by this share from the cubic through the corners of its cell.
+// A state is checked by a solve along its straight path if its force differs by more than this share from the
+// one that a neighbour's stiffness predicts; with an inverted element, from the cubic through the corners of
+// its cell.
 constexpr double suspicious = 0.1, suspicious_inverted = 1e-2;
 constexpr double coarse_tolerance = 1e-7;
-constexpr int prediction_iterations = 12;  // of Newton from a prediction, before the straight way is gone
+constexpr int prediction_iterations = 12;  // of Newton from a prediction, before the straight path is used
 constexpr double fallback_tolerance = 1e-8;
 constexpr int fallback_iterations = 60;
 
-// One corner's part in predict_hermite.
+// One corner's contribution in predict_hermite.
 FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v,
                                 double share, const double* move, const double* slope, const double* keep,
                                 double* __restrict to, double* __restrict tangent) {
@@ -52,8 +53,8 @@ void SweepWorker::correct_alone(SweepNode& node) {
   if (report.status == SolveStatus::converged) take(node, report);
 }
 
-// Where the straight way does not arrive: continuation from the first of the given nodes. What it finds is some
-// equilibrium, not the reference branch's.
+// If the straight path does not arrive: continuation from the first of the given nodes. It finds some
+// equilibrium, not necessarily that of the reference branch.
 void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
   State& s = node.state;
   node.field = {};
@@ -61,16 +62,18 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
   const SweepNode& start = *starts.front();
   path_.begin_at(start.state.at, start.field);
   const NewtonReport report = path_.advance(s.at, 0, fallback_tolerance, fallback_iterations, options_.stop);
-  if (report.status != SolveStatus::converged) return;  // the straight way's status stays: it is the reason
+  if (report.status != SolveStatus::converged)
+    return;  // keeps the status of the straight path: it is the reason
   s.parent = start.state.at;
   s.multivalued = true;
   take(node, report);
 }
 
-// The trapezium rule on the stiffnesses foretells the force to third order, their Hermite mean over the corners of a cell
-// to fourth. Where they do not fit, or where a neighbour is known to have another branch, the straight way from rest in
-// steps of h decides. With an element turned inside out there is mostly another way to settle, so a coarse state with one
-// (which the fine ones are predicted from) always goes it.
+// The trapezium rule on the stiffnesses predicts the force to third order, their Hermite mean over the
+// corners of a cell to fourth. If the force differs from the prediction, or if a neighbour is known to have
+// another branch, the straight path from rest in steps of h decides. With an inverted element there is
+// usually another equilibrium, so a coarse state with one (from which fine states are predicted) is always
+// solved along its straight path.
 bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours,
                            bool coarse) const {
   const State& s = node.state;
@@ -129,13 +132,13 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
                                const SweepNode* beyond) {
   const auto start = SteadyClock::now();
   node.state.status = SolveStatus::stalled;
-  // beside a state with an element turned inside out a prediction leads anywhere
+  // next to a state with an inverted element a prediction is unreliable
   if (!parents.empty() && parents.front()->state.min_jacobian > 0) {
     const SweepNode& parent = *parents.front();
     node.state.parent = parent.state.at;
     const Vec3 move = node.state.at - parent.state.at;
     LocalField slope = parent.field;
-    if (beyond) {  // V changes evenly along the three nodes
+    if (beyond) {  // V is extrapolated linearly along the three nodes
       scale_into(parent.field.tangent, 0.5, slope.tangent);
       scale_into(beyond->field.tangent, -0.5, slope.tangent);
     }
@@ -170,7 +173,7 @@ bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const Sweep
     for (int j = 0; j < 3; ++j) {
       const bool mid = between[static_cast<std::size_t>(j)];
       if (!mid) move[j] = 0;
-      // towards +j from this corner the state lies at +h: the corner is on the low side
+      // the state lies at +h along j from this corner: the corner is on the low side
       slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
       keep[j] = (mid ? -0.5 : 1.0) * share;
     }

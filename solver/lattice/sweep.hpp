@@ -1,12 +1,16 @@
 #pragma once
-// The two-level sweep of a lattice of spacing h, behind generate_lattice():
-// 1. the coarse lattice (2h) outward from rest, each state predicted to second order from its parent and corrected by Newton
-//    that keeps its factor while it contracts;
-// 2. the fine states of each coarse cell (seven of its eight), predicted from the coarse corners around them by
-//    u = mean of u_c + V_c (x - x_c)/2, an O(h^4) cubic Hermite value, and solved side by side on one factor.
-// What does not contract, and what does not fit the states around it, goes its straight way from rest (sweep_rays.cpp): that
-// is what the reference branch means. A state's value depends on the body, the lattice and its
-// place alone: not on threads, and not on what a resumed file already holds.
+// The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
+// 1. The coarse lattice (2h) outward from rest. Each state is predicted to second order from its parent and
+// corrected by
+//    Newton, which reuses a factor while it contracts.
+// 2. The fine states of each coarse cell (seven of its eight). They are predicted from the coarse corners
+// around them by
+//    u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite value of error O(h^4), and solved together
+//    with one factor.
+// A state whose iteration does not contract, or that does not fit the states around it, is solved along its
+// straight path from rest (sweep_rays.cpp), which defines the reference branch. A state's value depends on
+// the body, the lattice and its position alone: not on the number of threads, and not on what a resumed file
+// already holds.
 
 #include <array>
 #include <functional>
@@ -29,10 +33,11 @@ struct SweepNode {
 
 struct SweepOptions {
   double spacing = 0.006;  // h [m]
-  // Of the lanes, |r_f|/|f|. The force is corrected by V^T r_f afterwards and far better than that.
+  // Of the lanes, |r_f| / |f|. The force is corrected by V^T r_f afterwards and is far more accurate.
   double residual_tolerance = 1e-5;
   std::stop_token stop;
-  // A solved node of the coarse lattice, or null. Asked only for nodes nearer to rest than the one being solved.
+  // The solved node of the coarse lattice, or null. Called only for nodes nearer to rest than the one being
+  // solved.
   std::function<const SweepNode*(const LatticeIndex&)> coarse;
 };
 
@@ -41,11 +46,11 @@ class SweepWorker {
  public:
   SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options);
 
-  // node.index is coarse. parents: coarse nodes nearer to rest that are solved, the first of them the one to start
-  // from (none: from rest); beyond: the node opposite to this one across the first parent, or null.
+  // Solves a coarse node. parents: solved coarse nodes nearer to rest; the solve starts from the first (none:
+  // from rest). beyond: the node opposite to this one across the first parent, or null.
   void solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond);
 
-  // The fine states of one cell; corners[i]: solved coarse nodes around nodes[i], with the fine index of each doubled.
+  // Solves the fine states of one cell; corners[i]: the solved coarse nodes around nodes[i].
   void solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners);
 
  private:
@@ -58,7 +63,7 @@ class SweepWorker {
   bool jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const;
   void run_lanes(std::vector<SweepNode*>& nodes);
 
-  // Where a straight way is joined: the step-th of the `steps` equal steps to the node; 0: at rest.
+  // Where a straight path is entered: step number `step` of `steps` equal steps to the node; 0: at rest.
   struct Anchor {
     int step = 0, steps = 1;
     LocalField field;

@@ -1,10 +1,10 @@
-// The straight ways from rest of a sweep. What defines the reference branch is continuation straight from rest to x in n
-// equal steps of at most h. Such a way runs through the cells of the coarse lattice, whose corners are solved already: at
-// the point x m/n
-//   u = sum over the corners of w_c (u_c + V_c (x m/n - x_c)/2),  w_c trilinear,
-// is exact to second order, and where the iteration on one common factor takes it, by little, to an equilibrium, the
-// corners and it lie on one sheet. The outermost such point is where the way is joined; from there on it is gone as
-// it stands. Where there is none it is gone from rest.
+// The straight paths from rest of a sweep. The reference branch is defined by continuation straight from rest
+// to x in n equal steps of at most h. Such a path runs through cells of the coarse lattice, whose corners are
+// already solved. At the point x m/n the prediction
+//   u = sum over the corners c of w_c (u_c + V_c (x m/n - x_c)/2),  w_c trilinear
+// is exact to second order. If the iteration on a common factor changes it only a little to reach an
+// equilibrium, this equilibrium and the corners lie on one branch: the point is an anchor. Continuation
+// starts from the outermost anchor of the path, or from rest if there is none.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,14 +14,13 @@
 namespace forefeel {
 namespace {
 
-constexpr double between_tolerance = 1e-4;  // on the way
+constexpr double between_tolerance = 1e-4;  // tolerance before the last step
 constexpr double arrival_tolerance = 1e-7;
 constexpr int most_iterations = 60;
 constexpr double other_branch = 1e-4;    // values on two branches differ by more than this share
-constexpr double sheet_thickness = 0.2;  // [h] an anchor lies no further from its prediction
-constexpr double smooth_move = 0.08;     // [h] no node is further from where a smooth step leads it
-constexpr double snap =
-    0.3;  // a kink of the way where an element has snapped through: two equilibria are near
+constexpr double sheet_thickness = 0.2;  // [h] largest distance of an anchor from its prediction
+constexpr double smooth_move = 0.08;     // [h] largest distance of a node from where a smooth step leads it
+constexpr double snap = 0.3;  // a kink above this: an element has snapped through, two equilibria are near
 constexpr int last_steps = 4;
 
 double distance(const std::vector<double>& a, const std::vector<double>& b, std::size_t rows) {
@@ -32,7 +31,7 @@ double distance(const std::vector<double>& a, const std::vector<double>& b, std:
 
 }  // namespace
 
-// The least det F over the corners, or nothing where not all of them are known.
+// The least det F over the corners, or nothing if not all of them are known.
 std::optional<double> SweepWorker::predict_between(const SweepNode& node, const Vec3& x,
                                                    LocalField& field) const {
   const double spacing = 2 * options_.spacing;
@@ -72,8 +71,8 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
   return least;
 }
 
-// Steps of the way to a node that an anchor is looked for at: the last four, and the last at which no corner around it
-// has an element turned inside out.
+// The steps of a path at which an anchor is looked for: the last four, and the last step at which no corner
+// around it has an inverted element.
 std::vector<SweepWorker::Anchor> SweepWorker::candidates_of(const SweepNode& node, int steps) const {
   std::vector<Anchor> candidates;
   for (int step = steps - 1; step > 0; --step) {
@@ -96,7 +95,7 @@ std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<Swe
     for (Anchor& candidate : candidates_of(*nodes[i], anchors[i].steps))
       candidates.emplace_back(i, std::move(candidate));
   }
-  // those that share a factor are equally far out
+  // those that share a factor are at the same step
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return a.second.steps - a.second.step < b.second.steps - b.second.step;
   });
@@ -107,7 +106,7 @@ std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<Swe
     std::vector<std::size_t> taken;
     for (; first < candidates.size() && fields.size() < lane_count; ++first) {
       auto& [node, candidate] = candidates[first];
-      if (candidate.step <= anchors[node].step) continue;  // has one further out
+      if (candidate.step <= anchors[node].step) continue;  // it has an anchor further out
       taken.push_back(first);
       predicted.push_back({candidate.field.u, {}});
       fields.push_back(&candidate.field);
@@ -129,7 +128,7 @@ std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<Swe
   return anchors;
 }
 
-// Whether the trapezium rule on V leads from the anchor to the node's equilibrium: no jump lies between.
+// True if the trapezium rule on V leads from the anchor to the node's equilibrium: no jump lies between them.
 bool SweepWorker::linked(const Anchor& anchor, const SweepNode& node) const {
   const std::size_t size = node.field.u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
   const Vec3 half = 0.5 * (1 - static_cast<double>(anchor.step) / anchor.steps) * node.state.at;
@@ -161,7 +160,8 @@ void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {
   }
 }
 
-// report: of path_, at the node on the reference branch. Without one a solved node stays as it is, marked.
+// report: of path_, at the node on the reference branch. Without it a solved node keeps its values and is
+// marked.
 void SweepWorker::settle(SweepNode& node, const NewtonReport& report) {
   State& s = node.state;
   const bool arrived = report.status == SolveStatus::converged;

@@ -1,6 +1,6 @@
 #pragma once
-// FOREFEEL_DEFINE_LAW(law, L): the LawEntry of the law struct L under its name in list.hpp, for the instruction set
-// that the file is compiled for. L derives from LawDefaults (law_terms.hpp) and has
+// FOREFEEL_DEFINE_LAW(law, L): the LawEntry of the law struct L under its name in list.hpp, for the
+// instruction set that the file is compiled for. L derives from LawDefaults (law_terms.hpp) and has
 //   static constexpr const char* name                                          its word in scenes
 //   static LawConstants constants(double mu, double lambda)                    from Lamé's constants [Pa]
 //   template <class T> static Terms<T> terms(const LawConstants&, T i1, T i2, T j)

@@ -1,5 +1,5 @@
-// Linear elasticity: psi = lambda/2 tr(e)^2 + mu e:e, e = sym(F) - I. Not a function of the invariants, so energy,
-// stress and the stress's change are written out.
+// Linear elasticity: psi = lambda/2 tr(e)^2 + mu e:e, e = sym(F) - I. Not a function of the invariants, so
+// energy, stress and the stress's change are written out.
 #include "solver/laws/define_law.hpp"
 
 namespace forefeel {

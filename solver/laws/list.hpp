@@ -1,6 +1,6 @@
 #pragma once
-// The list of material laws. A law is one file in this folder, named as here, and one line of this list; the scene
-// word, the messages and the tests follow. See neo_hookean.cpp for a law in full.
+// The list of material laws. A law is one file in this folder, named as here, and one line of this list; the
+// scene word, the messages and the tests follow. See neo_hookean.cpp for a law in full.
 
 #include "solver/kernels/kernels.hpp"
 

@@ -1,5 +1,6 @@
 // St. Venant-Kirchhoff law: psi = lambda/2 tr(G)^2 + mu G:G with Green's strain G = (C - I)/2;
-// tr G = (I1 - 3)/2 and G:G = (I1^2 - 2 I2 - 2 I1 + 3)/4. Softens in compression and has no resistance to J -> 0.
+// tr G = (I1 - 3)/2 and G:G = (I1^2 - 2 I2 - 2 I1 + 3)/4. Softens in compression and has no resistance to J
+// -> 0.
 #include "solver/laws/define_law.hpp"
 
 namespace forefeel {

@@ -7,13 +7,14 @@
 #include <map>
 
 #include "solver/body/law.hpp"
+#include "solver/system/ordering.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr std::array<std::array<int, 2>, 6> tet_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
-// Nodes of each element: the tetrahedron's own, then (quadratic) those in the middle of its edges.
+// Nodes of each element: the corners, then (quadratic) the midpoints of the edges.
 std::vector<std::int32_t> connect(const Body& body, std::vector<std::array<NodeIndex, 2>>& edges) {
   const bool quadratic = body.element == Element::quadratic;
   std::vector<std::int32_t> nodes;

@@ -1,8 +1,8 @@
 #pragma once
-// A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact, whose nodes all move
-// by x; n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. With all contact nodes one local node, the row of the
-// contact in dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
-// stiffness K in its place.
+// A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact (all contact
+// nodes, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. Because the contact is one
+// local node, its row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2
+// leaves the condensed stiffness K.
 
 #include <array>
 #include <cstdint>
@@ -13,8 +13,9 @@
 
 namespace forefeel {
 
-// Upper triangle of d2W/du2 in 3 x 3 blocks, over the free nodes and the contact: row i holds columns j >= i, ascending,
-// its diagonal first. Block `size` of a value array is a dummy that takes what the clamp would get.
+// Upper triangle of d2W/du2 in 3 x 3 blocks, over the free nodes and the contact: row i holds columns j >= i,
+// ascending, its diagonal first. Block number size() of a value array is a dummy for the entries of the
+// clamp.
 struct BlockPattern {
   std::vector<std::int64_t> row_start;  // n + 2
   std::vector<std::int32_t> column;
@@ -28,7 +29,7 @@ struct Discretisation {
   std::vector<std::int32_t> local;              // node -> local node
   BlockPattern pattern;
   double force_floor = 0;  // 1e-12 E L^2 [N]
-  double round_off = 0;    // no residual can be told from zero below this [N]
+  double round_off = 0;    // smaller residuals are rounding error [N]
   bool needs_positive_jacobian = false;
   const ElementKernels* kernels = nullptr;
 
@@ -40,17 +41,13 @@ struct Discretisation {
   ElementView view() const;
 
   std::int64_t local_size() const { return 3 * (free_nodes + 2); }
-  // #V x 3 by node (mesh nodes, then mid-edge nodes) <-> local vector. A node that no element uses stays at rest.
+  // #V x 3 by node (mesh nodes, then mid-edge nodes) <-> local vector. A node that no element uses stays at
+  // rest.
   void to_local(const std::vector<double>& by_node, double* u) const;
   std::vector<double> to_nodes(const double* u) const;
 };
 
 // The mesh need not be clamped or touched (then all nodes are free).
 Discretisation discretise(const Body& body);
-
-// A fill-reducing elimination order of a graph given as sorted adjacency lists: order[i] is the node eliminated i-th.
-// positions [m] by node serve nested dissection.
-std::vector<std::int32_t> elimination_order(const std::vector<std::vector<std::int32_t>>& adjacency,
-                                            const std::vector<Vec3>& positions);
 
 }  // namespace forefeel

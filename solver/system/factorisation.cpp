@@ -6,7 +6,7 @@
 namespace forefeel {
 namespace {
 
-// A supernode before layout: nodes first .. first + pivots - 1 with these later nodes in common.
+// A supernode before layout: nodes first .. first + pivots - 1, which share the later nodes in `rest`.
 struct Supernode {
   std::int32_t first = 0, pivots = 0;
   std::vector<std::int32_t> rest;  // sorted; the contact, numbered n, is last where present
@@ -17,7 +17,7 @@ double elimination_flops(double pivots, double rest) {
   return k * m * m - k * k * m + k * k * k / 3;
 }
 
-// What a front costs besides its flops: its bookkeeping, and handing its update matrix to the parent.
+// Cost of a front besides its flops: bookkeeping, and adding its update matrix to the parent.
 double front_cost(const Supernode& s) {
   const double rest = static_cast<double>(s.rest.size());
   return 10000 + 150 * rest * rest + elimination_flops(s.pivots, rest);
@@ -42,7 +42,7 @@ std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free
     if (!column[j].empty() && static_cast<std::size_t>(column[j][0]) < n)
       children[static_cast<std::size_t>(column[j][0])].push_back(static_cast<std::int32_t>(j));
     Supernode fresh{static_cast<std::int32_t>(j), 1, column[j]};
-    // Joined with the supernode before it while that is a child and the joint front is the cheaper.
+    // Joins a supernode with the one before it while that is a child and the joint front is cheaper.
     while (!result.empty()) {
       const Supernode& last = result.back();
       const bool child =
@@ -158,8 +158,8 @@ struct FactorLayout {
           place[static_cast<std::size_t>(s)] = position(f, pattern.column[static_cast<std::size_t>(s)]);
   }
 
-  // Two stacks, for fronts of even and odd depth: a front's update matrix is made on the one while those of its children
-  // lie on top of the other, so that nothing has to be moved.
+  // Two stacks, for fronts of even and odd depth: a front's update matrix is made on one stack while those of
+  // its children are on top of the other, so that nothing has to be moved.
   void place_stack() {
     std::vector<char> odd(fronts.size(), 0);
     for (std::size_t s = fronts.size(); s-- > 0;)

@@ -1,8 +1,9 @@
 #pragma once
 // Factor of H = d2W/du2 with the free nodes (f) eliminated and the contact (c) last:
-//   H = [H_ff H_fc; H_cf H_cc] = U^T U but for the last 3 x 3 corner, in which
-//   K = H_cc - H_cf H_ff^{-1} H_fc     the condensed stiffness [N/m]
-// is left, symmetric by construction. The tangent du/dx = -H_ff^{-1} H_fc needs a backward substitution only.
+//   H = [H_ff H_fc; H_cf H_cc] = U^T U, except for the last 3 x 3 corner, which becomes
+//   K = H_cc - H_cf H_ff^{-1} H_fc     the condensed stiffness [N/m], symmetric by construction
+// The tangent du/dx = -H_ff^{-1} H_fc needs a backward substitution only. Multifrontal (Duff, Reid 1983;
+// kernels.hpp).
 
 #include <memory>
 
@@ -23,9 +24,10 @@ class Factorisation {
   ~Factorisation();
   Factorisation(Factorisation&&) noexcept;
 
-  // blocks as in Discretisation::pattern. False unless H_ff is positive definite (then nothing below may be called).
+  // blocks: values of H by Discretisation::pattern. False unless H_ff is positive definite; after false, call
+  // nothing below.
   bool compute(const double* blocks);
-  void solve(double* b) const;        // b, a local vector: its free part becomes H_ff^{-1} b, the contact's 0
+  void solve(double* b) const;  // b: local vector; its free part becomes H_ff^{-1} b, the contact's part 0
   void solve_lanes(double* b) const;  // the same for eight right-hand sides side by side
   Mat3 stiffness() const;             // K [N/m]
   void tangent(double* v) const;  // three local vectors du/dx_c one after the other; contact = I, clamp = 0

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "solver/system/discretisation.hpp"
+#include "solver/system/ordering.hpp"
 
 namespace forefeel {
 namespace {
@@ -86,7 +86,8 @@ std::vector<std::int32_t> postorder(const Elimination& e, const std::vector<std:
   return result;
 }
 
-// Nested dissection: halves at the median of the longest direction; the separator is the smaller side of the cut.
+// Nested dissection: halves at the median of the longest direction; the separator is the smaller side of the
+// cut.
 class Dissection {
  public:
   Dissection(const Graph& adjacency, const std::vector<Vec3>& positions)
@@ -186,7 +187,8 @@ class Dissection {
       augment(node, match_, seen_);
       forget();
     }
-    // Reachable from unmatched left nodes by alternating paths: cover = left not reached + right reached.
+    // Nodes reached from unmatched left nodes by alternating paths; the cover is left not reached + right
+    // reached.
     std::vector<std::int32_t> open;
     for (const std::int32_t node : left)
       if (match_[static_cast<std::size_t>(node)] < 0) open.push_back(node);
