@@ -15,31 +15,14 @@
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/bridge.hpp"
+#include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/setups.hpp"
-#include "geometry/index/point_octree.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {
 namespace {
-
-// The median distance of a state to its nearest other one.
-double estimate_spacing(const std::vector<State>& states) {
-  PointOctree points;
-  for (std::uint32_t i = 0; i < states.size(); ++i) points.insert(i, states[i].at);
-  std::vector<double> distance;
-  std::vector<PointOctree::Neighbour> two;
-  const std::size_t step = 1 + states.size() / 20000;
-  for (std::size_t i = 0; i < states.size(); i += step) {
-    points.nearest(states[i].at, 2, two);
-    if (two.size() == 2 && two[1].squared > 0) distance.push_back(std::sqrt(two[1].squared));
-  }
-  if (distance.empty()) return unknown;
-  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
-  std::nth_element(distance.begin(), middle, distance.end());
-  return *middle;
-}
 
 Box parse_box(const std::string& text) {
   const std::size_t colon = text.find(':');

@@ -22,6 +22,7 @@
 #include "apps/console/values.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {
@@ -58,23 +59,9 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// The median distance of a state to its nearest other one.
-double spacing_of(const std::vector<State>& states) {
-  StateSpaceOptions options;
-  options.spacing = 1;
-  options.merge_distance = 0;
-  StateSpace space(options);
-  for (const State& s : states)
-    if (s.usable()) space.insert(s);
-  std::vector<double> distances;
-  std::vector<StateId> two;
-  for (std::size_t i = 0; i < space.size(); ++i) {
-    const Vec3 at = space[{static_cast<std::uint32_t>(i)}].at;
-    space.nearest(at, 2, two);
-    for (const StateId id : two)
-      if (id.value != i) distances.push_back((space[id].at - at).norm());
-  }
-  return median(std::move(distances));
+std::vector<State> usable_states(std::vector<State> states) {
+  std::erase_if(states, [](const State& s) { return !s.usable(); });
+  return states;
 }
 
 ModelOptions model_options(const EvaluateArguments& arguments, const std::vector<State>& states) {
@@ -252,7 +239,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
 
   StateSpaceOptions space_options;
   space_options.spacing = arguments.spacing.value_or(loaded.header.spacing);
-  if (!(space_options.spacing > 0)) space_options.spacing = spacing_of(loaded.states);
+  if (!(space_options.spacing > 0)) space_options.spacing = estimate_spacing(usable_states(loaded.states));
   if (!(space_options.spacing > 0)) space_options.spacing = StateSpaceOptions{}.spacing;
   StateSpace space(space_options);
   std::size_t contradicting = 0;

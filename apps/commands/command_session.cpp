@@ -16,7 +16,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/picture/summary_json.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene_input/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -283,12 +283,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   SessionOptions options = options_of(scene, given, globals);
   warn_of_solving(globals, scene, given);
   if (mpi) join(mpi, given, options);
-  SessionInput input{.touched = {.body = scene.body,
-                                 .identity = scene.identity,
-                                 .space = scene.space,
-                                 .displacements = scene.displacements,
-                                 .inward = scene.inward},
-                     .files = {.cache = cache_folder(), .scene = fs::absolute(scene.file).parent_path()}};
+  SessionInput input = session_input(scene);
   try {
     check_session(input, options);
   } catch (const InputError& error) {

@@ -10,6 +10,8 @@
 #include "apps/console/json.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
+#include "apps/scene_input/cache_folder.hpp"
+#include "apps/scene_input/scene_session.hpp"
 #include "apps/scene_input/sha256.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -116,13 +118,10 @@ std::vector<State> Laboratory::references(std::span<const Vec3> at, const ShowSh
 }
 
 SessionInput Laboratory::session_input() const {
-  return {.touched = {.body = scene_.body,
-                      .identity = scene_.identity,
-                      .space = scene_.space,
-                      .displacements = false,
-                      .inward = scene_.inward},
-          .files = {.cache = cache_folder(), .scene = fs::absolute(scene_.file).parent_path()},
-          .references = service_};
+  SessionInput input = forefeel::session_input(scene_);
+  input.touched.displacements = false;
+  input.references = service_;
+  return input;
 }
 
 Mat3 lattice_frame(const Vec3& inward) {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/sha256.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/meshing/phantom.hpp"

@@ -1,15 +1,12 @@
 #include "apps/scene_input/scene.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 #include "apps/console/suggest.hpp"
+#include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/sha256.hpp"
@@ -18,83 +15,6 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-
-// ---- text and overrides
-// -------------------------------------------------------------------------------------------
-
-std::string read_text(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError({.file = file.string()}, "no such file, expected a scene (TOML)");
-  std::ifstream in(file, std::ios::binary);
-  if (!fs::is_regular_file(file) || !in)
-    throw InputError({.file = file.string()}, "cannot be read, expected a scene (TOML)");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-toml::table parse_scene(const fs::path& file) {
-  try {
-    return toml::parse(read_text(file), file.string());
-  } catch (const toml::parse_error& error) {
-    std::string problem(error.description());
-    std::ranges::replace(problem, '\n', ' ');
-    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
-  }
-}
-
-// The text after '=' as TOML where it is one value, as a bare string otherwise.
-toml::table parse_value(const std::string& text) {
-  if (text.find('\n') == std::string::npos) {
-    try {
-      toml::table table = toml::parse("value = " + text, std::string_view("--set"));
-      if (table.size() == 1) return table;
-    } catch (const toml::parse_error&) {  // a bare word
-    }
-  }
-  return toml::table{{"value", text}};
-}
-
-// Of these only one may be given; an override of one takes the place of the others.
-const std::vector<std::pair<std::string, std::vector<std::string>>> alternatives{
-    {"body", {"mesh", "phantom"}},
-    {"clamp", {"nodes", "group", "below"}},
-    {"contact", {"node", "nodes", "nearest", "group"}}};
-
-void drop_alternatives(const std::string& section, const std::string& key, toml::table& table) {
-  for (const auto& [name, keys] : alternatives)
-    if (name == section && std::ranges::find(keys, key) != keys.end())
-      for (const std::string& other : keys)
-        if (other != key) table.erase(other);
-}
-
-void override_key(toml::table& scene, const std::string& text, std::set<std::string>& overridden) {
-  const std::size_t equals = text.find('=');
-  const InputPlace where =
-      equals == std::string::npos
-          ? InputPlace{.option = "--set", .key = text}
-          : InputPlace{.option = "--set", .key = text.substr(0, equals), .value = text.substr(equals + 1)};
-  if (equals == std::string::npos || equals == 0)
-    throw InputError(where, "has no value, expected key.path=value");
-  const std::string path = text.substr(0, equals);
-  std::vector<std::string> keys;
-  std::istringstream parts(path);
-  for (std::string key; std::getline(parts, key, '.');) keys.push_back(key);
-  if (std::ranges::find(keys, "") != keys.end() || path.ends_with("."))
-    throw InputError(where, "has an empty key, expected key.path=value");
-  toml::table* table = &scene;
-  for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
-    if (i == 1) drop_alternatives(keys[0], keys[1], *table);
-    table = table->emplace<toml::table>(keys[i]).first->second.as_table();
-    if (!table) throw InputError(where, fmt::format("'{}' is not a table of the scene", keys[i]));
-  }
-  if (keys.size() == 2) drop_alternatives(keys[0], keys[1], *table);
-  toml::table parsed = parse_value(text.substr(equals + 1));
-  table->insert_or_assign(keys.back(), std::move(*parsed.get("value")));
-  overridden.insert(path);
-}
-
-// ---- sections
-// -----------------------------------------------------------------------------------------------------
 
 constexpr double most_positions =
     2e7;  // of a lattice: beyond it a slip of the spacing is likelier than an intent
@@ -226,22 +146,19 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   read_limits(table.sub("limits", {"force", "slew", "ramp", "stale"}), session);
 }
 
-std::string hash_of(const toml::table& scene, const BodyIdentity& identity) {
-  std::ostringstream text;
-  text << toml::toml_formatter(scene);
+std::string hash_of(const SceneDocument& document, const BodyIdentity& identity) {
   Sha256 hash;
-  hash.add(text.str());
+  hash.add(document.text());
   for (const auto& [key, value] : identity) hash.add(key + "=" + value + "\n");
   return hash.hex();
 }
 
-std::string body_source(const toml::table& scene, const fs::path& file) {
-  std::ostringstream text;
-  text << file.string() << '\n';
+std::string body_source(const SceneDocument& document, const fs::path& file) {
+  std::string text = file.string() + '\n';
   for (const char* section : {"body", "material", "clamp", "contact"})
-    if (const toml::table* table = scene[section].as_table())
-      text << section << '\n' << toml::toml_formatter(*table) << '\n';
-  return text.str();
+    if (const std::optional<std::string> table = document.section_text(section))
+      text += section + ("\n" + *table) + '\n';
+  return text;
 }
 
 void take_body(Body body, Scene& scene) {
@@ -255,12 +172,6 @@ void share_body(const Scene& like, Scene& scene) {
   scene.identity = like.identity;
   scene.body = like.body;
   scene.warnings.insert(scene.warnings.end(), like.warnings.begin(), like.warnings.end());
-}
-
-bool writable_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  return fs::is_directory(folder, error) && access(folder.c_str(), W_OK) == 0;
 }
 
 constexpr const char* built_in = R"([body]
@@ -278,13 +189,9 @@ spacing = 0.006
 box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 )";
 
-Scene make_scene(toml::table table, const fs::path& file, std::span<const std::string> overrides,
-                 const Scene* like) {
-  std::set<std::string> overridden;
-  for (const std::string& text : overrides) override_key(table, text, overridden);
-
-  const SceneTable root(&table, "", file.string(), overridden,
-                        {"body", "material", "clamp", "contact", "state_space", "model", "session"});
+Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like) {
+  const SceneTable root =
+      document.root({"body", "material", "clamp", "contact", "state_space", "model", "session"});
   const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements", "tolerance"});
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
   const SceneTable session = root.sub(
@@ -310,7 +217,7 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   if (session.has("arrivals")) scene.arrivals_place = session.where("arrivals");
   for (const std::string& key : scheduling_keys())
     if (session.has(key)) scene.scheduling.emplace_back("session." + key, session.where(key));
-  scene.body_source = body_source(table, file);
+  scene.body_source = body_source(document, file);
   if (like && like->body_source == scene.body_source)
     share_body(*like, scene);
   else
@@ -318,57 +225,22 @@ Scene make_scene(toml::table table, const fs::path& file, std::span<const std::s
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), scene);
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
-  scene.hash = hash_of(table, scene.identity);
+  scene.hash = hash_of(document, scene.identity);
   return scene;
 }
 
 }  // namespace
 
 Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like) {
-  return make_scene(parse_scene(file), file, overrides, like);
+  return make_scene(SceneDocument::read(file, overrides), file, like);
 }
 
 Scene built_in_scene(std::span<const std::string> overrides) {
-  return make_scene(toml::parse(built_in), "liver phantom", overrides, nullptr);
-}
-
-const std::vector<std::string>& scheduling_keys() {
-  static const std::vector<std::string> keys{"policy",      "workers",   "cost",       "latency",
-                                             "preempt",     "placement", "predictor",  "rest_first",
-                                             "first_guess", "batch",     "batch_share"};
-  return keys;
-}
-
-bool exclude_each_other(const std::string& key, const std::string& other) {
-  const auto among = [](const std::string& name, const std::string& section,
-                        const std::vector<std::string>& keys) {
-    return name.starts_with(section + ".") &&
-           std::ranges::find(keys, name.substr(section.size() + 1)) != keys.end();
-  };
-  return key != other && std::ranges::any_of(alternatives, [&](const auto& of) {
-           return among(key, of.first, of.second) && among(other, of.first, of.second);
-         });
-}
-
-std::string no_effect_beside(const std::string& arrivals) {
-  return fmt::format(
-      "has no effect where states arrive at given times ({}), since nothing is solved; expected one or the "
-      "other",
-      arrivals);
+  return make_scene(SceneDocument::parse(built_in, "liver phantom", overrides), "liver phantom", nullptr);
 }
 
 std::string_view built_in_scene_text() {
   return built_in;
-}
-
-fs::path cache_folder() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  const char* home = std::getenv("HOME");
-  if (cache && fs::path(cache).is_absolute() && writable_folder(fs::path(cache) / "forefeel"))
-    return fs::path(cache) / "forefeel";
-  if (home && *home && writable_folder(fs::path(home) / ".cache" / "forefeel"))
-    return fs::path(home) / ".cache" / "forefeel";
-  return {};
 }
 
 }  // namespace forefeel

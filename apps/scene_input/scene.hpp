@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/scene_input/scene_keys.hpp"
 #include "apps/scene_input/scene_spacing.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/session/session.hpp"
@@ -47,15 +48,5 @@ Scene load_scene(const std::filesystem::path& file, std::span<const std::string>
 // neo-Hookean, spacing 6 mm.
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
-
-// Keys of [session] that say what is solved, by whom and when, and no more: without effect where states arrive at given times.
-const std::vector<std::string>& scheduling_keys();
-// Of two such keys only one may be given ("contact.node", "contact.group"); an override of one takes the other's place.
-bool exclude_each_other(const std::string& key, const std::string& other);
-// "has no effect where states arrive at given times (<arrivals>), …"
-std::string no_effect_beside(const std::string& arrivals);
-
-// $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel; empty where neither can be made.
-std::filesystem::path cache_folder();
 
 }  // namespace forefeel

@@ -2,12 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <set>
 #include <sstream>
 
 #include "apps/console/suggest.hpp"
+#include "apps/scene_input/scene_keys.hpp"
 
 namespace forefeel {
 namespace {
@@ -59,50 +64,65 @@ Interval share() {
   return {0, 1, false, false, "a number from 0 to 1"};
 }
 
-SceneTable::SceneTable(const toml::table* table, std::string path, std::string file,
-                       const std::set<std::string>& overridden, std::vector<std::string> known)
-    : table_(table), path_(std::move(path)), file_(std::move(file)), overridden_(&overridden) {
-  if (!table) return;
-  for (const auto& [key, value] : *table) {
+struct SceneTable::Source {
+  const toml::table* table;  // null: the section is absent and every key unset
+  std::string path, file;
+  const std::set<std::string>* overridden;  // key paths
+
+  const toml::node* node(const std::string& key) const { return table ? table->get(key) : nullptr; }
+};
+
+SceneTable::SceneTable(std::shared_ptr<const Source> source, const std::vector<std::string>& known)
+    : source_(std::move(source)) {
+  if (!source_->table) return;
+  for (const auto& [key, value] : *source_->table) {
     const std::string name(key.str());
     if (std::ranges::find(known, name) != known.end()) continue;
-    const std::string prefix = path_.empty() ? "" : path_ + ".";
-    throw InputError(where(name), fmt::format("unknown key, did you mean '{}{}'? Expected one of {}", prefix,
-                                              nearest_word(name, known), listed(known)));
+    throw InputError(where(name), fmt::format("unknown key, did you mean '{}'? Expected one of {}",
+                                              full(nearest_word(name, known)), listed(known)));
   }
+}
+
+std::string SceneTable::full(const std::string& key) const {
+  return source_->path.empty() ? key : source_->path + "." + key;
+}
+
+bool SceneTable::has(const std::string& key) const {
+  return source_->node(key) != nullptr;
 }
 
 InputPlace SceneTable::where(const std::string& key) const {
   for (std::string path = full(key);;) {
-    if (overridden_->contains(path)) return {.option = "--set", .key = full(key)};
+    if (source_->overridden->contains(path)) return {.option = "--set", .key = full(key)};
     const std::size_t dot = path.rfind('.');
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (value && value->source().begin)
-    return {.file = file_, .line = value->source().begin.line, .key = full(key)};
+    return {.file = source_->file, .line = value->source().begin.line, .key = full(key)};
   const std::string below = full(key) + ".";  // a table that only overrides speak of
-  const bool made =
-      std::ranges::any_of(*overridden_, [&](const std::string& path) { return path.starts_with(below); });
-  return made ? InputPlace{.option = "--set", .key = full(key)} : InputPlace{.file = file_, .key = full(key)};
+  const bool made = std::ranges::any_of(*source_->overridden,
+                                        [&](const std::string& path) { return path.starts_with(below); });
+  return made ? InputPlace{.option = "--set", .key = full(key)}
+              : InputPlace{.file = source_->file, .key = full(key)};
 }
 
 InputPlace SceneTable::place() const {
-  if (table_ && table_->source().begin)
-    return {.file = file_, .line = table_->source().begin.line, .key = path_};
-  if (table_ && !table_->empty())
-    return where(std::string(table_->begin()->first.str()));  // made by overrides
-  return {.file = file_, .key = path_};
+  if (source_->table && source_->table->source().begin)
+    return {.file = source_->file, .line = source_->table->source().begin.line, .key = source_->path};
+  if (source_->table && !source_->table->empty())
+    return where(std::string(source_->table->begin()->first.str()));  // made by overrides
+  return {.file = source_->file, .key = source_->path};
 }
 
 InputError SceneTable::wrong(const std::string& key, const std::string& expected) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   return {where(key), fmt::format("{}, expected {}", value ? "is " + shown(*value) : "missing", expected)};
 }
 
 std::optional<double> SceneTable::number(const std::string& key, const Interval& interval) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (!value) return {};
   const double number = number_of(*value);
   const bool inside = (interval.open_low ? number > interval.low : number >= interval.low) &&
@@ -113,7 +133,7 @@ std::optional<double> SceneTable::number(const std::string& key, const Interval&
 
 std::optional<std::int64_t> SceneTable::integer(const std::string& key, std::int64_t low,
                                                 std::int64_t high) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (!value) return {};
   const auto* integer = value->as_integer();
   if (!integer || integer->get() < low || integer->get() > high)
@@ -126,33 +146,33 @@ std::optional<std::int64_t> SceneTable::integer(const std::string& key, std::int
 }
 
 std::optional<bool> SceneTable::boolean(const std::string& key) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (!value) return {};
   if (!value->is_boolean()) throw wrong(key, "true or false");
   return value->as_boolean()->get();
 }
 
 std::optional<std::string> SceneTable::text(const std::string& key) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (!value) return {};
   if (!value->is_string() || value->as_string()->get().empty()) throw wrong(key, "a text");
   return value->as_string()->get();
 }
 
 bool SceneTable::is_text(const std::string& key, std::string_view value) const {
-  const toml::node* given = node(key);
+  const toml::node* given = source_->node(key);
   return given && given->is_string() && given->as_string()->get() == value;
 }
 
 std::optional<Vec3> SceneTable::vector(const std::string& key) const {
   if (!has(key)) return {};
-  const std::optional<Vec3> value = vector_of(node(key));
+  const std::optional<Vec3> value = vector_of(source_->node(key));
   if (!value) throw wrong(key, "three finite numbers [x, y, z]");
   return value;
 }
 
 std::optional<std::vector<std::int64_t>> SceneTable::integers(const std::string& key) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (!value) return {};
   const toml::array* list = value->as_array();
   if (!list || list->empty()) throw wrong(key, "a list of whole numbers, not empty");
@@ -165,7 +185,7 @@ std::optional<std::vector<std::int64_t>> SceneTable::integers(const std::string&
 }
 
 std::optional<Box> SceneTable::box(const std::string& key) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (!value) return {};
   const std::string expected = "[[x0, y0, z0], [x1, y1, z1]], finite, low corner first";
   const toml::array* corners = value->as_array();
@@ -182,9 +202,11 @@ std::optional<Box> SceneTable::box(const std::string& key) const {
 }
 
 SceneTable SceneTable::sub(const std::string& key, std::vector<std::string> known) const {
-  const toml::node* value = node(key);
+  const toml::node* value = source_->node(key);
   if (value && !value->is_table()) throw wrong(key, "a table");
-  return {value ? value->as_table() : nullptr, full(key), file_, *overridden_, std::move(known)};
+  return {std::make_shared<Source>(
+              Source{value ? value->as_table() : nullptr, full(key), source_->file, source_->overridden}),
+          known};
 }
 
 std::string SceneTable::exactly_one_of(const std::vector<std::string>& keys) const {
@@ -204,6 +226,124 @@ std::size_t chosen_word(const SceneTable& table, const std::string& key, const s
     throw table.wrong(key,
                       fmt::format("one of {} (nearest: '{}')", listed(words), nearest_word(text, words)));
   return static_cast<std::size_t>(found - words.begin());
+}
+
+// ---- the document ----
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_text(const fs::path& file) {
+  if (!fs::exists(file)) throw InputError({.file = file.string()}, "no such file, expected a scene (TOML)");
+  std::ifstream in(file, std::ios::binary);
+  if (!fs::is_regular_file(file) || !in)
+    throw InputError({.file = file.string()}, "cannot be read, expected a scene (TOML)");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+toml::table parse_scene(const fs::path& file) {
+  try {
+    return toml::parse(read_text(file), file.string());
+  } catch (const toml::parse_error& error) {
+    std::string problem(error.description());
+    std::ranges::replace(problem, '\n', ' ');
+    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
+  }
+}
+
+// The text after '=' as TOML where it is one value, as a bare string otherwise.
+toml::table parse_value(const std::string& text) {
+  if (text.find('\n') == std::string::npos) {
+    try {
+      toml::table table = toml::parse("value = " + text, std::string_view("--set"));
+      if (table.size() == 1) return table;
+    } catch (const toml::parse_error&) {  // a bare word
+    }
+  }
+  return toml::table{{"value", text}};
+}
+
+void drop_alternatives(const std::string& section, const std::string& key, toml::table& table) {
+  for (const auto& [name, keys] : alternative_keys())
+    if (name == section && std::ranges::find(keys, key) != keys.end())
+      for (const std::string& other : keys)
+        if (other != key) table.erase(other);
+}
+
+void override_key(toml::table& scene, const std::string& text, std::set<std::string>& overridden) {
+  const std::size_t equals = text.find('=');
+  const InputPlace where =
+      equals == std::string::npos
+          ? InputPlace{.option = "--set", .key = text}
+          : InputPlace{.option = "--set", .key = text.substr(0, equals), .value = text.substr(equals + 1)};
+  if (equals == std::string::npos || equals == 0)
+    throw InputError(where, "has no value, expected key.path=value");
+  const std::string path = text.substr(0, equals);
+  std::vector<std::string> keys;
+  std::istringstream parts(path);
+  for (std::string key; std::getline(parts, key, '.');) keys.push_back(key);
+  if (std::ranges::find(keys, "") != keys.end() || path.ends_with("."))
+    throw InputError(where, "has an empty key, expected key.path=value");
+  toml::table* table = &scene;
+  for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+    if (i == 1) drop_alternatives(keys[0], keys[1], *table);
+    table = table->emplace<toml::table>(keys[i]).first->second.as_table();
+    if (!table) throw InputError(where, fmt::format("'{}' is not a table of the scene", keys[i]));
+  }
+  if (keys.size() == 2) drop_alternatives(keys[0], keys[1], *table);
+  toml::table parsed = parse_value(text.substr(equals + 1));
+  table->insert_or_assign(keys.back(), std::move(*parsed.get("value")));
+  overridden.insert(path);
+}
+
+std::string as_toml(const toml::table& table) {
+  std::ostringstream text;
+  text << toml::toml_formatter(table);
+  return text.str();
+}
+
+}  // namespace
+
+struct SceneDocument::Parsed {
+  toml::table table;
+  std::string file;
+  std::set<std::string> overridden;
+
+  Parsed(toml::table parsed, std::string name, std::span<const std::string> overrides)
+      : table(std::move(parsed)), file(std::move(name)) {
+    for (const std::string& text : overrides) override_key(table, text, overridden);
+  }
+};
+
+SceneDocument::SceneDocument(std::unique_ptr<Parsed> parsed) : parsed_(std::move(parsed)) {}
+SceneDocument::SceneDocument(SceneDocument&&) noexcept = default;
+SceneDocument::~SceneDocument() = default;
+
+SceneDocument SceneDocument::read(const fs::path& file, std::span<const std::string> overrides) {
+  return SceneDocument(std::make_unique<Parsed>(parse_scene(file), file.string(), overrides));
+}
+
+SceneDocument SceneDocument::parse(std::string_view text, const std::string& name,
+                                   std::span<const std::string> overrides) {
+  return SceneDocument(std::make_unique<Parsed>(toml::parse(text), name, overrides));
+}
+
+SceneTable SceneDocument::root(const std::vector<std::string>& known) const {
+  using Source = SceneTable::Source;
+  return {std::make_shared<Source>(Source{&parsed_->table, "", parsed_->file, &parsed_->overridden}), known};
+}
+
+std::string SceneDocument::text() const {
+  return as_toml(parsed_->table);
+}
+
+std::optional<std::string> SceneDocument::section_text(const std::string& section) const {
+  const toml::table* table = parsed_->table[section].as_table();
+  if (!table) return {};
+  return as_toml(*table);
 }
 
 }  // namespace forefeel

@@ -1,11 +1,15 @@
 #pragma once
-// One table of a scene: typed reading with one-line errors that name file, line, key and what was expected.
+// A scene file as parsed, and its tables: typed reading with one-line errors that name file, line, key and what was
+// expected. The parser, toml++, is known to scene_table.cpp alone.
 
-#include <toml++/toml.h>
-
+#include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
-#include <set>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "geometry/common/error.hpp"
@@ -25,11 +29,7 @@ Interval share();  // [0, 1]
 
 class SceneTable {
  public:
-  // table may be null: the section is absent and every key unset. Throws for a key that is not in `known`.
-  SceneTable(const toml::table* table, std::string path, std::string file,
-             const std::set<std::string>& overridden, std::vector<std::string> known);
-
-  bool has(const std::string& key) const { return table_ && table_->contains(key); }
+  bool has(const std::string& key) const;
   std::optional<double> number(const std::string& key, const Interval& interval) const;
   std::optional<std::int64_t> integer(const std::string& key, std::int64_t low, std::int64_t high) const;
   std::optional<bool> boolean(const std::string& key) const;
@@ -38,8 +38,9 @@ class SceneTable {
   std::optional<Vec3> vector(const std::string& key) const;
   std::optional<std::vector<std::int64_t>> integers(const std::string& key) const;
   std::optional<Box> box(const std::string& key) const;
-  SceneTable sub(const std::string& key,
-                 std::vector<std::string> known) const;  // must be a table where present
+  // A table in this one; where it is absent all its keys are unset. InputError where the key is no table, or the table
+  // has a key that is not in `known`.
+  SceneTable sub(const std::string& key, std::vector<std::string> known) const;
   // Throws unless exactly one of the keys is set; returns it.
   std::string exactly_one_of(const std::vector<std::string>& keys) const;
   // One of the words; message lists them.
@@ -52,12 +53,35 @@ class SceneTable {
   InputError wrong(const std::string& key, const std::string& expected) const;  // "<where>: <value> is not …"
 
  private:
-  const toml::node* node(const std::string& key) const { return table_ ? table_->get(key) : nullptr; }
-  std::string full(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+  friend class SceneDocument;
+  struct Source;  // where its keys are
+  SceneTable(std::shared_ptr<const Source> source, const std::vector<std::string>& known);
+  std::string full(const std::string& key) const;
 
-  const toml::table* table_;
-  std::string path_, file_;
-  const std::set<std::string>* overridden_;
+  std::shared_ptr<const Source> source_;
+};
+
+// A scene file with its overrides. Its tables point into it: they are read while it lives.
+class SceneDocument {
+ public:
+  // overrides: "key.path=value" as given to --set; value is TOML, or a bare string. InputError for a file that is missing
+  // or no TOML, and for an override without key or value.
+  static SceneDocument read(const std::filesystem::path& file, std::span<const std::string> overrides);
+  // name: what messages call the text, in place of a file.
+  static SceneDocument parse(std::string_view text, const std::string& name,
+                             std::span<const std::string> overrides);
+  SceneDocument(SceneDocument&&) noexcept;
+  ~SceneDocument();
+
+  SceneTable root(const std::vector<std::string>& known) const;
+  // As TOML, as overridden: keys sorted, without comments. The second of one section; nothing where it is absent.
+  std::string text() const;
+  std::optional<std::string> section_text(const std::string& section) const;
+
+ private:
+  struct Parsed;
+  explicit SceneDocument(std::unique_ptr<Parsed> parsed);
+  std::unique_ptr<Parsed> parsed_;
 };
 
 // Helper of word(): the entry that equals text, or the error that lists all.

@@ -178,18 +178,6 @@ std::string key_of(const Scene& scene, const SessionOptions& options, const Stud
 
 }  // namespace
 
-SessionInput session_input(const Scene& scene) {
-  SessionInput input;
-  input.touched.body = scene.body;
-  input.touched.identity = scene.identity;
-  input.touched.space = scene.space;
-  input.touched.displacements = scene.displacements;
-  input.files.cache = cache_folder();
-  input.files.scene = scene.file.parent_path();
-  input.touched.inward = scene.inward;
-  return input;
-}
-
 double states_needed_per_second(const Scene& scene, const SessionOptions& options) {
   const auto device = make_device(options.motion.device, {.box = scene.space.box,
                                                           .inward = scene.inward,

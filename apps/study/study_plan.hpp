@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene_input/scene_session.hpp"
 #include "apps/study/study.hpp"
 
 namespace forefeel {
@@ -30,8 +30,6 @@ struct StudyPlan {
 
 // InputError names the place in the study for whatever a cell could not run with.
 StudyPlan plan_study(Study study);
-
-SessionInput session_input(const Scene& scene);  // without known states, with the cache folder
 
 // States of the lattice that a motion needs, the corners in the box of every lattice cell it passes, per
 // second, rest left out where it is known from the start: the numerator of the summary's `load`. Where visit_cell is
