@@ -123,7 +123,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
   const fs::path folder = arguments.output;
   if (wanted.back().name == "speed") {
     if (folder.empty()) throw InputError("--output", "is empty, expected a folder for the files of the run");
-    check_speed(laboratory, options, folder);
+    check_speed(laboratory, options);
   }
   prepare_run_folder(folder);
   nlohmann::ordered_json document;
@@ -162,7 +162,7 @@ void add_reproduce(CommandLine& line) {
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
   sub.option(
          "WHAT", arguments->what,
-         names + "or all. speed runs hundreds of sessions, half an hour or more; a run that was cut goes on")
+         names + "or all. speed runs hundreds of sessions, half an hour or more; an interrupted run resumes")
       .required();
   sub.option("SCENE", arguments->scene, "Scene; default: the built-in liver phantom");
   sub.option("-o,--output", arguments->output, "Folder for tables, pictures and the report")

@@ -1,5 +1,4 @@
-// forefeel study STUDY.toml -o DIR/: every combination of what varies, times every seed; table, ranking,
-// report.
+// forefeel study STUDY.toml -o DIR/: every combination of what varies, times every seed; table, ranking, report.
 
 #include <fmt/format.h>
 
@@ -16,14 +15,14 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/console/summary_json.hpp"
 #include "apps/console/values.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/picture/study_gantt.hpp"
 #include "apps/picture/study_report.hpp"
-#include "apps/picture/summary_json.hpp"
-#include "apps/study/study_ranking.hpp"
-#include "apps/study/study_run.hpp"
+#include "apps/study/study_folder.hpp"
+#include "apps/study/study_table.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/record/run_files.hpp"
@@ -45,25 +44,25 @@ void write_whole(const fs::path& file, const std::string& text) {
 }
 
 // ---- what DIR/ was begun with
-// ----------------------------------------------------------------------------------------
 
-nlohmann::ordered_json manifest(const StudyPlan& plan) {
+nlohmann::ordered_json manifest(const PlannedStudy& planned) {
   nlohmann::ordered_json document;
-  const auto made_by = provenance(plan.scenes.front().hash);
+  const auto made_by = provenance(planned.scenes.front().hash);
   document["version"] = made_by["version"];
   document["commit"] = made_by["commit"];
-  document["study"] = plan.study.text;
+  document["study"] = planned.file.text;
   document["cells"] = nlohmann::ordered_json::array();
-  for (const StudyCell& cell : plan.cells) document["cells"].push_back(cell.key);
+  for (const StudyCell& cell : planned.plan.cells) document["cells"].push_back(cell.key);
   return document;
 }
 
 // One line that says what changed since DIR/ was begun, or nothing.
-std::optional<std::string> change_since(const fs::path& folder, const StudyPlan& plan) {
+std::optional<std::string> change_since(const fs::path& folder, const PlannedStudy& planned) {
   std::ifstream in(folder / "study.json");
   if (!in) return {};
-  const auto before = nlohmann::ordered_json::parse(in, nullptr, false), now = manifest(plan);
+  const auto before = nlohmann::ordered_json::parse(in, nullptr, false), now = manifest(planned);
   if (!before.is_object() || !before.contains("cells") || before["cells"] == now["cells"]) return {};
+  const StudyPlan& plan = planned.plan;
   const auto listed = before["cells"].get<std::set<std::string>>();
   const auto same = static_cast<std::size_t>(
       std::ranges::count_if(plan.cells, [&](const StudyCell& cell) { return listed.contains(cell.key); }));
@@ -79,26 +78,22 @@ std::optional<std::string> change_since(const fs::path& folder, const StudyPlan&
 }
 
 // ---- a dispatch Gantt
-// ------------------------------------------------------------------------------------------------
 
 // Runs the cell again (it is the same session) and writes its files and picture.
-int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArguments& arguments) {
+int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments) {
+  const StudyPlan& plan = planned.plan;
   if (arguments.gantt > plan.cells.size())
     throw InputError("--gantt", fmt::format("is {}, expected a row of cells.csv from 1 to {}",
                                             arguments.gantt, plan.cells.size()));
   if (plan.study.sustained)
     throw InputError("--gantt", "a cell of a sustained-speed study is many sessions, expected another study");
-  const StudyCell& cell = plan.cells[arguments.gantt - 1];
-  const Scene& scene = plan.scenes[cell.scene];
-  const SessionInput input = session_input(scene);
-  SessionOptions options = cell.options;
-  options.workers.threads = globals.threads;
-  StudyCell alone = cell;
-  alone.options = options;
-  alone = with_load_found(plan, alone, input);
-  options.workers.cost = alone.options.workers.cost;
+  StudyCell cell = plan.cells[arguments.gantt - 1];
+  const Scene& scene = planned.scenes[cell.input];
+  const SessionInput& input = plan.inputs[cell.input];
+  cell.options.workers.threads = globals.threads;
+  const SessionOptions options = with_load_found(cell, input).options;
   Progress progress(globals, "session");
-  const SessionResult result = run_cell(plan, alone, input, [&](const SessionProgress& p) {
+  const SessionResult result = run_session(input, options, [&](const SessionProgress& p) {
     progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
   });
   const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
@@ -124,7 +119,6 @@ int run_gantt(const Globals& globals, const StudyPlan& plan, const StudyArgument
 }
 
 // ---- the study
-// -------------------------------------------------------------------------------------------------------
 
 // What was done; of an interrupted study all there is to say.
 nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
@@ -162,27 +156,28 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
 int run_command(const Globals& globals, const StudyArguments& arguments) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
-  const StudyPlan plan = plan_study(read_study(arguments.study, globals.set));
-  for (const std::string& warning : plan.warnings) warn(globals, warning);
+  const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
+  const StudyPlan& plan = planned.plan;
+  for (const std::string& warning : planned.warnings) warn(globals, warning);
   end_if_interrupted("any cell was run");
-  if (arguments.gantt > 0) return run_gantt(globals, plan, arguments);
+  if (arguments.gantt > 0) return run_gantt(globals, planned, arguments);
 
   const fs::path folder = arguments.output;
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw InputError(arguments.output, "is a file, expected a folder for the results");
-  if (const auto change = change_since(folder, plan)) warn(globals, *change);
+  if (const auto change = change_since(folder, planned)) warn(globals, *change);
   fs::create_directories(folder);
   check_writable(folder / "cells.csv");
-  write_whole(folder / "study.json", manifest(plan).dump(1) + "\n");
-  StudyResult result = run_study(plan, folder, globals);
+  write_whole(folder / "study.json", manifest(planned).dump(1) + "\n");
+  StudyResult result = run_study_in(folder, plan, globals);
   if (result.interrupted) {
     const std::size_t done = result.resumed + result.ran;
-    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command goes on from here",
-                              done, plan.cells.size(), plan.cells.size() - done));
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
+                              plan.cells.size(), plan.cells.size() - done));
     if (globals.json) {
       nlohmann::ordered_json document = counts(plan, result);
       document["files"] = nlohmann::ordered_json::array();  // made of all cells, when they are there
-      document["provenance"] = provenance(plan.scenes.front().hash);
+      document["provenance"] = provenance(planned.scenes.front().hash);
       print_json(document);
     }
     return 1;
@@ -194,13 +189,13 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
     compared.push_back(std::move(c));
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
-  write_whole(folder / "report.html", study_page(plan, result, ranked, compared));
+  write_whole(folder / "report.html", study_page(planned, result, ranked, compared));
 
   if (globals.json) {
     nlohmann::ordered_json document = counts(plan, result);
     document.update(ranking_json(plan.study, ranked, compared));
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
-    document["provenance"] = provenance(plan.scenes.front().hash);
+    document["provenance"] = provenance(planned.scenes.front().hash);
     print_json(document);
   }
   show_contrasts(globals, plan.study, compared);
@@ -223,7 +218,7 @@ void add_study(CommandLine& line) {
              "second, but for those known at the start, are L times what the workers solve per second, "
              "messages included")
       .required();
-  sub.option("-o,--output", arguments->output, "Folder of the results; gone on with where it exists")
+  sub.option("-o,--output", arguments->output, "Folder of the results; resumed if it exists")
       .required()
       .shows("DIR/");
   sub.option("--gantt", arguments->gantt,

@@ -47,9 +47,8 @@ Findings reproduce_speed(Laboratory&, const ReproduceOptions&, const std::filesy
                          const ShowShare&);
 // InputError where --set gives what the steps of `speed` change.
 void check_speed_overrides(const Globals& globals);
-// InputError where a cell of `speed` cannot be run; the folder is then as it was before, and there only if it was.
-void check_speed(const Laboratory& laboratory, const ReproduceOptions& options,
-                 const std::filesystem::path& folder);
+// InputError where a cell of `speed` cannot be run; nothing is written.
+void check_speed(const Laboratory& laboratory, const ReproduceOptions& options);
 
 const std::vector<Experiment>& experiments();  // in the order of the report
 

@@ -137,7 +137,7 @@ std::optional<std::vector<double>> numeric(const StudyAxis& axis) {
   return numbers;
 }
 
-std::string curves_picture(const Study& study, const std::vector<CellColumns>& cells, std::size_t axis) {
+std::string curves_picture(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis) {
   const std::optional<std::vector<double>> x = numeric(study.axes[axis]);
   if (!x || x->size() < 2) return "";
   const StudyMetric metric = primary_metric(study);
@@ -240,7 +240,7 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
   return html + "</table>\n";
 }
 
-std::string metrics_section(const Study& study, const std::vector<CellColumns>& cells) {
+std::string metrics_section(const Study& study, const std::vector<StudyCellResult>& cells) {
   if (study.axes.empty()) return "";
   const StudyAxis& axis = study.axes.front();
   std::string html = fmt::format("<h2>Every measure by {}</h2>\n<table><tr><th>mean over all cells</th>",
@@ -254,8 +254,8 @@ std::string metrics_section(const Study& study, const std::vector<CellColumns>& 
       double sum = 0;
       std::size_t n = 0;
       for (std::size_t i = 0; i < cells.size(); ++i) {
-        const double value = cell_number(cells[i], metric.key);
-        if (study.choice(i / study.seeds.size()).front() != level || !std::isfinite(value)) continue;
+        const double value = cells[i].number(metric.key);
+        if (study.choice(study.combination_of(i)).front() != level || !std::isfinite(value)) continue;
         sum += metric.scale * value;
         ++n;
       }
@@ -267,24 +267,24 @@ std::string metrics_section(const Study& study, const std::vector<CellColumns>& 
   return html + "</table>\n";
 }
 
-std::string plan_section(const StudyPlan& plan) {
+std::string plan_section(const PlannedStudy& planned) {
   std::string html = "<h2>What varies</h2>\n" + head({"key", "values"});
-  for (const StudyAxis& axis : plan.study.axes) {
+  for (const StudyAxis& axis : planned.plan.study.axes) {
     std::string values;
     for (const StudyValue& value : axis.values)
       values += (values.empty() ? "" : ", ") + html_escaped(value.text);
     html += row(axis.column, "<td>" + values + "</td>");
   }
   std::string seeds;
-  for (const std::uint64_t seed : plan.study.seeds)
+  for (const std::uint64_t seed : planned.file.seeds)
     seeds += (seeds.empty() ? "" : ", ") + std::to_string(seed);
   html += row("seed", "<td>" + seeds + "</td>") + "</table>\n";
-  return html + "<details><summary>The study</summary><pre>" + html_escaped(plan.study.text) +
+  return html + "<details><summary>The study</summary><pre>" + html_escaped(planned.file.text) +
          "</pre></details>\n";
 }
 
-std::string provenance_section(const StudyPlan& plan) {
-  const auto document = provenance(plan.scenes.front().hash);
+std::string provenance_section(const PlannedStudy& planned) {
+  const auto document = provenance(planned.scenes.front().hash);
   std::string html = "<h2>Provenance</h2>\n<table class=\"wide\">\n";
   for (const char* key : {"version", "commit", "machine"})
     html += row(key, cell(html_escaped(document[key].get<std::string>())));
@@ -293,10 +293,10 @@ std::string provenance_section(const StudyPlan& plan) {
 
 }  // namespace
 
-std::vector<std::string> sustained_notes(const Study& study, const std::vector<CellColumns>& cells) {
+std::vector<std::string> sustained_notes(const Study& study, const std::vector<StudyCellResult>& cells) {
   if (!study.sustained) return {};
-  const auto failed = std::ranges::count_if(
-      cells, [](const CellColumns& c) { return cell_number(c, "sustained.speed") == 0; });
+  const auto failed =
+      std::ranges::count_if(cells, [](const StudyCellResult& c) { return c.number("sustained.speed") == 0; });
   std::vector<std::string> notes{
       "Other measures than the sustained speed are those of each session at its own sustained speed."};
   if (failed > 0)
@@ -307,16 +307,16 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<C
   return notes;
 }
 
-std::string study_page(const StudyPlan& plan, const StudyResult& result,
+std::string study_page(const PlannedStudy& planned, const StudyResult& result,
                        const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared) {
-  const Study& study = plan.study;
+  const Study& study = planned.plan.study;
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"sub\">{} sessions under the virtual clock: {} combinations, {} seeds; scene "
       "{}. "
       "One row each in cells.csv.</p>\n",
-      html_escaped(study.file.stem().string()), plan.cells.size(), study.combinations(), study.seeds.size(),
-      html_escaped(study.scene.filename().string()));
-  std::vector<std::string> notes = plan.warnings;
+      html_escaped(planned.file.file.stem().string()), planned.plan.cells.size(), study.combinations(),
+      study.seeds.size(), html_escaped(planned.file.scene.filename().string()));
+  std::vector<std::string> notes = planned.warnings;
   std::ranges::copy(sustained_notes(study, result.cells), std::back_inserter(notes));
   if (!notes.empty()) {
     html += "<ul class=\"note\">\n";
@@ -343,8 +343,8 @@ std::string study_page(const StudyPlan& plan, const StudyResult& result,
       "<p class=\"muted\">An observation is a trace with a seed; whatever else varies is averaged within it. "
       "Intervals stand for one "
       "comparison each: of twenty, one may exclude zero by chance.</p>\n";
-  return html_page("Forefeel study: " + study.file.stem().string(),
-                   html + plan_section(plan) + provenance_section(plan));
+  return html_page("Forefeel study: " + planned.file.file.stem().string(),
+                   html + plan_section(planned) + provenance_section(planned));
 }
 
 }  // namespace forefeel

@@ -19,6 +19,13 @@ namespace fs = std::filesystem;
 constexpr double most_positions =
     2e7;  // of a lattice: beyond it a slip of the spacing is likelier than an intent
 
+void check_positions(const StateSpaceOptions& space, const InputPlace& place) {
+  const double positions = ((space.box.size() / space.spacing).array().floor() + 1).prod();
+  if (positions > most_positions)
+    throw InputError(place, fmt::format("gives {:.3g} positions in the box, expected at most {:g}", positions,
+                                        most_positions));
+}
+
 void choose_spacing_of(const SceneTable& table, Scene& scene) {
   if ((scene.space.box.size().array() <= 0).any())
     throw InputError(table.where("spacing"),
@@ -53,11 +60,7 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
   scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
   if (automatic) choose_spacing_of(table, scene);
-  const double positions = ((scene.space.box.size() / scene.space.spacing).array().floor() + 1).prod();
-  if (positions > most_positions)
-    throw InputError(
-        table.where("spacing"),
-        fmt::format("gives {:.3g} positions in the box, expected at most {:g}", positions, most_positions));
+  check_positions(scene.space, table.where("spacing"));
   scene.displacements = table.boolean("displacements").value_or(false);
 }
 
@@ -237,6 +240,15 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
 
 Scene built_in_scene(std::span<const std::string> overrides) {
   return make_scene(SceneDocument::parse(built_in, "liver phantom", overrides), "liver phantom", nullptr);
+}
+
+StateSpaceOptions space_at(const Scene& scene, double spacing) {
+  StateSpaceOptions space = scene.space;
+  space.spacing = spacing;
+  const bool box_given = scene.box_place.line > 0 || !scene.box_place.option.empty();
+  if (!box_given) space.box = default_box(scene.body->mesh, spacing);
+  check_positions(space, {.file = scene.file.string(), .key = "state_space.spacing"});
+  return space;
 }
 
 std::string_view built_in_scene_text() {

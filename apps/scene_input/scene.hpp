@@ -49,4 +49,8 @@ Scene load_scene(const std::filesystem::path& file, std::span<const std::string>
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
 
+// The scene's state space on a lattice of another spacing [m]. The box changes with it where the scene gives none.
+// InputError where the lattice has too many positions.
+StateSpaceOptions space_at(const Scene& scene, double spacing);
+
 }  // namespace forefeel

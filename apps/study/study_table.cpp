@@ -1,14 +1,15 @@
 #include "apps/study/study_table.hpp"
-#include "apps/console/json.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/console/json.hpp"
+#include "apps/console/summary_json.hpp"
+
 namespace forefeel {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::string quoted(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
@@ -17,65 +18,42 @@ std::string quoted(const std::string& text) {
   return cell + "\"";
 }
 
-std::string shown(const nlohmann::ordered_json& value) {
-  if (value.is_null()) return "";
-  return value.is_string() ? quoted(value.get<std::string>()) : value.dump();
+// Numbers as JSON has them, with as few digits as read back to the same value.
+std::string shown(const ColumnValue& value) {
+  if (std::holds_alternative<std::monostate>(value)) return "";
+  const auto* text = std::get_if<std::string>(&value);
+  return text ? quoted(*text) : to_json(value).dump();
 }
 
-std::vector<std::string> result_keys(const Study& study, const std::vector<CellColumns>& cells) {
+std::vector<std::string> result_keys(const Study& study, const std::vector<StudyCellResult>& cells) {
   std::set<std::string> taken{"seed"};
   for (const StudyAxis& axis : study.axes) taken.insert(axis.column);
   std::vector<std::string> keys;
-  for (const CellColumns& cell : cells)
-    for (const auto& [key, value] : cell.items())
-      if (taken.insert(key).second) keys.push_back(key);
+  for (const StudyCellResult& cell : cells)
+    for (const Column& column : cell.columns())
+      if (taken.insert(column.name).second) keys.push_back(column.name);
   return keys;
 }
 
-std::optional<std::size_t> policy_axis(const Study& study) {
-  for (std::size_t i = 0; i < study.axes.size(); ++i)
-    if (study.axes[i].column == "policy" || study.axes[i].column == "session.policy") return i;
-  return {};
+Json interval_json(const ConfidenceInterval& interval) {
+  return Json::array({number(interval.low), number(interval.high)});
+}
+
+Json comparison_json(const Comparison& comparison, const StudyMetric& metric) {
+  const bool larger = metric.larger_is_better;
+  return {{"mean", number(comparison.student.mean)},
+          {"student", interval_json(comparison.student)},
+          {"bootstrap", interval_json(comparison.bootstrap)},
+          {"pairs", comparison.pairs},
+          {"traces", comparison.groups},
+          {"won", larger ? comparison.won : comparison.lost},
+          {"lost", larger ? comparison.lost : comparison.won},
+          {"verdict", larger ? comparison.verdict() : -comparison.verdict()}};
 }
 
 }  // namespace
 
-double cell_number(const CellColumns& cell, const std::string& key) {
-  const auto found = cell.find(key);
-  return found != cell.end() && found->is_number() ? found->get<double>() : std::nan("");
-}
-
-std::vector<std::size_t> blocks_without(const Study& study, std::size_t axis) {
-  std::map<std::vector<std::size_t>, std::size_t> numbers;
-  std::vector<std::size_t> blocks;
-  for (std::size_t c = 0; c < study.combinations(); ++c)
-    for (std::size_t s = 0; s < study.seeds.size(); ++s) {
-      std::vector<std::size_t> rest = study.choice(c);
-      rest[axis] = 0;
-      rest.push_back(s);
-      blocks.push_back(numbers.try_emplace(rest, numbers.size()).first->second);
-    }
-  return blocks;
-}
-
-void add_regret(const Study& study, std::vector<CellColumns>& cells) {
-  const std::optional<std::size_t> axis = policy_axis(study);
-  if (!axis) return;
-  const std::vector<StudyValue>& policies = study.axes[*axis].values;
-  const auto best = std::ranges::find(policies, std::string("clairvoyant"), &StudyValue::text);
-  if (best == policies.end()) return;
-  const std::vector<std::size_t> blocks = blocks_without(study, *axis);
-  std::map<std::size_t, std::size_t> bound;  // block -> cell of the clairvoyant policy
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    if (study.choice(i / study.seeds.size())[*axis] == static_cast<std::size_t>(best - policies.begin()))
-      bound[blocks[i]] = i;
-  for (const std::string key : {"within_jnd", "first_visit.within_jnd"})
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      cells[i]["regret." + key] = number(cell_number(cells[bound.at(blocks[i])], "error." + key) -
-                                         cell_number(cells[i], "error." + key));
-}
-
-std::string cells_csv(const Study& study, const std::vector<CellColumns>& cells) {
+std::string cells_csv(const Study& study, const std::vector<StudyCellResult>& cells) {
   const std::vector<std::string> keys = result_keys(study, cells);
   std::string text;
   for (const StudyAxis& axis : study.axes) text += quoted(axis.column) + ',';
@@ -83,17 +61,55 @@ std::string cells_csv(const Study& study, const std::vector<CellColumns>& cells)
   for (const std::string& key : keys) text += ',' + quoted(key);
   text += '\n';
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::vector<std::size_t> choice = study.choice(i / study.seeds.size());
+    const std::vector<std::size_t> choice = study.choice(study.combination_of(i));
     for (std::size_t a = 0; a < choice.size(); ++a)
       text += quoted(study.axes[a].values[choice[a]].text) + ',';
-    text += std::to_string(study.seeds[i % study.seeds.size()]);
+    text += std::to_string(study.seed_of(i));
     for (const std::string& key : keys) {
       text += ',';
-      if (const auto found = cells[i].find(key); found != cells[i].end()) text += shown(*found);
+      if (const ColumnValue* value = cells[i].find(key)) text += shown(*value);
     }
     text += '\n';
   }
   return text;
+}
+
+Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
+                  const std::vector<Contrast>& compared) {
+  Json document;
+  const StudyMetric metric = primary_metric(study);
+  document["metric"] = metric.key;
+  document["student_of_means"] = metric.share   ? "on the logit scale"
+                                 : metric.ratio ? "of logarithms"
+                                                : "plain";
+  document["rankings"] = Json::array();
+  for (const AxisRanking& entry : ranked) {
+    Json rows = Json::array();
+    for (const Ranked& row : entry.ranking.ranked)
+      rows.push_back({{"value", study.axes[entry.axis].values[row.level].text},
+                      {"result", comparison_json(row.value, metric)},
+                      {"to_best", comparison_json(row.to_best, metric)},
+                      {"tied", row.tied}});
+    document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
+                                    {"units", entry.ranking.blocks},
+                                    {"units_dropped", entry.ranking.dropped},
+                                    {"ranked", rows}});
+  }
+  document["contrasts"] = Json::array();
+  for (const Contrast& contrast : compared) {
+    Json row{{"axis", study.axes.front().column},
+             {"value", study.axes.front().values[contrast.a].text},
+             {"against", study.axes.front().values[contrast.b].text},
+             {"metric", contrast.metric.key},
+             {"compared_by", contrast.metric.ratio ? "difference of logarithms" : "difference"}};
+    row["where"] = Json::object();
+    if (contrast.slice)
+      row["where"][study.axes[contrast.slice->axis].column] =
+          study.axes[contrast.slice->axis].values[contrast.slice->value].text;
+    row.update(comparison_json(contrast.comparison, contrast.metric));
+    document["contrasts"].push_back(row);
+  }
+  return document;
 }
 
 }  // namespace forefeel

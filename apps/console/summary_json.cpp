@@ -1,4 +1,4 @@
-#include "apps/picture/summary_json.hpp"
+#include "apps/console/summary_json.hpp"
 
 #include <nlohmann/json.hpp>
 #include <type_traits>

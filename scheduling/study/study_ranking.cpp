@@ -1,16 +1,14 @@
-#include "apps/study/study_ranking.hpp"
-#include "apps/console/json.hpp"
+#include "scheduling/study/study_ranking.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <span>
 
 namespace forefeel {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
+// Value of the axis of traces, unless this is the axis itself.
 std::size_t trace_of(const Study& study, std::span<const std::size_t> choice, std::size_t axis) {
   for (std::size_t i = 0; i < study.axes.size(); ++i)
     if (i != axis && is_trace_axis(study.axes[i])) return choice[i];
@@ -22,36 +20,15 @@ bool in_slices(std::span<const std::size_t> choice, const std::vector<StudySlice
                              [&](const StudySlice& slice) { return choice[slice.axis] == slice.value; });
 }
 
-double value_of(const Study& study, const CellColumns& cell, const StudyMetric& metric) {
-  const double value = cell_number(cell, metric.key);
+double value_of(const Study& study, const StudyCellResult& cell, const StudyMetric& metric) {
+  const double value = cell.number(metric.key);
   if (!metric.ratio) return value;
-  // A speed of zero: not even the lowest tried holds. It counts as that speed, which favours it.
+  // Where not even the lowest speed tried holds, the speed is zero. It counts as the lowest, which favours it.
   const bool speed = metric.key == "sustained.speed" && study.sustained;
   return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
 }
 
-Json interval_json(const ConfidenceInterval& interval) {
-  return Json::array({number(interval.low), number(interval.high)});
-}
-
-// won, lost and the verdict (1 better, -1 worse, 0 not shown) are those of the metric, which may be better where it is smaller.
-Json comparison_json(const Comparison& comparison, const StudyMetric& metric) {
-  const bool larger = metric.larger_is_better;
-  return {{"mean", number(comparison.student.mean)},
-          {"student", interval_json(comparison.student)},
-          {"bootstrap", interval_json(comparison.bootstrap)},
-          {"pairs", comparison.pairs},
-          {"traces", comparison.groups},
-          {"won", larger ? comparison.won : comparison.lost},
-          {"lost", larger ? comparison.lost : comparison.won},
-          {"verdict", larger ? comparison.verdict() : -comparison.verdict()}};
-}
-
 }  // namespace
-
-bool is_trace_axis(const StudyAxis& axis) {
-  return axis.column == "device" || axis.column == "session.device";
-}
 
 StudyMetric primary_metric(const Study& study) {
   return study_metrics(study).front();
@@ -88,7 +65,7 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
   return metrics;
 }
 
-std::vector<Observation> observations(const Study& study, const std::vector<CellColumns>& cells,
+std::vector<Observation> observations(const Study& study, const std::vector<StudyCellResult>& cells,
                                       std::size_t axis, const StudyMetric& metric,
                                       const std::vector<StudySlice>& slices) {
   const std::size_t levels = study.axes[axis].values.size();
@@ -99,7 +76,7 @@ std::vector<Observation> observations(const Study& study, const std::vector<Cell
   };
   std::map<std::size_t, Settings> fine;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::vector<std::size_t> choice = study.choice(i / study.seeds.size());
+    const std::vector<std::size_t> choice = study.choice(study.combination_of(i));
     if (!in_slices(choice, slices)) continue;
     Settings& block = fine[blocks[i]];
     block.values.resize(levels, std::nan(""));
@@ -132,7 +109,7 @@ std::vector<Observation> observations(const Study& study, const std::vector<Cell
   return seen;
 }
 
-std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColumns>& cells) {
+std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells) {
   std::vector<AxisRanking> all;
   const StudyMetric metric = primary_metric(study);
   for (std::size_t axis = 0; axis < study.axes.size(); ++axis) {
@@ -145,7 +122,7 @@ std::vector<AxisRanking> rankings(const Study& study, const std::vector<CellColu
   return all;
 }
 
-std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumns>& cells,
+std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellResult>& cells,
                                 const StudyMetric& metric) {
   std::vector<Contrast> all;
   if (study.axes.empty() || study.axes.front().values.size() < 2) return all;
@@ -175,42 +152,22 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<CellColumn
   return all;
 }
 
-Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
-                  const std::vector<Contrast>& compared) {
-  Json document;
-  const StudyMetric metric = primary_metric(study);
-  document["metric"] = metric.key;
-  document["student_of_means"] = metric.share   ? "on the logit scale"
-                                 : metric.ratio ? "of logarithms"
-                                                : "plain";
-  document["rankings"] = Json::array();
-  for (const AxisRanking& entry : ranked) {
-    Json rows = Json::array();
-    for (const Ranked& row : entry.ranking.ranked)
-      rows.push_back({{"value", study.axes[entry.axis].values[row.level].text},
-                      {"result", comparison_json(row.value, metric)},
-                      {"to_best", comparison_json(row.to_best, metric)},
-                      {"tied", row.tied}});
-    document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
-                                    {"units", entry.ranking.blocks},
-                                    {"units_dropped", entry.ranking.dropped},
-                                    {"ranked", rows}});
-  }
-  document["contrasts"] = Json::array();
-  for (const Contrast& contrast : compared) {
-    Json row{{"axis", study.axes.front().column},
-             {"value", study.axes.front().values[contrast.a].text},
-             {"against", study.axes.front().values[contrast.b].text},
-             {"metric", contrast.metric.key},
-             {"compared_by", contrast.metric.ratio ? "difference of logarithms" : "difference"}};
-    row["where"] = Json::object();
-    if (contrast.slice)
-      row["where"][study.axes[contrast.slice->axis].column] =
-          study.axes[contrast.slice->axis].values[contrast.slice->value].text;
-    row.update(comparison_json(contrast.comparison, contrast.metric));
-    document["contrasts"].push_back(row);
-  }
-  return document;
+void add_regret(const Study& study, std::vector<StudyCellResult>& cells) {
+  std::optional<std::size_t> axis = find_axis(study, "policy");
+  if (!axis) axis = find_axis(study, "session.policy");
+  if (!axis) return;
+  const std::vector<StudyValue>& policies = study.axes[*axis].values;
+  const auto best = std::ranges::find(policies, std::string("clairvoyant"), &StudyValue::text);
+  if (best == policies.end()) return;
+  const std::vector<std::size_t> blocks = blocks_without(study, *axis);
+  std::map<std::size_t, std::size_t> bound;  // block -> cell of the clairvoyant policy
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (study.choice(study.combination_of(i))[*axis] == static_cast<std::size_t>(best - policies.begin()))
+      bound[blocks[i]] = i;
+  for (const std::string key : {"within_jnd", "first_visit.within_jnd"})
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      cells[i].set("regret." + key, column_value(cells[bound.at(blocks[i])].number("error." + key) -
+                                                 cells[i].number("error." + key)));
 }
 
 }  // namespace forefeel

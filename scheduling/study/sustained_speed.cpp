@@ -1,4 +1,4 @@
-#include "apps/study/study_speed.hpp"
+#include "scheduling/study/sustained_speed.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "apps/study/study.hpp"
+#include "apps/study/study_file.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -91,7 +91,7 @@ std::vector<std::pair<std::string, const toml::node*>> in_file_order(const toml:
 class Reader {
  public:
   Reader(fs::path file, std::span<const std::string> set);
-  Study read();
+  StudyFile read();
 
  private:
   InputPlace where(const toml::node* node, const std::string& key) const;
@@ -103,9 +103,9 @@ class Reader {
   void read_fixed_table(const toml::table& table, const std::string& path);
   void read_steps();
   void read_vary();
-  StudyAxis read_axis(const std::string& column, const toml::node& node);
-  StudyValue read_value(const std::string& column, const toml::node& node, const InputPlace& place);
-  StudyValue read_together(const std::string& section, const toml::node& node, const InputPlace& place);
+  StudyFileAxis read_axis(const std::string& column, const toml::node& node);
+  StudyFileValue read_value(const std::string& column, const toml::node& node, const InputPlace& place);
+  StudyFileValue read_together(const std::string& section, const toml::node& node, const InputPlace& place);
   void read_baseline();
   void read_sustained();
 
@@ -115,7 +115,7 @@ class Reader {
   std::string identity(const std::string& key, const toml::node& node) const;
   void check_combinations() const;
 
-  Study study_;
+  StudyFile study_;
   toml::table root_;
   std::map<std::string, std::pair<std::string, InputPlace>> claimed_;  // key -> how, where
   std::vector<std::string> set_;
@@ -312,13 +312,13 @@ void Reader::read_fixed() {
 }
 
 // Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }.
-StudyValue Reader::read_together(const std::string& section, const toml::node& node,
-                                 const InputPlace& place) {
+StudyFileValue Reader::read_together(const std::string& section, const toml::node& node,
+                                     const InputPlace& place) {
   const toml::table* table = node.as_table();
   if (!table || table->empty())
     throw InputError(place, fmt::format("holds {}, expected tables of keys of [{}]", toml_of(node), section));
   const toml::node* name = table->get("name");
-  StudyValue value{.text = name ? shown(*name) : shown(node), .overrides = {}, .number = {}};
+  StudyFileValue value{.text = name ? shown(*name) : shown(node), .overrides = {}, .number = {}};
   for (const auto& [word, child] : in_file_order(*table)) {
     const std::string key = scene_key(fmt::format("{}.{}", section, word), place, false);
     if (word == "name") continue;
@@ -328,10 +328,11 @@ StudyValue Reader::read_together(const std::string& section, const toml::node& n
   return value;
 }
 
-StudyValue Reader::read_value(const std::string& column, const toml::node& node, const InputPlace& place) {
+StudyFileValue Reader::read_value(const std::string& column, const toml::node& node,
+                                  const InputPlace& place) {
   const std::string key = scene_key(column, place, true);
   if (std::ranges::find(scene_sections, key) != scene_sections.end()) return read_together(key, node, place);
-  StudyValue value{.text = shown(node), .overrides = {}, .number = {}};
+  StudyFileValue value{.text = shown(node), .overrides = {}, .number = {}};
   if (key == "target_load" || key == "speed") {
     value.number = node.value<double>();
     if (node.is_boolean() || !value.number || !std::isfinite(*value.number) || *value.number <= 0)
@@ -342,15 +343,15 @@ StudyValue Reader::read_value(const std::string& column, const toml::node& node,
   return value;
 }
 
-StudyAxis Reader::read_axis(const std::string& column, const toml::node& node) {
-  StudyAxis axis{.column = column, .where = where(&node, "vary." + column), .values = {}};
+StudyFileAxis Reader::read_axis(const std::string& column, const toml::node& node) {
+  StudyFileAxis axis{.column = column, .where = where(&node, "vary." + column), .values = {}};
   const std::string key = scene_key(column, axis.where, true);
   const toml::array* list = node.as_array();
   if (!list) throw InputError(axis.where, fmt::format("is {}, expected a list of values", toml_of(node)));
   if (list->empty()) throw InputError(axis.where, "is an empty list, expected at least one value");
   std::map<std::string, std::string> seen;  // identity -> as written
   for (const toml::node& element : *list) {
-    StudyValue value = read_value(column, element, where(&element, "vary." + column));
+    StudyFileValue value = read_value(column, element, where(&element, "vary." + column));
     const auto [other, fresh] =
         seen.try_emplace(element.is_table() ? value.text : identity(key, element), value.text);
     if (!fresh)
@@ -392,7 +393,7 @@ void Reader::read_steps() {
   if (!list || list->empty() || !list->is_homogeneous<toml::table>())
     throw InputError(where(node, "step"),
                      "expected [[step]] tables, each with a name and the keys it changes");
-  StudyAxis axis{.column = "step", .where = where(node, "step"), .values = {}};
+  StudyFileAxis axis{.column = "step", .where = where(node, "step"), .values = {}};
   std::map<std::string, std::string> kept;  // what holds so far
   std::map<std::string, InputPlace> places;
   for (const toml::node& element : *list) {
@@ -401,7 +402,7 @@ void Reader::read_steps() {
     if (!name || !name->is_string() || name->as_string()->get().empty())
       throw InputError(where(&element, "step.name"), "missing, expected a name for the step");
     const std::string label = name->as_string()->get();
-    for (const StudyValue& other : axis.values)
+    for (const StudyFileValue& other : axis.values)
       if (other.text == label)
         throw InputError(where(name, "step.name"),
                          fmt::format("'{}' is used twice, expected each once", label));
@@ -413,7 +414,7 @@ void Reader::read_steps() {
       kept[key] = rebased(key, *value);
       places.try_emplace(key, place);
     }
-    StudyValue step{.text = label, .overrides = {}, .number = {}};
+    StudyFileValue step{.text = label, .overrides = {}, .number = {}};
     for (const auto& [key, value] : kept) step.overrides.push_back(key + "=" + value);
     axis.values.push_back(std::move(step));
   }
@@ -426,7 +427,7 @@ void Reader::read_baseline() {
   if (!node) return;
   if (study_.axes.empty()) throw InputError(where(node, "baseline"), "nothing varies, expected no baseline");
   std::vector<std::string> values;
-  for (const StudyValue& value : study_.axes.front().values) values.push_back(value.text);
+  for (const StudyFileValue& value : study_.axes.front().values) values.push_back(value.text);
   const auto found = std::ranges::find(values, shown(*node));
   if (found == values.end())
     throw InputError(where(node, "baseline"), fmt::format("is '{}', expected a value of {}: {}", shown(*node),
@@ -471,13 +472,13 @@ void Reader::read_sustained() {
 
 void Reader::check_combinations() const {
   double total = static_cast<double>(study_.seeds.size());
-  for (const StudyAxis& axis : study_.axes) total *= static_cast<double>(axis.values.size());
+  for (const StudyFileAxis& axis : study_.axes) total *= static_cast<double>(axis.values.size());
   if (total > static_cast<double>(most_cells))
     throw InputError(study_.axes.empty() ? where(root_.get("seeds"), "seeds") : study_.axes.back().where,
                      fmt::format("makes {:.4g} cells, expected at most {}", total, most_cells));
 }
 
-Study Reader::read() {
+StudyFile Reader::read() {
   check_root();
   read_scene();
   read_seeds();
@@ -493,22 +494,17 @@ Study Reader::read() {
 
 }  // namespace
 
-std::size_t Study::combinations() const {
-  std::size_t n = 1;
-  for (const StudyAxis& axis : axes) n *= axis.values.size();
-  return n;
-}
-
-std::vector<std::size_t> Study::choice(std::size_t combination) const {
-  std::vector<std::size_t> chosen(axes.size());
-  for (std::size_t i = axes.size(); i-- > 0;) {
-    chosen[i] = combination % axes[i].values.size();
-    combination /= axes[i].values.size();
+Study StudyFile::study() const {
+  Study typed{.seeds = seeds, .axes = {}, .baseline = baseline, .sustained = sustained};
+  for (const StudyFileAxis& axis : axes) {
+    typed.axes.push_back({.column = axis.column, .values = {}});
+    for (const StudyFileValue& value : axis.values)
+      typed.axes.back().values.push_back({.text = value.text, .number = value.number});
   }
-  return chosen;
+  return typed;
 }
 
-std::vector<std::string> Study::overrides(std::span<const std::size_t> chosen) const {
+std::vector<std::string> StudyFile::overrides(std::span<const std::size_t> chosen) const {
   std::vector<std::string> all = fixed;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const std::vector<std::string>& some = axes[i].values[chosen[i]].overrides;
@@ -517,11 +513,11 @@ std::vector<std::string> Study::overrides(std::span<const std::size_t> chosen) c
   return all;
 }
 
-Study read_study(const fs::path& file, std::span<const std::string> set) {
+StudyFile read_study(const fs::path& file, std::span<const std::string> set) {
   return Reader(file, set).read();
 }
 
-InputError located(const Study& study, const InputError& error) {
+InputError located(const StudyFile& study, const InputError& error) {
   if (error.place().option.empty()) return error;
   for (std::string path = error.place().key;;) {
     if (const auto found = study.origin.find(path); found != study.origin.end())

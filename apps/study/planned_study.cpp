@@ -1,0 +1,201 @@
+#include "apps/study/planned_study.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/scene_input/sha256.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int format_version = 1;  // of a cell's record: raised when what is kept of a cell changes
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// The file behind trace:FILE, found as the device finds it; empty for other devices.
+fs::path trace_file(const std::string& device, const fs::path& folder) {
+  if (!device.starts_with("trace:")) return {};
+  const fs::path name =
+      device.substr(6, device.find(',') == std::string::npos ? std::string::npos : device.find(',') - 6);
+  return fs::exists(folder / name) ? folder / name : name;
+}
+
+// The scene says [model] select or [session] select, never both: an override takes the place the scene uses.
+std::vector<std::string> with_select_of(const StudyFile& study, std::vector<std::string> overrides) {
+  bool in_model = false;
+  try {
+    in_model = toml::parse_file(study.scene.string())["model"]["select"].is_string();
+  } catch (const toml::parse_error&) {  // load_scene says what is wrong
+  }
+  for (std::string& text : overrides)
+    if (in_model && text.starts_with("session.select=")) text.replace(0, 7, "model");
+  return overrides;
+}
+
+Scene load_combination(const StudyFile& study, std::span<const std::size_t> choice, const Scene* like) {
+  std::vector<std::string> overrides = with_select_of(study, study.overrides(choice));
+  overrides.push_back("session.clock=\"virtual\"");
+  try {
+    return load_scene(study.scene, overrides, like);
+  } catch (const InputError& error) {
+    throw located(study, error);
+  }
+}
+
+InputPlace axis_place(const StudyFile& study, const std::string& column) {
+  for (const StudyFileAxis& axis : study.axes)
+    if (axis.column == column) return axis.where;
+  return {.file = study.file.string()};
+}
+
+// Where the study, or else the scene, gives a key.
+InputPlace place_of(const StudyFile& study, const Scene& scene, const std::string& key) {
+  for (std::string path = key;;) {
+    if (const auto found = study.origin.find(path); found != study.origin.end()) return found->second;
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string::npos) break;
+    path.resize(dot);
+  }
+  const std::pair<const char*, const InputPlace&> places[] = {{"session.device", scene.device_place},
+                                                              {"session.cost", scene.cost_place},
+                                                              {"session.arrivals", scene.arrivals_place},
+                                                              {"state_space.box", scene.box_place}};
+  for (const auto& [known, place] : places)
+    if (key == known && !place.empty() && place != InputPlace{.file = scene.file.string(), .key = key})
+      return place;
+  InputPlace nowhere = study.scene_place;  // neither gives it
+  nowhere.key += ": " + scene.file.string() + ": " + key;
+  return nowhere;
+}
+
+// What is wrong with a motion may come from the speed that the study gives, or from the body and the box that it changes.
+InputPlace place_of_device(const StudyFile& study, const Scene& scene, const std::string& problem) {
+  if (problem.starts_with("speed "))
+    for (const StudyFileAxis& axis : study.axes)
+      if (axis.column == "speed") return axis.where;
+  if (problem.starts_with("speed ") && study.sustained) return study.sustained_place;
+  if (!study.origin.contains("session.device"))
+    for (const char* key : {"body.length", "state_space.box"})
+      if (const auto found = study.origin.find(key); found != study.origin.end()) return found->second;
+  return place_of(study, scene, "session.device");
+}
+
+// What a session would refuse, said with the place that gave it.
+InputError placed(const StudyFile& study, const Scene& scene, const SessionOptions& options,
+                  const InputError& error) {
+  const std::string &key = error.place().key, &problem = error.problem(), whole = error.what();
+  const bool of_file = !error.place().file.empty();
+  if (key == "study.sustained") return {study.sustained_place, problem};
+  for (const std::string column : {"speed", "target_load"})
+    if (key == "study." + column) return {axis_place(study, column), problem};
+  for (const char* section : {"session.", "model.", "state_space."}) {
+    if (of_file || !key.starts_with(section)) continue;
+    const InputPlace place = place_of(study, scene, key);
+    const bool named = place.key.ends_with(key) || place.key.ends_with(key.substr(key.rfind('.')));
+    return {place, named ? problem : fmt::format("{} {}", key, problem)};
+  }
+  if (!of_file && key == "cost") return {place_of(study, scene, "session.cost"), whole};
+  if (options.planning.arrivals && error.place().file == options.planning.arrivals->string())
+    return {place_of(study, scene, "session.arrivals"), whole};
+  return {place_of_device(study, scene, problem), whole};
+}
+
+// Where states arrive at given times nothing is solved, so that a study of how to solve compares nothing. Keys that the
+// scene has for its other runs are ignored with a warning where the study brings the arrivals.
+void check_arrivals(const StudyFile& study, const Scene& scene, const SessionOptions& options,
+                    std::vector<std::string>& warnings) {
+  if (!options.planning.arrivals) return;
+  const std::string arrivals = place_of(study, scene, "session.arrivals").text();
+  const auto refuse = [&](const InputPlace& place) { throw InputError(place, no_effect_beside(arrivals)); };
+  if (study.sustained) refuse(study.sustained_place);
+  for (const StudyFileAxis& axis : study.axes)
+    if (axis.column == "target_load") refuse(axis.where);
+  std::string passed_over;
+  for (const auto& [key, where] : scene.scheduling) {
+    if (!where.option.empty()) refuse(place_of(study, scene, key));  // by the study
+    passed_over += (passed_over.empty() ? "" : ", ") + where.text();
+  }
+  if (passed_over.empty()) return;
+  const std::string warning =
+      fmt::format("{}: without effect where states arrive at given times ({})", passed_over, arrivals);
+  if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
+}
+
+StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std::uint64_t seed,
+                       const SessionInput& input, std::vector<std::string>& warnings) {
+  const StudyFile& file = planned.file;
+  const Study& study = planned.plan.study;
+  const Scene& scene = planned.scenes[combination];
+  const auto at_its_place = [&](const auto& step) {
+    try {
+      step();
+    } catch (const InputError& error) {
+      throw placed(file, scene, scene.session, error);
+    }
+  };
+  StudyCell cell;
+  at_its_place([&] { cell = make_cell(study, combination, seed, scene.session); });
+  check_arrivals(file, scene, cell.options, warnings);
+  at_its_place([&] {
+    check_cell(study, cell, input);
+    set_cost(study, input, cell);
+  });
+  cell.key = cell_key(scene.hash, cell, input, study.sustained);
+  return cell;
+}
+
+}  // namespace
+
+std::string cell_key(const std::string& content, const StudyCell& cell, const SessionInput& input,
+                     const std::optional<SustainedOptions>& sustained) {
+  const SessionOptions& options = cell.options;
+  const auto made_by = provenance("");
+  Sha256 hash;
+  hash.add(fmt::format("{}\n{}\n{}\n", format_version, made_by["version"].get<std::string>(),
+                       made_by["commit"].get<std::string>()));
+  hash.add(content + "\n");
+  hash.add(fmt::format("{}\n{}\n{}\n{}\n", options.motion.device, options.workers.cost, options.seed,
+                       options.clock.seconds));
+  if (const fs::path trace = trace_file(options.motion.device, input.files.scene); !trace.empty())
+    hash.add(contents(trace));
+  if (options.planning.arrivals) hash.add(contents(*options.planning.arrivals));
+  if (const auto& s = sustained)
+    hash.add(fmt::format("sustained {} {} {} {} {}\n", s->travel, s->share, s->tolerance, s->low, s->high));
+  return hash.hex();
+}
+
+PlannedStudy plan_study(StudyFile given) {
+  PlannedStudy planned{.file = std::move(given), .scenes = {}, .plan = {}, .warnings = {}};
+  const StudyFile& file = planned.file;
+  StudyPlan& plan = planned.plan;
+  plan.study = file.study();
+  for (std::size_t c = 0; c < plan.study.combinations(); ++c) {
+    end_if_interrupted("any cell was run");
+    const Scene* like = planned.scenes.empty() ? nullptr : &planned.scenes.back();
+    planned.scenes.push_back(load_combination(file, plan.study.choice(c), like));
+    const Scene& scene = planned.scenes.back();
+    if (c == 0) planned.warnings = scene.warnings;
+    const SessionInput input = session_input(scene);
+    for (const std::uint64_t seed : file.seeds)
+      plan.cells.push_back(planned_cell(planned, c, seed, input, planned.warnings));
+    plan.inputs.push_back(input);
+  }
+  return planned;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,74 @@
+#pragma once
+// A study as a file (TOML): what a person writes for scheduling/study/study.hpp.
+//
+//   scene = "liver.toml"            # relative to the study, as are traces and arrivals that it names
+//   seeds = [1, 2, 3]
+//   baseline = "nearest"            # optional: the value of the first axis that the others are compared with
+//
+//   [session]                       # any section of a scene: keys that are the same in every cell
+//   seconds = 10.0
+//
+//   [vary]                          # a list for each key; the first varies slowest, the seed fastest
+//   policy = ["nearest", "coverage"]     # short for session.…: policy select workers device cost switch
+//   target_load = [0.5, 1, 2]            # cost = load x workers / demand of the path, spread as the paper's
+//   speed = [0.03, 0.06]                 # of path devices [m/s]
+//   "model.kernel" = ["cubic", "quintic"]                          # any scene key, in quotes
+//   material = [{ name = "soft", young = 2e3, poisson = 0.4 }, …]  # keys of one section that change together
+//
+//   [[step]]                        # instead of [vary] or beside it: an ablation
+//   name = "predecessor"            # each step keeps what earlier steps changed and adds its own keys
+//   policy = "nearest"
+//
+//   [sustained]                     # each cell searches the highest speed that it sustains (sustained_speed.hpp)
+//
+// The clock is virtual whatever the scene says: cells must not depend on wall time. A key may appear once, be it
+// varied, stepped, fixed or given by --set.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/common/error.hpp"
+#include "scheduling/study/study.hpp"
+
+namespace forefeel {
+
+struct StudyFileValue {
+  std::string text;                    // as it stands in cells.csv
+  std::vector<std::string> overrides;  // "key.path=TOML" for the scene
+  std::optional<double> number;        // of `target_load` and `speed`, which are no scene keys
+};
+
+struct StudyFileAxis {
+  std::string column;     // as written: "policy", "model.kernel", "target_load", "step"
+  InputPlace where = {};  // study.toml:7: vary.policy
+  std::vector<StudyFileValue> values;
+};
+
+struct StudyFile {
+  std::filesystem::path file, scene;
+  std::string text;  // of the file
+  std::vector<std::uint64_t> seeds;
+  std::vector<StudyFileAxis> axes;
+  std::optional<std::size_t> baseline;  // value of axes[0]
+  std::vector<std::string> fixed;       // "key.path=TOML"
+  std::optional<SustainedOptions> sustained;
+  InputPlace scene_place = {}, sustained_place = {};  // study.toml:1: scene
+  std::map<std::string, InputPlace> origin;           // scene key -> where it was given, for messages
+
+  Study study() const;
+  // Of the scene, for a value of each axis.
+  std::vector<std::string> overrides(std::span<const std::size_t> choice) const;
+};
+
+// set: what --set gave. InputError for anything that contradicts itself or cannot be meant.
+StudyFile read_study(const std::filesystem::path& file, std::span<const std::string> set);
+
+// An error about an overridden scene key, said with the place in the study that gave the key.
+InputError located(const StudyFile& study, const InputError& error);
+
+}  // namespace forefeel

@@ -1,0 +1,97 @@
+#include "apps/study/study_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/summary_json.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path record_file(const fs::path& folder, const StudyCell& cell) {
+  return folder / "cells" / (cell.key + ".json");
+}
+
+ColumnValue value_of(const nlohmann::ordered_json& json) {
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_number_integer()) return json.get<std::uint64_t>();
+  if (json.is_number()) return json.get<double>();
+  if (json.is_string()) return json.get<std::string>();
+  return {};
+}
+
+std::optional<StudyCellResult> read_record(const fs::path& folder, const StudyCell& cell) {
+  std::ifstream in(record_file(folder, cell));
+  if (!in) return {};
+  const auto record = nlohmann::ordered_json::parse(in, nullptr, false);
+  if (!record.is_object() || !record.contains("columns") || record.value("key", "") != cell.key) return {};
+  std::vector<Column> columns;
+  for (const auto& [name, value] : record.at("columns").items()) columns.push_back({name, value_of(value)});
+  return StudyCellResult(std::move(columns));
+}
+
+void write_record(const fs::path& folder, const StudyCell& cell, const StudyCellResult& result) {
+  nlohmann::ordered_json record{
+      {"key", cell.key}, {"device", cell.options.motion.device}, {"cost", cell.options.workers.cost}};
+  for (const Column& column : result.columns()) record["columns"][column.name] = to_json(column.value);
+  OutputFile out(record_file(folder, cell));
+  out.write(record.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  out.commit();
+}
+
+// One process at a time writes to a folder.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) {
+    descriptor_ = open((folder / "cells" / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
+    if (descriptor_ < 0)
+      throw InputError({.file = folder.string()}, "cannot be written, expected a folder for the results");
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      close(descriptor_);
+      throw InputError({.file = folder.string()},
+                       "another study is writing here, expected a folder of its own");
+    }
+  }
+  ~FolderLock() { close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+std::string in_words(const StudyProgress& p) {
+  const std::string before = p.resumed > 0 ? fmt::format(" ({} there before)", p.resumed) : "";
+  return fmt::format("{} of {} cells{}", p.done, p.cells, before);
+}
+
+}  // namespace
+
+StudyResult run_study_in(const fs::path& folder, const StudyPlan& plan, const Globals& globals) {
+  std::error_code error;
+  fs::create_directories(folder / "cells", error);
+  const FolderLock lock(folder);
+  Progress progress(globals, "study");
+  const InterruptWatch watch;
+  return run_study(
+      plan, {.threads = globals.threads,
+             .store = {.load = [&](const StudyCell& cell) { return read_record(folder, cell); },
+                       .save = [&](const StudyCell& cell,
+                                   const StudyCellResult& result) { write_record(folder, cell, result); }},
+             .interrupted = &watch.flag(),
+             .hurried = &watch.hurry(),
+             .progress = [&](const StudyProgress& p) { progress.show(p.share, in_words(p)); },
+             .warn = [&](const std::string& line) { warn(globals, line); }});
+}
+
+}  // namespace forefeel

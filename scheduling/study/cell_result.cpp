@@ -1,0 +1,103 @@
+#include "scheduling/study/cell_result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace forefeel {
+namespace {
+
+bool depends_on_wall_time(std::string_view name) {
+  return name.starts_with("deadline.cost_us") || name.starts_with("deadline.lateness_us") ||
+         name == "wall_seconds" || name == "realtime_priority" || name == "memory_locked";
+}
+
+double quantile95(std::vector<double> values) {
+  if (values.empty()) return unknown;
+  std::ranges::sort(values);
+  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(values.size())));
+  return values[std::max<std::size_t>(rank, 1) - 1];
+}
+
+void add_parts(const SessionResult& result, StudyCellResult& row) {
+  const std::pair<const char*, double Judgement::*> parts[] = {{"approximation", &Judgement::approximation},
+                                                               {"switch", &Judgement::switching},
+                                                               {"staleness", &Judgement::staleness}};
+  for (const auto& [name, member] : parts) {
+    std::vector<double> values;
+    for (const FrameRecord& frame : result.frames)
+      if (frame.judged.first_visit && std::isfinite(frame.judged.*member))
+        values.push_back(frame.judged.*member);
+    row.set(std::string("error.first_visit.parts.") + name, column_value(quantile95(std::move(values))));
+  }
+}
+
+// What still runs at the end counts as busy, not as wasted.
+void add_solver_time(const SessionResult& result, double end, StudyCellResult& row) {
+  double busy = 0, preempted = 0, wasted = 0;
+  std::size_t solved = 0, used = 0;
+  for (const DispatchRecord& job : result.dispatch) {
+    if (!std::isfinite(job.started) || job.status == DispatchStatus::arrived) continue;
+    const double seconds =
+        std::max(0.0, std::min(std::isfinite(job.finished) ? job.finished : end, end) - job.started);
+    busy += seconds;
+    if (job.status == DispatchStatus::preempted) preempted += seconds;
+    if (job.status != DispatchStatus::solved) continue;
+    ++solved;
+    used += std::isfinite(job.first_used) ? 1 : 0;
+    wasted += std::isfinite(job.first_used) ? 0 : seconds;
+  }
+  row.set("states.used_share",
+          column_value(solved > 0 ? static_cast<double>(used) / static_cast<double>(solved) : unknown));
+  row.set("solver.busy", column_value(busy));
+  row.set("solver.preempted", column_value(preempted));
+  row.set("solver.wasted", column_value(wasted));
+}
+
+}  // namespace
+
+const ColumnValue* StudyCellResult::find(std::string_view name) const {
+  const auto found = std::ranges::find(columns_, name, &Column::name);
+  return found == columns_.end() ? nullptr : &found->value;
+}
+
+double StudyCellResult::number(std::string_view name) const {
+  const ColumnValue* value = find(name);
+  if (!value) return unknown;
+  if (const auto* whole = std::get_if<std::uint64_t>(value)) return static_cast<double>(*whole);
+  const auto* real = std::get_if<double>(value);
+  return real ? *real : unknown;
+}
+
+void StudyCellResult::set(std::string_view name, ColumnValue value) {
+  const auto found = std::ranges::find(columns_, name, &Column::name);
+  if (found != columns_.end())
+    found->value = std::move(value);
+  else
+    columns_.push_back({std::string(name), std::move(value)});
+}
+
+double first_visits_within(const SessionResult& result, const SwitchOptions& jnd, double tolerance) {
+  std::size_t visits = 0, within = 0;
+  for (const FrameRecord& frame : result.frames) {
+    if (!frame.judged.first_visit || !frame.judged.reference.allFinite()) continue;
+    ++visits;
+    const double allowed = std::max(tolerance * frame.judged.reference.norm(), jnd.jnd_floor);
+    within += (frame.force - frame.judged.reference).norm() <= allowed ? 1 : 0;
+  }
+  return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : unknown;
+}
+
+StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
+                            const SessionOptions& options) {
+  StudyCellResult row(summary_columns(summarise(result, input, options)));
+  for (const Column& column : row.columns())
+    if (depends_on_wall_time(column.name)) row.set(column.name, {});
+  add_parts(result, row);
+  row.set("error.first_visit.within_7", column_value(first_visits_within(result, options.switching, 0.07)));
+  add_solver_time(result, options.clock.seconds, row);
+  row.set("cost", options.workers.cost);
+  return row;
+}
+
+}  // namespace forefeel

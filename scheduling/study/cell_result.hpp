@@ -1,0 +1,44 @@
+#pragma once
+// What a cell of a study leaves: named values in a fixed order, one row of cells.csv.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scheduling/record/summary_columns.hpp"
+
+namespace forefeel {
+
+class StudyCellResult {
+ public:
+  StudyCellResult() = default;
+  explicit StudyCellResult(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+  const std::vector<Column>& columns() const { return columns_; }
+  bool empty() const { return columns_.empty(); }
+  const ColumnValue* find(std::string_view name) const;  // null where there is none
+  // NaN where there is no such column or it holds no number.
+  double number(std::string_view name) const;
+  // A column that is there keeps its place; a new one comes last.
+  void set(std::string_view name, ColumnValue value);
+
+ private:
+  std::vector<Column> columns_;
+};
+
+// Of one session: the columns of its summary, and what a study adds:
+//   error.first_visit.parts.…   95 % quantiles over first visits, as error.parts is over all samples
+//   error.first_visit.within_7  share of first visits within 7 % of the reference force
+//   states.used_share           of solved states
+//   solver.busy                 seconds of all workers in solves
+//   solver.preempted            of these in solves that were cancelled
+//   solver.wasted               of these in solves whose state no model used
+//   cost                        cost model
+// Values that depend on wall time stay empty, so that a cell has the same result whenever it is run.
+StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
+                            const SessionOptions& options);
+
+// Share of first visits within the tolerance of the reference force, |F - f| <= max(tolerance |f|, F_abs).
+double first_visits_within(const SessionResult& result, const SwitchOptions& jnd, double tolerance);
+
+}  // namespace forefeel

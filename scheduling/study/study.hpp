@@ -1,0 +1,70 @@
+#pragma once
+// A study: every combination of what varies, times every seed, each one a session under the virtual clock.
+//
+//   Study study{.seeds = {1, 2, 3}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
+//   StudyPlan plan = plan_study(study, [&](std::span<const std::size_t> choice) {   // study_plan.hpp
+//     StudySession session = mine;
+//     session.options.policy = choice[0] == 0 ? "nearest" : "coverage";
+//     return session;
+//   });
+//   StudyResult result = run_study(plan, {});                                       // study_run.hpp
+//   std::vector<AxisRanking> ranked = rankings(study, result.cells);                // study_ranking.hpp
+//
+// Cells are numbered: the first axis varies slowest, the seed fastest.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forefeel {
+
+struct StudyValue {
+  std::string text;                   // for people and tables
+  std::optional<double> number = {};  // of the axes `target_load` and `speed`
+};
+
+// Three columns mean something to the study itself: `target_load` [1] sets the cost of solves, `speed` [m/s] that of a
+// path device, and `step` says that each value adds to the one before. What the others change is up to whoever makes
+// the sessions (StudySessions in study_plan.hpp).
+struct StudyAxis {
+  std::string column;
+  std::vector<StudyValue> values;
+};
+
+// Each cell searches the highest speed that it sustains (sustained_speed.hpp).
+struct SustainedOptions {
+  double travel = 0.6;             // length of each run [m]; its seconds are travel / speed
+  double share = 0.95;             // of first-visit frames that must be within the tolerance
+  double tolerance = 0.07;         // of the reference force
+  double low = 0.005, high = 2.0;  // speeds tried [m/s]
+};
+
+struct Study {
+  std::vector<std::uint64_t> seeds = {0};
+  std::vector<StudyAxis> axes = {};
+  std::optional<std::size_t> baseline = {};  // value of axes[0] that the others are compared with
+  std::optional<SustainedOptions> sustained = {};
+
+  std::size_t combinations() const;  // without seeds
+  std::size_t cells() const { return combinations() * seeds.size(); }
+  // Value of each axis in a combination.
+  std::vector<std::size_t> choice(std::size_t combination) const;
+  std::size_t combination_of(std::size_t cell) const { return cell / seeds.size(); }
+  std::uint64_t seed_of(std::size_t cell) const { return seeds[cell % seeds.size()]; }
+};
+
+// Number of the axis with this column.
+std::optional<std::size_t> find_axis(const Study& study, std::string_view column);
+// What the axis with this column says in a combination; nothing where there is none.
+std::optional<double> number_at(const Study& study, const std::vector<std::size_t>& choice,
+                                std::string_view column);
+// Whether the axis holds traces, the unit of evidence: `device`.
+bool is_trace_axis(const StudyAxis& axis);
+
+// Block of each cell: cells that differ in nothing but one axis share a block. Numbered from 0 in order of appearance.
+std::vector<std::size_t> blocks_without(const Study& study, std::size_t axis);
+
+}  // namespace forefeel

@@ -1,0 +1,248 @@
+#include "scheduling/study/study_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "scheduling/study/sustained_speed.hpp"
+#include "scheduling/workers/reference_service.hpp"
+
+namespace forefeel {
+namespace {
+
+// One service of reference solves for each body, spacing and kind of state: a cache file has one writer.
+class References {
+ public:
+  References(int threads, const std::function<void(const std::string&)>& warn)
+      : threads_(threads), warn_(warn) {}
+
+  std::shared_ptr<ReferenceService> of(const SessionInput& input) {
+    std::string key = fmt::format("{} {}", input.touched.space.spacing, input.touched.displacements);
+    for (const auto& [name, hash] : input.touched.identity) key += fmt::format(" {}={}", name, hash);
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<ReferenceService>& service = services_[key];
+    if (service) return service;
+    service = std::make_shared<ReferenceService>(reference_options(input), threads_);
+    if (service->damage() && warn_) warn_(*service->damage());
+    return service;
+  }
+
+ private:
+  int threads_;
+  const std::function<void(const std::string&)>& warn_;
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<ReferenceService>> services_;
+};
+
+// Share of all cells done; cells under way count in part.
+class Ticker {
+ public:
+  Ticker(const std::function<void(const StudyProgress&)>& show, std::size_t cells, std::size_t resumed)
+      : show_(show), parts_(cells, 0.0), resumed_(resumed) {}
+
+  void at(std::size_t item, double part) {
+    const std::lock_guard lock(mutex_);
+    sum_ += part - parts_[item];
+    parts_[item] = part;
+    done_ += part >= 1 ? 1 : 0;
+    if (show_)
+      show_({.share = sum_ / static_cast<double>(parts_.size()),
+             .done = done_,
+             .cells = parts_.size(),
+             .resumed = resumed_});
+  }
+
+ private:
+  const std::function<void(const StudyProgress&)>& show_;
+  std::mutex mutex_;
+  std::vector<double> parts_;
+  std::size_t done_ = 0, resumed_;
+  double sum_ = 0;
+};
+
+// Share of a cell's work that its session has done.
+double part_of(const SessionProgress& p) {
+  const double share = p.seconds > 0 ? std::clamp(p.t / p.seconds, 0.0, 1.0) : 0.0;
+  if (p.rehearsals > 0) return 0;
+  if (p.phase == SessionPhase::session) return 0.6 * share;
+  return p.phase == SessionPhase::labels ? 0.6 + 0.3 * share : 0.9 + 0.09 * share;
+}
+
+using ShowPart = std::function<void(double)>;
+
+StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, const ShowPart& show) {
+  const SessionResult result =
+      run_session(input, cell.options, [&](const SessionProgress& p) { show(part_of(p)); });
+  return cell_result(result, input, cell.options);
+}
+
+// The columns of a sustained cell are those of the session at the speed found, or at `low` where none holds.
+StudyCellResult run_sustained(const SustainedOptions& sought, const StudyCell& cell,
+                              const SessionInput& input, const ShowPart& show) {
+  std::map<double, StudyCellResult> seen;
+  const auto share_at = [&](double speed) {
+    SessionOptions options = cell.options;
+    options.motion.device = device_at_speed(cell.options.motion.device, speed, "study.sustained");
+    options.clock.seconds = sought.travel / speed;
+    const SessionResult result = run_session(input, options);
+    const double share = first_visits_within(result, options.switching, sought.tolerance);
+    StudyCellResult row = cell_result(result, input, options);
+    row.set("error.first_visit.within_7", column_value(share));
+    seen[speed] = std::move(row);
+    show(0.98 * (1 - std::exp(-0.15 * static_cast<double>(seen.size()))));
+    return std::isfinite(share) ? share : 0.0;
+  };
+  const SustainedSpeed found = sustained_speed(sought, share_at);
+  StudyCellResult row = found.speed > 0 ? seen.at(found.speed) : seen.begin()->second;
+  row.set("sustained.speed", found.speed);
+  row.set("sustained.capped", found.capped);
+  row.set("sustained.trials", static_cast<std::uint64_t>(found.trials));
+  return row;
+}
+
+bool raised(const std::atomic<bool>* flag) {
+  return flag && flag->load(std::memory_order_relaxed);
+}
+
+// The threads that share the cells which are not there yet.
+class Pool {
+ public:
+  Pool(const StudyPlan& plan, const StudyRunOptions& options, std::size_t threads,
+       std::vector<std::size_t> todo, StudyResult& result)
+      : plan_(plan),
+        options_(options),
+        todo_(std::move(todo)),
+        result_(result),
+        references_(static_cast<int>(threads), options.warn),
+        ticker_(options.progress, todo_.size(), result.resumed) {
+    std::vector<std::jthread> others;
+    for (std::size_t i = 1; i < std::min(threads, todo_.size()); ++i) others.emplace_back([this] { work(); });
+    work();
+  }
+  std::size_t done() const { return done_; }
+  std::exception_ptr failed() const { return failed_; }
+
+ private:
+  void work() {
+    for (std::size_t item = next_++; item < todo_.size() && !raised(options_.interrupted); item = next_++) {
+      try {
+        if (!run(item)) break;
+      } catch (...) {
+        const std::lock_guard guard(failed_mutex_);
+        if (!failed_) failed_ = std::current_exception();
+        next_ = todo_.size();
+      }
+    }
+  }
+
+  // False where the cell was interrupted: its session may have been cut, so it is left out.
+  bool run(std::size_t item) {
+    StudyCell cell = plan_.cells[todo_[item]];
+    cell.options.stop.interrupted = options_.interrupted;
+    cell.options.stop.hurried = options_.hurried;
+    SessionInput input = plan_.inputs[cell.input];
+    input.references = references_.of(input);
+    cell = with_load_found(cell, input);
+    const auto show = [&](double part) { ticker_.at(item, part); };
+    StudyCellResult row = plan_.study.sustained ? run_sustained(*plan_.study.sustained, cell, input, show)
+                                                : run_plain(cell, input, show);
+    if (raised(options_.interrupted)) return false;
+    if (options_.store.save) options_.store.save(cell, row);
+    result_.cells[todo_[item]] = std::move(row);
+    ++done_;
+    ticker_.at(item, 1.0);
+    return true;
+  }
+
+  const StudyPlan& plan_;
+  const StudyRunOptions& options_;
+  std::vector<std::size_t> todo_;
+  StudyResult& result_;
+  References references_;
+  Ticker ticker_;
+  std::atomic<std::size_t> next_{0}, done_{0};
+  std::mutex failed_mutex_;
+  std::exception_ptr failed_;
+};
+
+}  // namespace
+
+StudyCell with_load_found(const StudyCell& cell, const SessionInput& input) {
+  if (!(cell.load_to_find > 0)) return cell;
+  constexpr int tries = 12;
+  constexpr int corrected = 3;  // from then on halfway between what is too much and what is too little
+  constexpr double near = 0.025;
+  StudyCell trial = cell, best = cell;
+  trial.options.judging.reference_step =
+      1e9;  // only the motion counts here: as few reference solves as can be
+  trial.options.judging.visit_stride = 1'000'000;
+  double demand = cell.free_demand, least = std::numeric_limits<double>::infinity();
+  double too_little = 0, too_much = 0;  // demands
+  for (int i = 0; i < tries && least > near; ++i) {
+    const SessionResult result = run_session(input, trial.options);
+    const double load = summarise(result, input, trial.options).load;
+    if (result.interrupted() || !std::isfinite(load)) break;
+    const double met = load / cell.load_to_find;
+    if (std::abs(std::log(met)) < least) {
+      least = std::abs(std::log(met));
+      best.options.workers.cost = trial.options.workers.cost;
+    }
+    (met < 1 ? too_little : too_much) = demand;
+    demand = i + 1 < corrected || too_little == 0 || too_much == 0 ? demand * met
+                                                                   : std::sqrt(too_little * too_much);
+    trial.options.workers.cost = cost_for_load(cell.load_to_find, trial.options, demand);
+  }
+  return best;
+}
+
+std::optional<std::string> loads_missed(const StudyPlan& plan, const std::vector<StudyCellResult>& cells) {
+  std::size_t missed = 0, of_hands = 0;
+  double worst = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!(plan.cells[i].load_to_find > 0)) continue;
+    ++of_hands;
+    const double load = cells[i].number("load");
+    const double miss = std::isfinite(load) ? std::abs(load / plan.cells[i].load_to_find - 1) : 1;
+    missed += miss > 0.05 ? 1 : 0;
+    worst = std::max(worst, miss);
+  }
+  if (missed == 0) return {};
+  return fmt::format(
+      "{} of {} cells with a hand miss their target_load by more than 5 %, by {:.0f} % at most: their "
+      "sessions hold too few solves, expected a longer one; the column `load` holds what was met",
+      missed, of_hands, 100 * worst);
+}
+
+StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  StudyResult result;
+  result.cells.resize(plan.cells.size());
+  std::vector<std::size_t> todo;
+  for (std::size_t i = 0; i < plan.cells.size(); ++i) {
+    auto row = options.store.load ? options.store.load(plan.cells[i]) : std::nullopt;
+    if (row)
+      result.cells[i] = std::move(*row);
+    else
+      todo.push_back(i);
+  }
+  const std::size_t missing = todo.size();
+  result.resumed = plan.cells.size() - missing;
+  const unsigned machine = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads) : machine;
+  const Pool pool(plan, options, threads, std::move(todo), result);
+  const bool interrupted = raised(options.interrupted);
+  if (pool.failed() && !interrupted) std::rethrow_exception(pool.failed());
+  result.ran = pool.done();
+  result.interrupted = interrupted && result.ran < missing;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace forefeel
