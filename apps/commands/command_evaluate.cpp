@@ -195,23 +195,7 @@ void warn_in_vain(const Globals& globals, const EvaluateArguments& arguments) {
     warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(vain, ", "), arguments.method));
 }
 
-// What the method uses; null what it has not.
-void describe(nlohmann::ordered_json& document, const Method method, const ModelOptions& options,
-              const MethodOptions& older) {
-  const bool moving = method == Method::rbf, offline = method == Method::offline_rbf,
-             network = method == Method::rbf_network;
-  const auto if_so = [&](const char* key, bool so, nlohmann::ordered_json value) {
-    document[key] = so ? std::move(value) : nlohmann::ordered_json();
-  };
-  if_so("kernel", moving || offline || network, name(network ? Kernel::cubic : options.kernel));
-  if_so("data", true, name(moving || offline ? options.data : Data::force));
-  if_so("neighbours", moving, options.neighbours);
-  if_so("centres", network, older.centres);
-  if_so("select", moving, name(options.select));
-  if_so("ridge", moving || offline, options.ridge);
-}
-
-// A model that no memory holds is refused as a session refuses it.
+// A model that does not fit into memory is refused as a session refuses it.
 void check_memory(const ModelOptions& options, std::size_t states) {
   try {
     for_states(options, states);
@@ -220,100 +204,163 @@ void check_memory(const ModelOptions& options, std::size_t states) {
   }
 }
 
-int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
-  warn_in_vain(globals, arguments);
-  if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
-  const std::vector<Vec3> points = read_points_csv(arguments.points);
+std::vector<Vec3> read_points(const std::string& file) {
+  std::vector<Vec3> points = read_points_csv(file);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
-      throw InputError(fmt::format("{}: point {}", arguments.points, i + 1),
-                       "is not finite, expected three numbers");
-  if (points.empty()) throw InputError(arguments.points, "holds no point, expected rows x,y,z");
-  const LoadedStates loaded = load_states(arguments.states);
+      throw InputError(fmt::format("{}: point {}", file, i + 1), "is not finite, expected three numbers");
+  if (points.empty()) throw InputError(file, "holds no point, expected rows x,y,z");
+  return points;
+}
+
+std::vector<State> read_known(const Globals& globals, const EvaluateArguments& arguments, double& spacing) {
+  LoadedStates loaded = load_states(arguments.states);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  ModelOptions options = model_options(arguments, loaded.states);
-  if (arguments.ridge != "auto") options.ridge = ridge_of(arguments.ridge);
-  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
+  spacing = arguments.spacing.value_or(loaded.header.spacing);
+  return std::move(loaded.states);
+}
 
-  StateSpaceOptions space_options;
-  space_options.spacing = arguments.spacing.value_or(loaded.header.spacing);
-  if (!(space_options.spacing > 0)) space_options.spacing = estimate_spacing(usable_states(loaded.states));
-  if (!(space_options.spacing > 0)) space_options.spacing = StateSpaceOptions{}.spacing;
-  StateSpace space(space_options);
+// The first state of a position counts.
+StateSpace space_of(const Globals& globals, const EvaluateArguments& arguments,
+                    const std::vector<State>& states, double spacing) {
+  if (!(spacing > 0)) spacing = estimate_spacing(usable_states(states));
+  StateSpace space({.spacing = spacing > 0 ? spacing : StateSpaceOptions{}.spacing});
   std::size_t contradicting = 0;
-  for (const State& state : loaded.states)
-    if (state.usable()) {
-      const StateSpace::Insertion made = space.insert(state);
-      contradicting += !made.is_new && contradict(space[made.id], state) ? 1 : 0;
-    }
-  const Method method = method_of(arguments.method);
+  for (const State& state : states) {
+    if (!state.usable()) continue;
+    const StateSpace::Insertion made = space.insert(state);
+    contradicting += !made.is_new && contradict(space[made.id], state) ? 1 : 0;
+  }
   if (contradicting > 0)
     warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
                               contradicting == 1 ? "1 state contradicts"
                                                  : fmt::format("{} states contradict", contradicting),
-                              method == Method::rbf ? "; the first one counts" : ""));
-  if (method == Method::rbf) check_memory(options, space.size());
-  options.neighbours = std::min(options.neighbours, space.size());
-  if (arguments.ridge == "auto") options.ridge = choose_ridge(space, options).ridge;
-  MethodOptions older{.model = options, .spacing = space_options.spacing};
-  if (method == Method::rbf_network)
-    older.centres =
-        RbfNetwork::centres_of(static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable)),
-                               arguments.neighbours.value_or(0));
-  const Evaluation result = method == Method::rbf
-                                ? evaluate(space, points, options, globals)
-                                : evaluate_older(method, loaded.states, space, points, older);
+                              method_of(arguments.method) == Method::rbf ? "; the first one counts" : ""));
+  return space;
+}
 
-  if (!arguments.output.empty()) write_csv(arguments.output, points, result);
-  const double fit_us = median(result.fit_us), evaluate_ns = median(result.evaluate_ns);
-  if (globals.json) {
-    nlohmann::ordered_json document;
-    document["forces"] = nlohmann::ordered_json::array();
-    document["labels"] = nlohmann::ordered_json::array();
-    for (const Vec3& f : result.forces) document["forces"].push_back(vector3(f));
-    for (const Label label : result.labels) document["labels"].push_back(name(label));
-    document["kernels"] = result.kernels;
-    document["stepped_down"] = result.stepped_down;
-    document["fit_us"] = number(fit_us);
-    document["evaluate_ns"] = number(evaluate_ns);
-    document["fitted"] = result.fitted;
-    document["updated"] = result.updated;
-    document["reused"] = result.reused;
-    document["method"] = arguments.method;
-    describe(document, method, options, older);
-    document["spacing"] = number(space_options.spacing);
-    for (const char* key : {"force_bounds", "tangent_from", "held_from"})
-      document[key] = nlohmann::ordered_json::array();
-    for (const Reach& reach : result.reach) {
-      document["force_bounds"].push_back(number(reach.bound));
-      document["tangent_from"].push_back(number(reach.tangent));
-      document["held_from"].push_back(number(reach.held));
-    }
-    print_json(document);
-    return 0;
+// What `forefeel evaluate` answers: forces at the points, how they were made, and what that took.
+struct EvaluateResult {
+  Method method = Method::rbf;
+  MethodOptions options;   // .model: of rbf
+  std::size_t states = 0;  // known positions
+  std::vector<Vec3> points;
+  Evaluation made;
+  double fit_us = unknown, evaluate_ns = unknown;  // medians
+};
+
+EvaluateResult evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  EvaluateResult result{.method = method_of(arguments.method), .options = {}, .points = {}, .made = {}};
+  result.points = read_points(arguments.points);
+  double spacing = unknown;
+  const std::vector<State> states = read_known(globals, arguments, spacing);
+  ModelOptions& model = result.options.model = model_options(arguments, states);
+  if (arguments.ridge != "auto") model.ridge = ridge_of(arguments.ridge);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
+  const StateSpace space = space_of(globals, arguments, states, spacing);
+  result.states = space.size();
+  result.options.spacing = space.options().spacing;
+  if (result.method == Method::rbf) check_memory(model, space.size());
+  model.neighbours = std::min(model.neighbours, space.size());
+  if (arguments.ridge == "auto") model.ridge = choose_ridge(space, model).ridge;
+  if (result.method == Method::rbf_network)
+    result.options.centres =
+        RbfNetwork::centres_of(static_cast<std::size_t>(std::ranges::count_if(states, &State::usable)),
+                               arguments.neighbours.value_or(0));
+  result.made = result.method == Method::rbf
+                    ? evaluate(space, result.points, model, globals)
+                    : evaluate_older(result.method, states, space, result.points, result.options);
+  result.fit_us = median(result.made.fit_us);
+  result.evaluate_ns = median(result.made.evaluate_ns);
+  return result;
+}
+
+// What the method uses; null where it has no such thing.
+void describe(nlohmann::ordered_json& document, const EvaluateResult& result) {
+  const ModelOptions& model = result.options.model;
+  const bool moving = result.method == Method::rbf, offline = result.method == Method::offline_rbf,
+             network = result.method == Method::rbf_network;
+  const auto if_so = [&](const char* key, bool so, nlohmann::ordered_json value) {
+    document[key] = so ? std::move(value) : nlohmann::ordered_json();
+  };
+  if_so("kernel", moving || offline || network, name(network ? Kernel::cubic : model.kernel));
+  if_so("data", true, name(moving || offline ? model.data : Data::force));
+  if_so("neighbours", moving, model.neighbours);
+  if_so("centres", network, result.options.centres);
+  if_so("select", moving, name(model.select));
+  if_so("ridge", moving || offline, model.ridge);
+}
+
+nlohmann::ordered_json to_json(const EvaluateResult& result) {
+  nlohmann::ordered_json document;
+  document["forces"] = nlohmann::ordered_json::array();
+  document["labels"] = nlohmann::ordered_json::array();
+  for (const Vec3& f : result.made.forces) document["forces"].push_back(vector3(f));
+  for (const Label label : result.made.labels) document["labels"].push_back(name(label));
+  document["kernels"] = result.made.kernels;
+  document["stepped_down"] = result.made.stepped_down;
+  document["fit_us"] = number(result.fit_us);
+  document["evaluate_ns"] = number(result.evaluate_ns);
+  document["fitted"] = result.made.fitted;
+  document["updated"] = result.made.updated;
+  document["reused"] = result.made.reused;
+  document["method"] = name(result.method);
+  describe(document, result);
+  document["spacing"] = number(result.options.spacing);
+  for (const char* key : {"force_bounds", "tangent_from", "held_from"})
+    document[key] = nlohmann::ordered_json::array();
+  for (const Reach& reach : result.made.reach) {
+    document["force_bounds"].push_back(number(reach.bound));
+    document["tangent_from"].push_back(number(reach.tangent));
+    document["held_from"].push_back(number(reach.held));
   }
-  if (arguments.output.empty())
-    for (std::size_t i = 0; i < points.size(); ++i)
-      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}",
-                                  points[i][0], points[i][1], points[i][2], result.forces[i][0],
-                                  result.forces[i][1], result.forces[i][2], name(result.labels[i])));
+  return document;
+}
+
+// ", quintic on force+stiffness, 25 neighbours"
+std::string in_words(const EvaluateResult& result) {
+  const ModelOptions& model = result.options.model;
+  const Evaluation& made = result.made;
   std::string how;
-  if (method == Method::rbf || method == Method::offline_rbf)
-    how = fmt::format(", {} on {}", name(options.kernel), name(options.data));
-  if (method == Method::rbf) how += fmt::format(", {} neighbours", options.neighbours);
-  if (method == Method::rbf_network) how = fmt::format(", {} centres", older.centres);
-  if (result.stepped_down > 0)
+  if (result.method == Method::rbf || result.method == Method::offline_rbf)
+    how = fmt::format(", {} on {}", name(model.kernel), name(model.data));
+  if (result.method == Method::rbf) how += fmt::format(", {} neighbours", model.neighbours);
+  if (result.method == Method::rbf_network) how = fmt::format(", {} centres", result.options.centres);
+  if (made.stepped_down > 0)
     how += fmt::format(
-        ", at {} points stepped down, the first to {}", result.stepped_down,
-        *std::ranges::find_if(result.kernels, [&](std::string_view k) { return k != name(options.kernel); }));
-  std::string models = fmt::format("{} fitted", result.fitted);
-  if (result.updated > 0) models += fmt::format(", {} updated", result.updated);
-  if (result.reused > 0) models += fmt::format(", {} reused", result.reused);
+        ", at {} points stepped down, the first to {}", made.stepped_down,
+        *std::ranges::find_if(made.kernels, [&](std::string_view k) { return k != name(model.kernel); }));
+  return how;
+}
+
+void tell(const Globals& globals, const EvaluateResult& result, bool with_forces) {
+  const Evaluation& made = result.made;
+  if (with_forces)
+    for (std::size_t i = 0; i < result.points.size(); ++i) {
+      const Vec3 &x = result.points[i], &f = made.forces[i];
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}", x[0],
+                                  x[1], x[2], f[0], f[1], f[2], name(made.labels[i])));
+    }
+  std::string models = fmt::format("{} fitted", made.fitted);
+  if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
+  if (made.reused > 0) models += fmt::format(", {} reused", made.reused);
   say(globals,
       fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
-                  points.size(), space.size(), arguments.method, how, models, fit_us, evaluate_ns));
+                  result.points.size(), result.states, name(result.method), in_words(result), models,
+                  result.fit_us, result.evaluate_ns));
+}
+
+int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  warn_in_vain(globals, arguments);
+  if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
+  const EvaluateResult result = evaluate(globals, arguments);
+  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.made);
+  if (globals.json)
+    print_json(to_json(result));
+  else
+    tell(globals, result, arguments.output.empty());
   return 0;
 }
 

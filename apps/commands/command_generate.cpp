@@ -33,18 +33,40 @@ struct GenerateArguments {
   std::optional<double> error;
 };
 
-nlohmann::ordered_json to_json(const GenerateReport& report, std::size_t states, std::size_t failed) {
+// What `forefeel generate` answers where it fills the lattice.
+struct GenerateResult {
+  GenerateReport report;               // of this run
+  std::size_t usable = 0, failed = 0;  // states in the file, those of earlier runs included
+  bool interrupted = false;
+
+  double states_per_second() const {
+    return report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0;
+  }
+};
+
+nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene) {
+  const GenerateReport& report = result.report;
   nlohmann::ordered_json document;
-  document["states"] = states;
+  document["states"] = result.usable;
   document["solved"] = report.solved;
-  document["failed"] = failed;
+  document["failed"] = result.failed;
   document["resumed"] = report.resumed;
   document["seconds"] = number(report.seconds);
-  document["states_per_second"] =
-      number(report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0);
+  document["states_per_second"] = number(result.states_per_second());
   document["threads"] = report.threads;
   document["error_estimate"] = nullptr;
+  document["interrupted"] = result.interrupted;
+  document["spacing"] = scene.space.spacing;
+  if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
   return document;
+}
+
+void tell(const Globals& globals, const GenerateResult& result, const std::string& output) {
+  say(globals,
+      fmt::format(
+          "{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
+          output, result.usable, result.report.solved, result.report.seconds, result.states_per_second(),
+          result.report.threads, result.report.resumed, result.failed));
 }
 
 StateFileHeader header_of(const Scene& scene) {
@@ -58,12 +80,51 @@ StateFileHeader header_of(const Scene& scene) {
   return header;
 }
 
-int run_generate(const Globals& globals, const GenerateArguments& arguments) {
+GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFile file,
+                            const std::vector<State>& known) {
+  std::stop_source stop;
+  GenerateOptions options;
+  options.spacing = scene.space.spacing;
+  options.box = scene.space.box;
+  options.threads = globals.threads;
+  options.want_displacements = scene.displacements;
+  options.stop = stop.get_token();
+
+  GenerateResult result;
+  const InterruptWatch watch;
+  StateWriter writer(std::move(file));
+  Progress progress(globals, "generate");
+  const auto start = std::chrono::steady_clock::now();
+  std::size_t fresh = 0;
+  result.report = generate_lattice(
+      scene.body, options, known,
+      [&](State state) {
+        ++fresh;
+        writer.push(std::move(state));
+      },
+      [&](std::size_t done, std::size_t total) {
+        if (watch.raised()) stop.request_stop();
+        const double seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        progress.show(static_cast<double>(done) / static_cast<double>(total),
+                      fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total,
+                                  known.size(), seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
+      });
+  writer.flush();
+  result.interrupted = watch.raised();
+  const auto usable = static_cast<std::size_t>(std::ranges::count_if(known, &State::usable));
+  result.usable = usable + result.report.solved;
+  result.failed = known.size() - usable + result.report.failed;
+  return result;
+}
+
+// The scene, checked against the arguments before the file is touched.
+Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) {
   if (arguments.error && !(*arguments.error > 0 && std::isfinite(*arguments.error)))
     throw InputError("--error",
                      fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
   check_writable(arguments.output);
-  const Scene scene = load_scene(arguments.scene, globals.set);
+  Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
   if (arguments.error)
@@ -74,6 +135,11 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
         fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
                     "state_space.spacing",
                     scene.space.spacing));
+  return scene;
+}
+
+int run_generate(const Globals& globals, const GenerateArguments& arguments) {
+  const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held =
@@ -85,63 +151,15 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
     return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error),
                     held ? 0 : 1);
 
-  std::stop_source stop;
-  GenerateOptions options;
-  options.spacing = scene.space.spacing;
-  options.box = scene.space.box;
-  options.threads = globals.threads;
-  options.want_displacements = scene.displacements;
-  options.stop = stop.get_token();
-  std::size_t usable = 0, known_failed = 0;
-  for (const State& state : known) (state.usable() ? usable : known_failed) += 1;
-
-  GenerateReport report;
-  bool interrupted = false;
-  {
-    const InterruptWatch watch;
-    StateWriter writer(std::move(file));
-    Progress progress(globals, "generate");
-    const auto start = std::chrono::steady_clock::now();
-    const std::size_t before = known.size();
-    std::size_t fresh = 0;
-    report = generate_lattice(
-        scene.body, options, known,
-        [&](State state) {
-          ++fresh;
-          writer.push(std::move(state));
-        },
-        [&](std::size_t done, std::size_t total) {
-          if (watch.raised()) stop.request_stop();
-          const double seconds =
-              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-          progress.show(static_cast<double>(done) / static_cast<double>(total),
-                        fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, before,
-                                    seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
-        });
-    writer.flush();
-    interrupted = watch.raised();
-  }
-
-  const std::size_t failed = report.failed + known_failed;
-  if (globals.json) {
-    nlohmann::ordered_json document = to_json(report, usable + report.solved, failed);
-    document["interrupted"] = interrupted;
-    document["spacing"] = scene.space.spacing;
-    if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
-    print_json(document);
-  }
-  say(globals,
-      fmt::format(
-          "{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
-          arguments.output, usable + report.solved, report.solved, report.seconds,
-          report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0, report.threads,
-          report.resumed, failed));
-  if (interrupted) {
+  const GenerateResult result = fill_lattice(globals, scene, std::move(file), known);
+  if (globals.json) print_json(to_json(result, scene));
+  tell(globals, result, arguments.output);
+  if (result.interrupted) {
     warn(globals, "interrupted; the same command goes on from here");
     return 1;
   }
-  if (failed == 0) return held ? 0 : 1;
-  warn(globals, fmt::format("{} states did not converge; forefeel export names them and why", failed));
+  if (result.failed == 0) return held ? 0 : 1;
+  warn(globals, fmt::format("{} states did not converge; forefeel export names them and why", result.failed));
   return 1;
 }
 

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
@@ -83,6 +83,28 @@ std::vector<double> discretisation_errors(const Scene& scene, const std::vector<
   return errors;
 }
 
+// What `forefeel solve` answers, in the order of the positions.
+struct SolveResult {
+  std::vector<SolveOutcome> outcomes;
+  std::vector<double> discretisation_errors;  // relative; empty where not asked for
+
+  std::size_t failed() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        outcomes, [](const SolveOutcome& o) { return o.state.status != SolveStatus::converged; }));
+  }
+};
+
+SolveResult solve(const Globals& globals, const SolveArguments& arguments, const Scene& scene,
+                  const std::vector<Vec3>& points) {
+  SolveResult result{.outcomes = solve_all(scene, points, globals), .discretisation_errors = {}};
+  if (!arguments.discretisation_error) return result;
+  if (scene.body->element == Element::quadratic)
+    throw InputError("--discretisation-error",
+                     "the scene's elements are quadratic already, expected linear ones");
+  result.discretisation_errors = discretisation_errors(scene, result.outcomes);
+  return result;
+}
+
 nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
   const State& s = outcome.state;
   nlohmann::ordered_json entry;
@@ -102,6 +124,16 @@ nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
   return entry;
 }
 
+nlohmann::ordered_json to_json(const SolveResult& result) {
+  nlohmann::ordered_json document{{"states", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    document["states"].push_back(to_json(result.outcomes[i]));
+    if (!result.discretisation_errors.empty())
+      document["states"].back()["discretisation_error"] = number(result.discretisation_errors[i]);
+  }
+  return document;
+}
+
 std::string line_for(const State& s) {
   return fmt::format(
       "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
@@ -110,44 +142,37 @@ std::string line_for(const State& s) {
       1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
 }
 
+void tell(const Globals& globals, const SolveResult& result) {
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    std::string line = line_for(result.outcomes[i].state);
+    if (!result.discretisation_errors.empty())
+      line += fmt::format(", discretisation error {:.1f} %", 100 * result.discretisation_errors[i]);
+    answer(globals, line);
+  }
+}
+
+void write_output(const std::string& file, const SolveResult& result) {
+  std::vector<State> states;
+  for (const SolveOutcome& outcome : result.outcomes) states.push_back(outcome.state);
+  write_states_csv(file, states);
+}
+
 int run_solve(const Globals& globals, const SolveArguments& arguments) {
   const std::vector<Vec3> points = wanted_points(arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
   const Scene scene = load_scene(arguments.scene, globals.set);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
-  const std::vector<SolveOutcome> outcomes = solve_all(scene, points, globals);
-
-  std::vector<double> mesh_errors;
-  if (arguments.discretisation_error) {
-    if (scene.body->element == Element::quadratic)
-      throw InputError("--discretisation-error",
-                       "the scene's elements are quadratic already, expected linear ones");
-    mesh_errors = discretisation_errors(scene, outcomes);
-  }
-  std::size_t failed = 0;
-  std::vector<State> states;
-  nlohmann::ordered_json document{{"states", nlohmann::ordered_json::array()}};
-  for (const SolveOutcome& outcome : outcomes) {
-    failed += outcome.state.status != SolveStatus::converged;
-    states.push_back(outcome.state);
-    document["states"].push_back(to_json(outcome));
-    if (!mesh_errors.empty())
-      document["states"].back()["discretisation_error"] = number(mesh_errors[states.size() - 1]);
+  const SolveResult result = solve(globals, arguments, scene, points);
+  for (const SolveOutcome& outcome : result.outcomes)
     for (const std::string& warning : outcome.warnings)
       warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
                                 outcome.state.at[2], warning));
-  }
-  if (!arguments.output.empty()) write_states_csv(arguments.output, states);
-  if (globals.json) print_json(document);
-  const bool kept = globals.quiet && !arguments.output.empty();  // the file has them
-  if (!globals.json && !kept)
-    for (std::size_t i = 0; i < states.size(); ++i)
-      answer(globals, line_for(states[i]) +
-                          (mesh_errors.empty()
-                               ? ""
-                               : fmt::format(", discretisation error {:.1f} %", 100 * mesh_errors[i])));
-  if (failed == 0) return 0;
-  warn(globals, fmt::format("{} of {} states did not converge", failed, states.size()));
+  if (!arguments.output.empty()) write_output(arguments.output, result);
+  if (globals.json) print_json(to_json(result));
+  const bool in_file = globals.quiet && !arguments.output.empty();
+  if (!globals.json && !in_file) tell(globals, result);
+  if (result.failed() == 0) return 0;
+  warn(globals, fmt::format("{} of {} states did not converge", result.failed(), result.outcomes.size()));
   return 1;
 }
 
