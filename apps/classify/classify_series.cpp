@@ -1,13 +1,16 @@
-// classify RUN/ and classify --diff: coverage over time, and from one set to another.
+// forefeel classify RUN/: coverage over the time of a run, as a series of files for ParaView.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <regex>
+#include <span>
 
 #include "apps/classify/classify.hpp"
 #include "apps/classify/run_table.hpp"
@@ -141,17 +144,87 @@ void remove_parts(const fs::path& folder) {
     if (std::regex_match(entry.path().filename().string(), ours)) fs::remove(entry.path());
 }
 
-}  // namespace
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
-int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
+struct Moment {
+  double t = 0;            // [s]
+  std::size_t states = 0;  // known by then
+  Vec3 hip = Vec3::Zero();
+  Label label = Label::blank;  // there
+  std::array<double, 4> volume{};
+};
+
+// What `forefeel classify RUN/` answers.
+struct SeriesResult {
+  fs::path series;  // .pvd
+  std::vector<Moment> moments;
+  std::size_t states = 0;  // at the end
+  double spacing = unknown;
+  Box box;
+  RegionSummary regions;  // at the end
+  double fill_distance = unknown;
+  std::optional<LargestHole> hole;
+  double seconds = 0;
+};
+
+nlohmann::ordered_json to_json(const SeriesResult& result) {
+  nlohmann::ordered_json moments = nlohmann::ordered_json::array();
+  for (const Moment& m : result.moments)
+    moments.push_back({{"t", m.t},
+                       {"states", m.states},
+                       {"hip", vector3(m.hip)},
+                       {"label", std::string(name(m.label))},
+                       {"volume", by_label(m.volume)}});
+  nlohmann::ordered_json out{{"series", result.series.string()},
+                             {"snapshots", moments},
+                             {"states", result.states},
+                             {"spacing", result.spacing},
+                             {"box", {vector3(result.box.low), vector3(result.box.high)}}};
+  regions_json(out, result.regions, result.fill_distance, result.fill_distance + 1e-3 * result.spacing,
+               result.hole);
+  out["seconds"] = result.seconds;
+  out["peak_bytes"] = peak_bytes();
+  return out;
+}
+
+// The files of a series, three a moment: regions, known states, the HIP.
+class SeriesFiles {
+ public:
+  explicit SeriesFiles(const fs::path& series)
+      : series_(series), parts_(series.parent_path() / (series.stem().string() + "_series")) {
+    check_writable(series_);
+    fs::create_directories(parts_);
+    remove_parts(parts_);
+  }
+  void add(std::size_t moment, double t, const RegionSummary& regions, const std::vector<State>& known,
+           const State& hip) {
+    write_regions_vtu(part("regions", moment, t, 0), regions.leaves, regions.components);
+    write_states_vtu(part("states", moment, t, 1), known);
+    write_states_vtu(part("hip", moment, t, 2), std::span(&hip, 1));
+  }
+  void finish() const { write_pvd(series_, entries_); }
+
+ private:
+  fs::path part(const char* what, std::size_t moment, double t, int number) {
+    const std::string name = fmt::format("{}_{:05}.vtu", what, moment);
+    entries_.push_back({t, number, (parts_.filename() / name).string()});
+    return parts_ / name;
+  }
+
+  fs::path series_, parts_;
+  std::vector<SeriesEntry> entries_;
+};
+
+SeriesResult make_series(const Globals& globals, const ClassifyArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   const fs::path folder = arguments.states;
   const History past = read_history(arguments, folder);
-  const std::vector<Arrival>& arrivals = past.arrivals;
   const Hip hip = read_hip(folder);
   std::vector<State> all = past.start;
-  for (const Arrival& a : arrivals) all.push_back(a.state);
-  Classified set = prepare_states(arguments, folder.string(), std::move(all), past.own, globals);
+  for (const Arrival& a : past.arrivals) all.push_back(a.state);
+  const Classified set = prepare_states(arguments, folder.string(), std::move(all), past.own, globals);
   StateSpace space(
       {.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
   std::vector<State> so_far;
@@ -160,150 +233,46 @@ int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
   };
   for (const State& state : past.start) add(state);
 
-  const fs::path series = arguments.output.empty() ? folder / "coverage.pvd" : fs::path(arguments.output);
-  check_writable(series);
-  const fs::path parts = series.parent_path() / (series.stem().string() + "_series");
-  fs::create_directories(parts);
-  remove_parts(parts);
-  std::vector<SeriesEntry> entries;
-  nlohmann::ordered_json history = nlohmann::ordered_json::array();
+  SeriesResult result;
+  result.series = arguments.output.empty() ? folder / "coverage.pvd" : fs::path(arguments.output);
+  SeriesFiles files(result.series);
   Progress progress(globals, "classify");
   std::size_t next = 0;
   const std::size_t count = std::min(arguments.snapshots.value_or(40), hip.t.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t frame = count == 1 ? hip.t.size() - 1 : i * (hip.t.size() - 1) / (count - 1);
     const double t = hip.t[frame];
-    for (; next < arrivals.size() && arrivals[next].time <= t; ++next) add(arrivals[next].state);
+    for (; next < past.arrivals.size() && past.arrivals[next].time <= t; ++next)
+      add(past.arrivals[next].state);
     const RegionSummary regions = space.regions().summary();
     State probe;
     probe.at = hip.at[frame];
     probe.force = hip.force[frame];
-    const auto write = [&](const char* what, int part, auto&& writer) {
-      const std::string name = fmt::format("{}_{:05}.vtu", what, i);
-      writer(parts / name);
-      entries.push_back({t, part, (parts.filename() / name).string()});
-    };
-    write("regions", 0,
-          [&](const fs::path& file) { write_regions_vtu(file, regions.leaves, regions.components); });
-    write("states", 1, [&](const fs::path& file) { write_states_vtu(file, so_far); });
-    write("hip", 2, [&](const fs::path& file) { write_states_vtu(file, std::span(&probe, 1)); });
-    history.push_back({{"t", t},
-                       {"states", space.size()},
-                       {"hip", vector3(hip.at[frame])},
-                       {"label", std::string(name(space.label(hip.at[frame])))},
-                       {"volume", by_label(regions.volume)}});
+    files.add(i, t, regions, so_far, probe);
+    result.moments.push_back({t, space.size(), probe.at, space.label(probe.at), regions.volume});
     progress.show(double(i + 1) / double(count), fmt::format("t = {:.3g} s, {} states", t, space.size()));
   }
-  write_pvd(series, entries);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (globals.json) {
-    nlohmann::ordered_json out{{"series", series.string()},
-                               {"snapshots", history},
-                               {"states", space.size()},
-                               {"spacing", set.spacing},
-                               {"box", {vector3(set.box.low), vector3(set.box.high)}}};
-    const double fill = space.regions().fill_distance();
-    regions_json(out, space.regions().summary(), fill, fill + 1e-3 * set.spacing,
-                 space.regions().largest_hole());
-    out["seconds"] = seconds;
-    out["peak_bytes"] = peak_bytes();
-    print_json(out);
-  } else {
-    say(globals, fmt::format("{}: {} moments, {} states at the end, {:.3g} s", series.string(), count,
-                             space.size(), seconds));
-  }
-  return 0;
+  files.finish();
+  result.states = space.size();
+  result.spacing = set.spacing;
+  result.box = set.box;
+  result.seconds = seconds_since(start);
+  if (!globals.json) return result;
+  result.fill_distance = space.regions().fill_distance();
+  result.regions = space.regions().summary();
+  result.hole = space.regions().largest_hole();
+  return result;
 }
 
-int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
-  const auto start = std::chrono::steady_clock::now();
-  std::array<StatesInFrame, 2> loaded{load_set(arguments.diff[0]), load_set(arguments.diff[1])};
-  // One spacing and one box for both, or volumes would not compare.
-  std::vector<State> both = loaded[0].states;
-  both.insert(both.end(), loaded[1].states.begin(), loaded[1].states.end());
-  ClassifyArguments common = arguments;
-  OwnFrame own = loaded[0].own;
-  const double other = loaded[1].own.spacing;
-  if (!arguments.spacing && arguments.scene.empty() && std::isfinite(own.spacing) && std::isfinite(other) &&
-      std::abs(other - own.spacing) > 1e-9 * own.spacing)
-    throw InputError(
-        "--diff",
-        fmt::format("{} has a spacing of {:.4g} m and {} one of {:.4g} m, expected --spacing for both",
-                    arguments.diff[0], own.spacing, arguments.diff[1], other));
-  check_same_body(arguments.diff[1], loaded[1].own.identity, own.identity);
-  if (own.box && loaded[1].own.box)
-    own.box =
-        Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
-  const Classified frame = prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
-  common.spacing = frame.spacing;
-  std::array<Classified, 2> set;
-  for (std::size_t i = 0; i < 2; ++i) {
-    common.box.clear();
-    common.scene.clear();
-    set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states),
-                            {frame.spacing, frame.box}, globals);
-    label_regions(set[i], common, globals, i == 1);
-  }
-  std::vector<RegionChange> changed;
-  std::array<std::array<double, 4>, 4> volume{};
-  const auto label_of = [&](std::size_t i, const Vec3& q) {
-    return set[i].space ? set[i].space->regions().label_at(q) : set[i].octree->label(q);
-  };
-  const double side = frame.spacing / 4;
-  for (const RegionLeaf& leaf : set[1].regions.leaves) {
-    // A leaf of B may hold several of A: walk A's voxels in it.
-    const Vec3 size = leaf.box.size();
-    std::array<int, 3> n{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      n[axis] = std::max(1, static_cast<int>(std::lround(size[static_cast<Eigen::Index>(axis)] / side)));
-    const Vec3 step = size.cwiseQuotient(Vec3(n[0], n[1], n[2]));
-    for (int k = 0; k < n[2]; ++k)
-      for (int j = 0; j < n[1]; ++j)
-        for (int i = 0; i < n[0]; ++i) {
-          const Vec3 low = leaf.box.low + step.cwiseProduct(Vec3(i, j, k));
-          const Label before = label_of(0, low + 0.5 * step);
-          volume[static_cast<std::size_t>(before)][static_cast<std::size_t>(leaf.label)] += step.prod();
-          if (before != leaf.label) changed.push_back({{low, low + step}, before, leaf.label});
-        }
-  }
-  double moved = 0, better = 0;
-  nlohmann::ordered_json table;
-  for (std::size_t a = 0; a < 4; ++a)
-    for (std::size_t b = 0; b < 4; ++b) {
-      if (a != b) moved += volume[a][b];
-      if (b < a) better += volume[a][b];
-      table[std::string(name(static_cast<Label>(a)))][std::string(name(static_cast<Label>(b)))] =
-          volume[a][b];
-    }
-  if (arguments.output.ends_with(".vtu")) write_changes_vtu(arguments.output, changed);
-  if (arguments.output.ends_with(".csv")) {
-    OutputFile out(arguments.output);
-    out.write("x,y,z,dx,dy,dz,before,after\n");
-    for (const RegionChange& leaf : changed) {
-      const Vec3 c = leaf.box.centre(), d = leaf.box.size();
-      out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
-                            name(leaf.before), name(leaf.after)));
-    }
-    out.commit();
-  }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (globals.json) {
-    nlohmann::ordered_json out{
-        {"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
-        {"states", {set[0].states.size(), set[1].states.size()}},
-        {"spacing", frame.spacing}};
-    regions_json(out, set[1].regions, set[1].fill_distance, set[1].fill_bound, set[1].hole);
-    out["seconds"] = seconds;
-    out["peak_bytes"] = peak_bytes();
-    print_json(out);
-    return 0;
-  }
-  say(globals, fmt::format("h = {:.4g} mm", 1e3 * frame.spacing));
-  say(globals, "volume [cm3]  safe       sparse     gap        blank      (in B)");
-  for (std::size_t a = 0; a < 4; ++a)
-    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(a)),
-                             1e6 * volume[a][0], 1e6 * volume[a][1], 1e6 * volume[a][2], 1e6 * volume[a][3]));
-  say(globals, fmt::format("changed {:.4g} cm3, {:.4g} of it for the better", 1e6 * moved, 1e6 * better));
+}  // namespace
+
+int classify_run(const Globals& globals, const ClassifyArguments& arguments) {
+  const SeriesResult result = make_series(globals, arguments);
+  if (globals.json)
+    print_json(to_json(result));
+  else
+    say(globals, fmt::format("{}: {} moments, {} states at the end, {:.3g} s", result.series.string(),
+                             result.moments.size(), result.states, result.seconds));
   return 0;
 }
 

@@ -1,0 +1,169 @@
+// forefeel classify --diff A B: which labels differ between two sets of states, by volume.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/classify/classify.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/coverage/region_file.hpp"
+#include "geometry/states/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What `forefeel classify --diff A B` answers.
+struct DiffResult {
+  std::array<Classified, 2> set;
+  double spacing = unknown;                       // of both
+  std::array<std::array<double, 4>, 4> volume{};  // [label in A][label in B] [m^3]
+  std::vector<RegionChange> changed;
+  double seconds = 0;
+
+  // Volume whose label changed, and the part of it whose label got better [m^3].
+  double moved() const {
+    double sum = 0;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b)
+        if (a != b) sum += volume[a][b];
+    return sum;
+  }
+  double better() const {
+    double sum = 0;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < a; ++b) sum += volume[a][b];
+    return sum;
+  }
+};
+
+// One spacing and one box for both sets, or their volumes would not compare.
+Classified common_frame(const Globals& globals, const ClassifyArguments& arguments,
+                        const std::array<StatesInFrame, 2>& loaded) {
+  OwnFrame own = loaded[0].own;
+  const double other = loaded[1].own.spacing;
+  if (!arguments.spacing && arguments.scene.empty() && std::isfinite(own.spacing) && std::isfinite(other) &&
+      std::abs(other - own.spacing) > 1e-9 * own.spacing)
+    throw InputError(
+        "--diff",
+        fmt::format("{} has a spacing of {:.4g} m and {} one of {:.4g} m, expected --spacing for both",
+                    arguments.diff[0], own.spacing, arguments.diff[1], other));
+  check_same_body(arguments.diff[1], loaded[1].own.identity, own.identity);
+  if (own.box && loaded[1].own.box)
+    own.box =
+        Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
+  std::vector<State> both = loaded[0].states;
+  both.insert(both.end(), loaded[1].states.begin(), loaded[1].states.end());
+  return prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
+}
+
+// Voxels of h/4 in the leaves of B: a leaf of B may hold several of A.
+void compare(DiffResult& result) {
+  const auto label_in_a = [&](const Vec3& q) {
+    const Classified& a = result.set[0];
+    return a.space ? a.space->regions().label_at(q) : a.octree->label(q);
+  };
+  const double side = result.spacing / 4;
+  for (const RegionLeaf& leaf : result.set[1].regions.leaves) {
+    const Vec3 size = leaf.box.size();
+    std::array<int, 3> n{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      n[axis] = std::max(1, static_cast<int>(std::lround(size[static_cast<Eigen::Index>(axis)] / side)));
+    const Vec3 step = size.cwiseQuotient(Vec3(n[0], n[1], n[2]));
+    for (int k = 0; k < n[2]; ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i) {
+          const Vec3 low = leaf.box.low + step.cwiseProduct(Vec3(i, j, k));
+          const Label before = label_in_a(low + 0.5 * step);
+          result.volume[static_cast<std::size_t>(before)][static_cast<std::size_t>(leaf.label)] +=
+              step.prod();
+          if (before != leaf.label) result.changed.push_back({{low, low + step}, before, leaf.label});
+        }
+  }
+}
+
+void write_changes_csv(const std::string& file, const std::vector<RegionChange>& changed) {
+  OutputFile out(file);
+  out.write("x,y,z,dx,dy,dz,before,after\n");
+  for (const RegionChange& leaf : changed) {
+    const Vec3 c = leaf.box.centre(), d = leaf.box.size();
+    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
+                          name(leaf.before), name(leaf.after)));
+  }
+  out.commit();
+}
+
+DiffResult make_diff(const Globals& globals, const ClassifyArguments& arguments) {
+  const auto start = std::chrono::steady_clock::now();
+  std::array<StatesInFrame, 2> loaded{load_set(arguments.diff[0]), load_set(arguments.diff[1])};
+  const Classified frame = common_frame(globals, arguments, loaded);
+  ClassifyArguments common = arguments;
+  common.spacing = frame.spacing;
+  common.box.clear();
+  common.scene.clear();
+  DiffResult result;
+  result.spacing = frame.spacing;
+  for (std::size_t i = 0; i < 2; ++i) {
+    result.set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states),
+                                   {frame.spacing, frame.box}, globals);
+    label_regions(result.set[i], common, globals, i == 1);
+  }
+  compare(result);
+  if (arguments.output.ends_with(".vtu")) write_changes_vtu(arguments.output, result.changed);
+  if (arguments.output.ends_with(".csv")) write_changes_csv(arguments.output, result.changed);
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+nlohmann::ordered_json to_json(const DiffResult& result) {
+  nlohmann::ordered_json table;
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = 0; b < 4; ++b)
+      table[std::string(name(static_cast<Label>(a)))][std::string(name(static_cast<Label>(b)))] =
+          result.volume[a][b];
+  const double moved = result.moved(), better = result.better();
+  const Classified& b = result.set[1];
+  nlohmann::ordered_json out{
+      {"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
+      {"states", {result.set[0].states.size(), b.states.size()}},
+      {"spacing", result.spacing}};
+  regions_json(out, b.regions, b.fill_distance, b.fill_bound, b.hole);
+  out["seconds"] = result.seconds;
+  out["peak_bytes"] = peak_bytes();
+  return out;
+}
+
+void tell(const Globals& globals, const DiffResult& result) {
+  say(globals, fmt::format("h = {:.4g} mm", 1e3 * result.spacing));
+  say(globals, "volume [cm3]  safe       sparse     gap        blank      (in B)");
+  for (std::size_t a = 0; a < 4; ++a) {
+    const std::array<double, 4>& v = result.volume[a];
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(a)),
+                             1e6 * v[0], 1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
+  }
+  say(globals, fmt::format("changed {:.4g} cm3, {:.4g} of it for the better", 1e6 * result.moved(),
+                           1e6 * result.better()));
+}
+
+}  // namespace
+
+int classify_diff(const Globals& globals, const ClassifyArguments& arguments) {
+  const DiffResult result = make_diff(globals, arguments);
+  if (globals.json)
+    print_json(to_json(result));
+  else
+    tell(globals, result);
+  return 0;
+}
+
+}  // namespace forefeel
