@@ -103,7 +103,7 @@ TEST_CASE("all laws share the small-strain modulus but Mooney-Rivlin's bulk term
     if (law == Law::mooney_rivlin)
       for (const int i : {0, 4, 8})
         for (const int k : {0, 4, 8}) expected(i, k) += 4 * 0.15 * c.mu;  // 4 c2
-    const Mat9 tangent = evaluate_law(law, c, Mat3::Identity()).tangent;
+    const Mat9 tangent = evaluate_law(law, law_constants({law, 5000, 0.4}), Mat3::Identity()).tangent;
     INFO(name(law));
     CHECK((tangent - expected).norm() < 1e-12 * reference.norm());
   }
