@@ -27,6 +27,7 @@
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 
@@ -53,7 +54,7 @@ const std::vector<Kind> kinds = {
 };
 
 Errors errors_of(const std::vector<double>& values) {
-  return {quantile(values, 0.5), quantile(values, 0.95), quantile(values, 1)};
+  return {median(values), quantile_of(values, 0.95, QuantileRule::inverted_cdf), quantile_of(values, 1)};
 }
 
 StateSpace space_of(const std::vector<State>& states, StateSpaceOptions options) {
@@ -217,7 +218,7 @@ class Bench {
     std::vector<double> times;
     for (int block = 0; block < 4 * blocks; ++block)
       times.push_back(evaluation([&](const Vec3& x) { return field.force(x); }, at, 20));
-    m.evaluate = quantile(times, 0.5);
+    m.evaluate = median(times);
     table.push_back(std::move(m));
   }
 
@@ -279,14 +280,14 @@ class Bench {
         });
         if (lu) time_block(block, lu_refits, [&](std::size_t i) { sink += lu->refit(made[i].all); });
       }
-      m.update[t] = quantile(updates, 0.5);
+      m.update[t] = median(updates);
       const double share = double(by_refit) / double(made.size());
       if (lu) row("update", m, "Eigen PartialPivLU refit", updates, lu_refits, k, share);
       row("update", m, "own refit", updates, own_refits, k, share);
       refits.insert(refits.end(), own_refits.begin(), own_refits.end());
       theirs.insert(theirs.end(), lu_refits.begin(), lu_refits.end());
     }
-    m.refit = quantile(refits, 0.5);
+    m.refit = median(refits);
     if (lu) row("refit", m, "Eigen PartialPivLU refit", refits, theirs, std::nullopt);
     if (!std::isfinite(sink)) warn(globals_, "the LU baseline met a singular system");
   }
@@ -326,7 +327,7 @@ class Bench {
     if (kind.name == "hermite-r5" && model.data().power == 5) return time_hermite(model, at, m);
     if (kind.name != "r3") {
       for (int block = 0; block < 4 * blocks; ++block) ours.push_back(evaluation(own, at, repeats));
-      m.evaluate = quantile(ours, 0.5);
+      m.evaluate = median(ours);
       return;
     }
     const ModelData& data = model.data();
@@ -382,13 +383,13 @@ class Bench {
       ours.push_back(evaluation([&](const Vec3& x) { return model.force(x); }, at, repeats));
       theirs.push_back(evaluation(scalar, at, repeats));
     }
-    m.evaluate = quantile(ours, 0.5);
+    m.evaluate = median(ours);
     row("evaluate", m, "scalar -O2", ours, theirs, std::nullopt);
   }
 
   void row(const std::string& what, const Measured& m, const char* baseline, const std::vector<double>& ours,
            const std::vector<double>& theirs, std::optional<std::size_t> k, double by_refit = unknown) {
-    const double a = quantile(ours, 0.5), b = quantile(theirs, 0.5);
+    const double a = median(ours), b = median(theirs);
     Json r;
     r["name"] = what + " " + m.method;
     r["baseline"] = baseline;

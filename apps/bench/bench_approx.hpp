@@ -49,7 +49,6 @@ struct Measured {
 };
 
 double now_us();
-double quantile(std::vector<double> values, double share);
 
 // Pareto front: nothing faster is as exact. Two panels, evaluation and update (k = 5; refit where there is none).
 std::string pareto_plot(const std::vector<Measured>& all);

@@ -16,12 +16,6 @@ double now_us() {
       .count();
 }
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return unknown;
-  std::ranges::sort(values);
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * double(values.size())))];
-}
-
 namespace {
 
 struct Point {

@@ -18,6 +18,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/delaunay_index.hpp"
@@ -46,12 +47,6 @@ struct Cloud {
   }
 };
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3>;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double microseconds(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();

@@ -89,10 +89,10 @@ void add_scaled(std::vector<HardCase>& cases) {
   }
   auto sliver =
       std::make_shared<Body>(*plain);  // flattened until its flattest tetrahedra have about a degree
-  for (double share = 1; quality(sliver->mesh).min_dihedral_deg > 1.0 && share > 1e-3; share *= 0.8)
+  for (double share = 1; mesh_quality(sliver->mesh).min_dihedral_deg > 1.0 && share > 1e-3; share *= 0.8)
     for (Vec3& node : sliver->mesh.nodes) node[2] *= 0.8;
   cases.push_back(
-      {fmt::format("liver flattened to slivers of {:.2f} deg", quality(sliver->mesh).min_dihedral_deg),
+      {fmt::format("liver flattened to slivers of {:.2f} deg", mesh_quality(sliver->mesh).min_dihedral_deg),
        "patch",
        "pull 1 mm",
        sliver,

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "apps/console/console.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/agreement.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
@@ -68,12 +69,6 @@ std::vector<Situation> situations(std::size_t n, std::uint64_t seed) {
       for (int k = -1; k <= 1; ++k)
         all[2].fresh.push_back(Vec3(half, 0, 0) + h * Vec3(i, j, k) + anywhere(0.1 * h));
   return all;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 RegionCost measure(const Situation& situation) {

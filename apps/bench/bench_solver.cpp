@@ -24,6 +24,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "solver/baselines/baseline.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -75,12 +76,7 @@ Box shrunk(const StateSpaceOptions& space, std::size_t most) {
 
 struct Errors {
   std::vector<double> values;
-  double at(double share) {
-    if (values.empty()) return unknown;
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1,
-                           static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-  }
+  double at(double share) const { return quantile_of(values, share); }
 };
 
 // Relative force errors of a random sample of states against tight solves on the reference branch.
@@ -164,11 +160,6 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
   run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));
   run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states));
   return run;
-}
-
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  return v.empty() ? unknown : v[v.size() / 2];
 }
 
 double peak_bytes() {

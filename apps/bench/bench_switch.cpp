@@ -29,6 +29,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/laboratory/laboratory.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/classify/calibration.hpp"
+#include "apps/classify/calibrate_labels.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
@@ -16,7 +16,7 @@
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/motion/random.hpp"
+#include "scheduling/calibration/calibration.hpp"
 #include "scheduling/record/run_files.hpp"
 
 namespace forefeel {
@@ -46,13 +46,7 @@ std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Prog
 }
 
 std::vector<State> truth_of(Laboratory& laboratory, std::uint64_t seed, Progress& progress) {
-  const Box& box = laboratory.scene().space.box;
-  std::vector<Vec3> at;
-  for (std::uint64_t i = 0; i < truth_positions; ++i) {
-    const Vec3 share(uniform(mix(seed + 101, 3 * i)), uniform(mix(seed + 101, 3 * i + 1)),
-                     uniform(mix(seed + 101, 3 * i + 2)));
-    at.push_back(box.low + share.cwiseProduct(box.size()));
-  }
+  const std::vector<Vec3> at = calibration_positions(laboratory.scene().space.box, truth_positions, seed);
   std::vector<State> truth = laboratory.references(
       at, [&](double share, const std::string& text) { progress.show(0.3 + 0.5 * share, text); });
   std::erase_if(truth, [](const State& s) { return !s.usable(); });

@@ -14,6 +14,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

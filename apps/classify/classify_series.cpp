@@ -13,14 +13,16 @@
 #include <span>
 
 #include "apps/classify/classify.hpp"
-#include "apps/classify/run_table.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
 #include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/states/state_file.hpp"
+#include "scheduling/log/dispatch_file.hpp"
 
 namespace forefeel {
 namespace {
@@ -34,19 +36,12 @@ struct Arrival {
 
 // The states of a run in the order in which they became known.
 std::vector<Arrival> read_arrivals(const fs::path& folder) {
-  const RunTable table = RunTable::read(folder / "dispatch.csv");
-  for (const char* column : {"x", "y", "z", "finished", "status"})
-    if (!table.has(column))
-      throw InputError({.file = (folder / "dispatch.csv").string()},
-                       fmt::format("has no column {}, expected the file of a run", column));
   std::vector<Arrival> arrivals;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    const std::string_view status = table.text(row, "status");
-    if (status != "solved" && status != "arrived") continue;
-    const double known = table.number(row, "known"), finished = table.number(row, "finished");
-    const double time = std::isfinite(known) ? known : finished;
+  for (const DispatchRow& row : read_dispatch(folder / "dispatch.csv")) {
+    if (!row.became_known()) continue;
+    const double time = std::isfinite(row.known) ? row.known : row.finished;
     State state;
-    state.at = {table.number(row, "x"), table.number(row, "y"), table.number(row, "z")};
+    state.at = row.at;
     if (std::isfinite(time) && state.at.allFinite()) arrivals.push_back({time, state});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(),
@@ -122,7 +117,7 @@ struct Hip {
 };
 
 Hip read_hip(const fs::path& folder) {
-  const RunTable table = RunTable::read(folder / "frames.csv");
+  const CsvText table = CsvText::read(folder / "frames.csv", "a file of a run");
   Hip hip;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const Vec3 at(table.number(row, "x"), table.number(row, "y"), table.number(row, "z"));

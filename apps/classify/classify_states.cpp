@@ -17,6 +17,7 @@
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "apps/classify/calibration.hpp"
+#include "apps/classify/calibrate_labels.hpp"
 #include "apps/classify/classify.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
@@ -18,6 +18,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

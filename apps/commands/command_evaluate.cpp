@@ -22,6 +22,7 @@
 #include "apps/console/values.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/states/state_file.hpp"
 
@@ -51,13 +52,6 @@ struct Evaluation {
   std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
   std::size_t stepped_down = 0;
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return unknown;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 std::vector<State> usable_states(std::vector<State> states) {
   std::erase_if(states, [](const State& s) { return !s.usable(); });

@@ -145,7 +145,7 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   MadeMesh made = make(arguments);
   // What TetGen or a coarse grid hands back must hold what readers ask of a mesh.
   check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
-  const MeshQuality measured = quality(made.mesh);
+  const MeshQuality measured = mesh_quality(made.mesh);
   write_msh(arguments.output, made.mesh);
   for (const std::string& warning : made.warnings) warn(globals, warning);
   if (globals.json) print_json(document_of(made, measured, arguments.output));

@@ -178,7 +178,7 @@ int info_states(const Globals& globals, const std::string& file) {
 int info_mesh(const Globals& globals, const std::string& file) {
   TetMesh mesh = read_mesh(file);
   const MeshCheck check = check_and_orient(mesh, file);
-  const MeshQuality measured = quality(mesh);
+  const MeshQuality measured = mesh_quality(mesh);
   const std::vector<int> part = components(mesh);
   const int parts = 1 + *std::ranges::max_element(part);
   const std::size_t on_surface = surface_nodes(mesh).size();

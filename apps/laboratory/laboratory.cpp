@@ -12,42 +12,14 @@
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/scene_session.hpp"
-#include "apps/scene_input/sha256.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "solver/kernels/revision.hpp"
-#include "solver/lattice/generate.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "solver/lattice/cached_lattice.hpp"
 
 namespace forefeel {
-namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double lattice_tolerance = 1e-9;
-
-fs::path lattice_file(const Scene& scene, double h) {
-  const fs::path folder = cache_folder();
-  if (folder.empty()) return {};
-  Sha256 hash;
-  for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
-  hash.add(h).add(lattice_tolerance).add(solver_revision());
-  return folder / (hash.hex().substr(0, 32) + "-lattice.states");
-}
-
-// The file of an earlier run, or of this one; empty where it cannot be used (another process writes to it).
-std::optional<StateFile> open_cache(const Scene& scene, double h, const Box& box) {
-  const fs::path file = lattice_file(scene, h);
-  if (file.empty()) return {};
-  try {
-    StateFileHeader header{.identity = scene.identity, .spacing = h, .box = box, .notes = {}};
-    header.notes["content"] = "lattice states of experiments";
-    return StateFile::open_or_create(file, header);
-  } catch (const InputError&) {
-    return {};
-  }
-}
-
-}  // namespace
 
 Laboratory::Laboratory(const Globals& globals, const std::string& scene)
     : globals_(globals),
@@ -57,44 +29,16 @@ Laboratory::Laboratory(const Globals& globals, const std::string& scene)
 }
 
 std::vector<State> Laboratory::lattice_states(const Box& box, double h, const ShowShare& show) {
-  std::optional<StateFile> file = open_cache(scene_, h, box);
-  std::vector<State> states;
-  if (file) {
-    states = file->read_all();
-    if (file->damaged() > 0)
-      warn(globals_, damage_in_words(lattice_file(scene_, h).string(), file->damaged(), true));
-    file->drop_damaged();
-  }
-  GenerateOptions options;
-  options.spacing = h;
-  options.box = box;
-  options.threads = globals_.threads;
-  options.tolerance = lattice_tolerance;
-  const std::vector<State> known = states;
-  std::optional<StateWriter> writer;
-  if (file) writer.emplace(std::move(*file));
-  generate_lattice(
-      scene_.body, options, known,
-      [&](State state) {
-        if (writer) writer->push(state);
-        states.push_back(std::move(state));
-      },
-      [&](std::size_t done, std::size_t total) {
-        if (show)
-          show(static_cast<double>(done) / static_cast<double>(total),
-               fmt::format("{} of {} states", done, total));
-      });
-  if (writer) writer->flush();
-  const Vec3 slack = Vec3::Constant(1e-6 * h);
-  const Box wide{box.low - slack, box.high + slack};
-  std::erase_if(states, [&](const State& s) { return !s.usable() || !wide.contains(s.at); });
-  std::ranges::sort(states, [](const State& a, const State& b) {
-    const double da = a.at.squaredNorm(), db = b.at.squaredNorm();
-    return da != db
-               ? da < db
-               : std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
-  });
-  return states;
+  return cached_lattice_states(
+      scene_.body, scene_.identity,
+      {.spacing = h, .box = box, .threads = globals_.threads, .folder = cache_folder()},
+      {.progress =
+           [&](std::size_t done, std::size_t total) {
+             if (show)
+               show(static_cast<double>(done) / static_cast<double>(total),
+                    fmt::format("{} of {} states", done, total));
+           },
+       .damaged = [&](const std::string& message) { warn(globals_, message); }});
 }
 
 const std::shared_ptr<ReferenceService>& Laboratory::service() {
@@ -132,15 +76,6 @@ Mat3 lattice_frame(const Vec3& inward) {
   frame((axis + 1) % 3, 1) = 1;
   frame((axis + 2) % 3, 2) = 1;
   return frame;
-}
-
-double quantile_of(std::vector<double> values, double share) {
-  std::erase_if(values, [](double v) { return std::isnan(v); });
-  if (values.empty()) return unknown;
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(std::lround(share * last));
-  std::ranges::nth_element(values, place);
-  return *place;
 }
 
 nlohmann::ordered_json quantiles_json(const std::vector<double>& values) {

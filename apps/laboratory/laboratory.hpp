@@ -53,9 +53,6 @@ class Laboratory {
 // that it takes lattices to lattices. Columns are the images of x, y, z.
 Mat3 lattice_frame(const Vec3& inward);
 
-// Median, or any quantile, of the finite values; unknown without any.
-double quantile_of(std::vector<double> values, double share);
-
 // p50, p95 and max as an object.
 nlohmann::ordered_json quantiles_json(const std::vector<double>& values);
 

@@ -19,6 +19,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/placement/placement_energy.hpp"
 

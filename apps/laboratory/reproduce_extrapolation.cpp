@@ -14,6 +14,7 @@
 #include "apps/laboratory/paper_ground.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"
+#include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 namespace {

@@ -23,6 +23,7 @@
 #include "apps/laboratory/paper_ground.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
@@ -154,10 +155,6 @@ std::vector<Row> methods(std::size_t states) {
                   {}});
   rows.back().model.neighbours = std::min<std::size_t>(25, states);
   return rows;
-}
-
-double median(const std::vector<double>& values) {
-  return quantile_of(values, 0.5);
 }
 
 nlohmann::ordered_json to_json(const Row& row) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/picture/plot.hpp"
+#include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 namespace {
@@ -164,8 +165,7 @@ Plane plane_of_most_motion(const std::array<std::vector<double>, 3>& path) {
   std::vector<double> level = path[static_cast<std::size_t>(through)];
   Plane plane{through == 0 ? 1 : 0, through == 2 ? 1 : 2, through, 0};
   if (level.empty()) return plane;
-  std::ranges::nth_element(level, level.begin() + static_cast<std::ptrdiff_t>(level.size() / 2));
-  plane.level = level[level.size() / 2];
+  plane.level = median(std::move(level));
   return plane;
 }
 

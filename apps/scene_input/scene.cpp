@@ -9,7 +9,8 @@
 #include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
-#include "apps/scene_input/sha256.hpp"
+#include "geometry/common/sha256.hpp"
+#include "solver/body/body_identity.hpp"
 
 namespace forefeel {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene_input/phantom_cache.hpp"
-#include "apps/scene_input/sha256.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 
@@ -148,16 +147,6 @@ InputError at_key(const InputError& error, const BodySections& sections, const s
   return error;
 }
 
-std::string hash_nodes(const std::vector<NodeIndex>& nodes) {
-  Sha256 hash;
-  for (const NodeIndex node : nodes) hash.add(std::int64_t{node});
-  return "sha256 " + hash.hex();
-}
-
-}  // namespace
-
-namespace {
-
 constexpr double shortest = 1e-6,
                  longest = 1e6;  // bodies [m]; beyond them sums of squares leave what a double holds
 
@@ -192,21 +181,6 @@ Body read_body(const BodySections& sections, const fs::path& folder, const std::
   } catch (const InputError& error) {
     throw at_key(error, sections, file);
   }
-}
-
-BodyIdentity identity_of(const Body& body) {
-  Sha256 mesh;
-  mesh.add(static_cast<std::int64_t>(body.mesh.nodes.size()));
-  for (const Vec3& node : body.mesh.nodes)
-    for (const double coordinate : node) mesh.add(coordinate);
-  for (const Tet& tet : body.mesh.tets)
-    for (const NodeIndex node : tet) mesh.add(std::int64_t{node});
-  return {{"mesh", "sha256 " + mesh.hex()},
-          {"element", std::string(name(body.element))},
-          {"material", fmt::format("{}, young {} Pa, poisson {}", name(body.material.law),
-                                   body.material.young, body.material.poisson)},
-          {"clamp", hash_nodes(body.clamp)},
-          {"contact", hash_nodes(body.contact)}};
 }
 
 Vec3 inward_direction(const Body& body) {

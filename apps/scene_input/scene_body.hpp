@@ -1,8 +1,9 @@
 #pragma once
-// The parts of a scene that make a body: mesh, material, clamp, contact; and its identity.
+// The parts of a scene that make a body: mesh, material, clamp, contact.
+
+#include <filesystem>
 
 #include "apps/scene_input/scene_table.hpp"
-#include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {
@@ -15,9 +16,6 @@ struct BodySections {
 // appended.
 Body read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
                std::vector<std::string>& warnings);
-
-// SHA-256 of mesh (positions, tetrahedra), clamp and contact; the material in words.
-BodyIdentity identity_of(const Body& body);
 
 // Against the mean outward normal of the contact patch (area-weighted): the way a finger would press.
 Vec3 inward_direction(const Body& body);

@@ -9,7 +9,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "apps/scene_input/sha256.hpp"
+#include "geometry/common/sha256.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "solver/kernels/revision.hpp"

@@ -11,7 +11,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/scene_input/sha256.hpp"
+#include "geometry/common/sha256.hpp"
 
 namespace forefeel {
 namespace {

@@ -3,87 +3,82 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
+#include <sstream>
 
-#include "geometry/common/error.hpp"
+#include "geometry/common/csv_rows.hpp"
+#include "geometry/common/scanner.hpp"
 
 namespace forefeel {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError({.file = file.string()}, "cannot be read, expected a CSV file");
+  std::ostringstream all;
+  all << in.rdbuf();
+  return std::move(all).str();
 }
 
-void split(std::string_view line, std::vector<std::string_view>& cells) {
-  cells.clear();
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
+// Place of each wanted column in the rows, in the order of `columns`.
+struct Places {
+  std::vector<std::size_t> number;
+  std::optional<std::size_t> text;
+};
+
+std::size_t place_of(const CsvRows& header, std::string_view column, const std::string& problem) {
+  const auto found = std::ranges::find(header.cells(), column);
+  if (found == header.cells().end()) header.fail(problem);
+  return static_cast<std::size_t>(found - header.cells().begin());
+}
+
+// From the first row. A row of numbers is no header: it is read again as the first row of data.
+Places find_places(CsvRows& rows, std::span<const std::string_view> columns, const CsvOptions& options,
+                   const std::string& wanted) {
+  Places places;
+  double value = 0;
+  if (parse_real(rows.cells().front(), value) && options.text_column.empty()) {
+    for (std::size_t i = 0; i < columns.size(); ++i) places.number.push_back(i);
+    rows.again();
+    return places;
   }
-}
-
-bool parse(std::string_view cell, double& value) {
-  if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  return error == std::errc{} && end == cell.data() + cell.size();
+  for (const std::string_view column : columns)
+    places.number.push_back(
+        place_of(rows, column, fmt::format("column {} is missing, expected a header {}", column, wanted)));
+  if (!options.text_column.empty())
+    places.text = place_of(rows, options.text_column,
+                           fmt::format("column {} is missing in the header", options.text_column));
+  return places;
 }
 
 }  // namespace
 
 CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                   const CsvOptions& options) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError({.file = file.string()}, "cannot be read, expected a CSV file");
-  const auto wanted = fmt::format("{}", fmt::join(columns, ","));
-  std::vector<std::size_t> place;  // of each wanted column in the file
-  std::size_t text_place = std::string_view::npos;
+  const std::string content = content_of(file), wanted = fmt::format("{}", fmt::join(columns, ","));
+  CsvRows rows(content, file.string());
   CsvTable table{.columns = columns.size(), .values = {}, .texts = {}, .lines = {}};
-  std::vector<std::string_view> cells;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    const auto content = trimmed(line);
-    if (content.empty() || content.front() == '#') continue;
-    const InputPlace where{.file = file.string(), .line = number};
-    split(content, cells);
-    if (place.empty()) {
-      double value = 0;
-      const bool headerless = parse(cells.front(), value) && options.text_column.empty();
-      for (std::size_t i = 0; i < columns.size(); ++i) {
-        const auto found = std::find(cells.begin(), cells.end(), columns[i]);
-        if (!headerless && found == cells.end())
-          throw InputError(where,
-                           fmt::format("column {} is missing, expected a header {}", columns[i], wanted));
-        place.push_back(headerless ? i : static_cast<std::size_t>(found - cells.begin()));
-      }
-      if (!options.text_column.empty()) {
-        const auto found = std::find(cells.begin(), cells.end(), options.text_column);
-        if (found == cells.end())
-          throw InputError(where, fmt::format("column {} is missing in the header", options.text_column));
-        text_place = static_cast<std::size_t>(found - cells.begin());
-      }
-      if (!headerless) continue;
-    }
-    for (std::size_t i = 0; i < place.size(); ++i) {
-      if (place[i] >= cells.size())
-        throw InputError(where, fmt::format("a row of {} values, expected {}", cells.size(), wanted));
+  if (!rows.next())
+    throw InputError({.file = file.string()}, fmt::format("holds no rows, expected {}", wanted));
+  const Places places = find_places(rows, columns, options, wanted);
+  while (rows.next()) {
+    const auto cells = rows.cells();
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (places.number[i] >= cells.size())
+        rows.fail(fmt::format("a row of {} values, expected {}", cells.size(), wanted));
       double value = std::numeric_limits<double>::quiet_NaN();
-      const auto cell = cells[place[i]];
-      if (!(cell.empty() && options.allow_empty_cells) && (!parse(cell, value) || !std::isfinite(value)))
-        throw InputError(where, fmt::format("{} is '{}', expected a finite number", columns[i], cell));
+      const std::string_view cell = cells[places.number[i]];
+      const bool may_be_empty = cell.empty() && options.allow_empty_cells;
+      if (!may_be_empty && (!parse_real(cell, value) || !std::isfinite(value)))
+        rows.fail(fmt::format("{} is '{}', expected a finite number", columns[i], cell));
       table.values.push_back(value);
     }
-    if (text_place != std::string_view::npos)
-      table.texts.emplace_back(text_place < cells.size() ? cells[text_place] : "");
-    table.lines.push_back(number);
+    if (places.text) table.texts.emplace_back(*places.text < cells.size() ? cells[*places.text] : "");
+    table.lines.push_back(rows.line());
   }
   if (table.rows() == 0)
     throw InputError({.file = file.string()}, fmt::format("holds no rows, expected {}", wanted));

@@ -1,6 +1,6 @@
 #pragma once
-// Numeric columns of a CSV file with line numbers for messages. A header line names the columns (others are
-// ignored); a file that starts with numbers is read by position.
+// Columns of numbers from a CSV file. A header line names the columns, in any order; other columns are
+// ignored. A file whose first row holds numbers has no header and is read by position.
 
 #include <filesystem>
 #include <span>
@@ -13,19 +13,19 @@ namespace forefeel {
 struct CsvTable {
   std::size_t columns = 0;
   std::vector<double> values;      // #rows x columns, row by row
-  std::vector<std::string> texts;  // #rows, of the text column where one was asked for
-  std::vector<std::size_t> lines;  // line of each row in the file, from 1
+  std::vector<std::string> texts;  // #rows: cells of the text column, if one was asked for
+  std::vector<std::size_t> lines;  // #rows: line in the file, from 1
 
   std::size_t rows() const { return lines.size(); }
   double at(std::size_t row, std::size_t column) const { return values[row * columns + column]; }
 };
 
 struct CsvOptions {
-  bool allow_empty_cells = false;     // an empty cell reads as NaN; else it is an error
-  std::string_view text_column = {};  // also kept as text; needs a header
+  bool allow_empty_cells = false;     // true: an empty cell is NaN; false: an error
+  std::string_view text_column = {};  // a column to be kept as text; the file then needs a header
 };
 
-// InputError(file:line) for a missing file, no rows, short rows, and anything that is not a finite number.
+// InputError that names file and line: missing file, no rows, missing column, short row, no finite number.
 CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                   const CsvOptions& options = {});
 

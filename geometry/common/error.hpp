@@ -1,6 +1,6 @@
 #pragma once
-// The one exception type of the library: bad input or a bad environment. Outcomes of a computation (a solve that
-// diverged, a duplicate state, an unknown place) are values, never exceptions.
+// The one exception type of the library: bad input or a bad environment. Outcomes of a computation (a solve
+// that diverged, a duplicate state, an unknown place) are values, never exceptions.
 
 #include <concepts>
 #include <cstddef>
@@ -28,8 +28,8 @@ struct InputPlace {
   bool operator==(const InputPlace&) const = default;
 };
 
-// what() is one line: "<place>: <problem>", and the problem says what was wrong and what was expected. The command
-// line maps it to exit code 2.
+// what() is one line: "<place>: <problem>", and the problem says what was wrong and what was expected. The
+// command line maps it to exit code 2.
 class InputError : public std::runtime_error {
  public:
   InputError(InputPlace place, const std::string& problem)

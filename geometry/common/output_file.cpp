@@ -28,7 +28,7 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-// Those that a killed process left behind: .NAME.PID-N.part of a process that is no more.
+// Removes files .NAME.PID-N.part whose process PID has ended without doing so.
 void sweep_parts(const fs::path& folder, const std::string& name) {
   std::error_code error;
   const std::string prefix = "." + name + ".";

@@ -1,6 +1,7 @@
 #pragma once
-// A file that appears whole or not at all: written under a temporary name in the same folder, synced, renamed by
-// commit(). Without commit() nothing is left behind. Devices and pipes (/dev/stdout) are written directly.
+// A file that appears complete or not at all. It is written under a temporary name in the same folder;
+// commit() syncs it to the disk and renames it. Without commit() nothing is left behind. Devices and pipes
+// (/dev/stdout) are written directly.
 
 #include <filesystem>
 #include <initializer_list>
@@ -29,8 +30,8 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
-// Throws InputError unless a file of that name could be made (folder there and writable), or where it is one of
-// those that are `read` for it; makes nothing.
+// InputError if a file of that name could not be made (no such folder, not writable), or if it is one of the
+// input files in `read`. Makes nothing.
 void check_writable(const std::filesystem::path& file,
                     std::initializer_list<std::filesystem::path> read = {});
 

@@ -1,6 +1,6 @@
 #pragma once
-// Reads text and binary values out of one file held in memory, and knows where it is: every failure is an
-// InputError naming file and line (or byte, within binary data). Shared by the readers of meshes, surfaces, CSV.
+// Reads text and binary values from one file held in memory. Every failure is an InputError that names file
+// and line, or file and byte within binary data. Used by the readers of meshes and surfaces.
 
 #include <bit>
 #include <cstddef>
@@ -14,12 +14,12 @@
 
 namespace forefeel {
 
-// Whole content; InputError if missing, a folder, unreadable or empty.
+// The whole content. InputError if the file is missing, a folder, unreadable or empty.
 std::string read_file(const std::filesystem::path& file);
 std::string read_start(const std::filesystem::path& file,
-                       std::size_t bytes);  // the first bytes, the same errors
+                       std::size_t bytes);  // only the first bytes; the same errors
 std::string lower_case(std::string_view text);
-std::string_view trim(std::string_view text);
+std::string_view trimmed(std::string_view text);
 bool parse_real(std::string_view text, double& value);  // whole text is one number (nan, inf allowed)
 bool parse_integer(std::string_view text, std::int64_t& value);
 
@@ -38,19 +38,20 @@ class Scanner {
 
   // Text. Tokens are separated by white space; comment(c): from c to the end of line is skipped.
   void comment(char mark) { comment_ = mark; }
-  bool at_end();                                 // only white space and comments are left
+  bool at_end();                                 // nothing but white space and comments is left
   std::string_view token(const char* expected);  // InputError "ends where <expected> was expected"
-  std::string_view peek();                       // next token without taking it; empty at the end
+  std::string_view peek();                       // the next token, which stays; empty at the end
   double real(const char* expected);
   std::int64_t integer(const char* expected);
   std::int64_t integer(const char* expected, std::int64_t low, std::int64_t high);
-  // A count of items that take at least bytes_each: more than the file can hold is an error, before any allocation.
+  // A count of items of at least bytes_each. A count that the file cannot hold is an error before anything is
+  // allocated.
   std::size_t count(const char* expected, std::size_t bytes_each);
-  bool line(std::string_view& out);            // rest of this line without its end; false at the end
-  bool skip_to(std::string_view word);         // past the next occurrence of word; false if there is none
-  bool skip_past_line(std::string_view word);  // the same for a line that begins with word
+  bool line(std::string_view& out);     // rest of this line without its end; false at the end
+  bool skip_to(std::string_view word);  // to behind the next occurrence of word; false if there is none
+  bool skip_past_line(std::string_view word);  // the same, only at the beginning of a line
 
-  // Binary, at the byte after what was read last.
+  // Binary values begin at the byte after what was read last.
   void swap_bytes(bool on) { swap_ = on; }
   bool swaps_bytes() const { return swap_; }
   std::size_t remaining() const { return content_.size() - position_; }

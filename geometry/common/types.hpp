@@ -1,5 +1,5 @@
 #pragma once
-// Small types that every folder shares. SI units: lengths in m, forces in N.
+// Small types that every folder uses. SI units: lengths in m, forces in N.
 
 #include <Eigen/Core>
 #include <cstdint>

@@ -1,5 +1,6 @@
 #pragma once
-// Disjoint sets over 0 … n - 1, with path halving.
+// Disjoint sets over 0 … n - 1. find() names the set of i; join() unites two sets. Path halving: nearly O(1)
+// each.
 
 #include <cstddef>
 #include <cstdint>

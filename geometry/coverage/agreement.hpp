@@ -1,5 +1,6 @@
 #pragma once
-// Where the octree index and the Delaunay triangulation label the same place differently, by volume.
+// Where do the octree index and the Delaunay triangulation label the same place differently? Measured by
+// volume:
 //   share = (volume where both agree, blank left out) / (volume that is not blank for both)
 
 #include <array>
@@ -14,15 +15,16 @@ struct Agreement {
   // volume[d][o]: the triangulation says label d, the octree says label o [m^3]
   std::array<std::array<double, 4>, 4> volume{};
   double share = 1;
-  // The cube in the middle of the longest run of cubes along x that differ, and both its labels.
+  // The cube in the middle of the longest run of differing cubes along x, and its two labels.
   struct Difference {
     Vec3 at;
     Label delaunay, octree;
   };
-  std::optional<Difference> worst;  // none where nothing differs
+  std::optional<Difference> worst;  // nothing if no label differs
 };
 
-// By the cubes of h/4 that the regions of the space are made of (voxel_grid.hpp): the volumes are those of both regions.
+// Over the cubes of side h/4 that regions consist of (voxel_grid.hpp), so the volumes are those of the
+// regions.
 Agreement compare_indexes(const StateSpace& space, const OctreeIndex& octree);
 
 }  // namespace forefeel

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-// Directions that fall into one cell of this side count as one: the clusters need not see each of 2000 states.
+// Directions that fall into one cell of this side count as one: clustering needs fewer than each of 2000
+// states.
 constexpr double grain = 0.04;
 
 struct Ray {
@@ -47,7 +48,7 @@ double bridge_link_deg(double sparse_distance) {
 
 std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_deg) {
   const std::vector<Ray> rays = gather_rays(offsets);
-  // Means of cells stand up to a cell's diagonal off.
+  // The mean of a cell may be a cell's diagonal away from its directions.
   const double link =
       std::cos(std::min(std::numbers::pi, link_deg / degrees + std::numbers::sqrt3 * grain / 2));
   UnionFind sets(rays.size());
@@ -66,7 +67,7 @@ std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_
   }
   std::vector<BridgeSide> result;
   for (auto& [root, side] : sides) {
-    // A side that goes all round has no direction of its own.
+    // A side all round the place has no mean direction.
     const double length = side.direction.norm();
     side.direction = length > 1e-9 ? Vec3(side.direction / length) : Vec3(Vec3::UnitX());
     double least = 1;

@@ -1,10 +1,14 @@
 #pragma once
-// Where is what known? Over the Delaunay triangulation of the known states, q in a finite cell of circumcentre c
-// and circumradius R:
-//   spread    pi(q) = sqrt(R^2 - |q - c|^2)      [m]  infinite outside the hull
+// What is known at a place q? Over the Delaunay triangulation of the known states, with q in a finite cell of
+// circumcentre c and circumradius R:
+//   spread    pi(q) = sqrt(R^2 - |q - c|^2)      [m]  infinite outside the hull; factor of Waldron's bound
+//             (1998) on the error of linear interpolation
 //   distance  delta(q) to the nearest state      [m]
-//   cone      gamma(q, rho), half-angle of the largest empty cone of directions from q to the states within rho
-// Labels, first that holds: safe, sparse, gap, blank (thresholds below).
+//   cone      gamma(q, rho): half-angle of the largest cone of directions from q that holds no state within
+//             rho
+// The label is the coverage class of q, the first of safe, sparse, gap, blank that holds (thresholds below).
+// Safe means densely known; it says nothing of stability. A gap lies between known regions; blank is beyond
+// them.
 
 #include <cstdint>
 #include <limits>
@@ -29,10 +33,10 @@ struct CoverageOptions {
 struct Coverage {
   Label label = Label::blank;
   double spread = std::numeric_limits<double>::infinity();  // pi [m]
-  double alpha =
-      std::numeric_limits<double>::infinity();  // least circumradius over the cells that contain q [m]
+  // alpha: least circumradius over the cells that contain q [m]
+  double alpha = std::numeric_limits<double>::infinity();
   double delta = std::numeric_limits<double>::infinity();       // [m]
-  double gamma_deg = std::numeric_limits<double>::quiet_NaN();  // gamma(q, 8 h), NaN where no test needed it
+  double gamma_deg = std::numeric_limits<double>::quiet_NaN();  // gamma(q, 8 h); NaN if no test needed it
 };
 
 }  // namespace forefeel

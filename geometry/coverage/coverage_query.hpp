@@ -1,9 +1,9 @@
 #pragma once
-// The labels of coverage.hpp at a point, over an octree and a Delaunay triangulation of the same states.
+// The labels of coverage.hpp at a place, from an octree and a Delaunay triangulation of the same states.
 //
-// Thresholds hold within 1e-9 (relative): a lattice meets several of them exactly (pi = sqrt(3)/2 h in its cells,
-// delta = 1.5 h between its points), and there rounding would decide. In the same spirit gamma = 90 degrees with
-// states that are not coplanar, the face of a slab, counts as enclosed.
+// Thresholds hold within 1e-9 (relative). A lattice meets several of them exactly (pi = sqrt(3)/2 h in its
+// cells, delta = 1.5 h between its points), and rounding would decide there. For the same reason gamma = 90
+// degrees counts as enclosed if the states are not coplanar: the face of a slab.
 
 #include <optional>
 
@@ -14,7 +14,7 @@
 
 namespace forefeel {
 
-// CoverageOptions in metres and cosines, tolerances included.
+// CoverageOptions as lengths in metres and cosines, with tolerances.
 struct Thresholds {
   Thresholds(const CoverageOptions& options, double spacing, double merge);
 
@@ -22,9 +22,9 @@ struct Thresholds {
   double sparse_distance;                     // [m]
   double gap_radius, gap_cos;                 // [m], cos of the angle
   double merge;                               // a state nearer than this is at q itself [m]
-  bool cell_suffices;                         // the safe angle is 90 degrees or wider
+  bool cell_suffices;                         // the safe angle is at least 90 degrees
 
-  // The same options at another spacing: lengths times `factor`; what counts as one state does not change.
+  // The thresholds at another spacing: lengths times `factor`, except the merge distance.
   Thresholds scaled(double factor) const;
 };
 
@@ -33,12 +33,12 @@ class CoverageQuery {
   CoverageQuery(const PointOctree& points, const DelaunayIndex& delaunay)
       : points_(points), delaunay_(delaunay) {}
 
-  // near: a state close to q, or invalid.
+  // near: a state close to q, or an invalid id.
   Coverage coverage(const Vec3& q, const Thresholds& limits) const;
   Label label(const Vec3& q, StateId near, const Thresholds& limits) const;
   Label label(const Vec3& q, PathWalk& walk, const Thresholds& limits) const;
 
-  // gamma(q, radius) <= the limit's angle; on false *witness is the axis of a wider empty cone.
+  // True if gamma(q, radius) <= arccos(cosine). If false, *witness is the axis of a wider empty cone.
   bool enclosed(const Vec3& q, double radius, double cosine, double merge, Vec3* witness = nullptr) const;
   bool safe_cone(const Vec3& q, const Spread& spread, const Thresholds& limits,
                  Vec3* witness = nullptr) const;

@@ -1,9 +1,10 @@
 #include "geometry/coverage/estimate_spacing.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "geometry/common/quantiles.hpp"
 #include "geometry/index/point_octree.hpp"
 
 namespace forefeel {
@@ -29,10 +30,7 @@ double estimate_spacing(std::span<const State> states) {
     points.nearest(positions[i], 2, near);
     if (near.size() == 2) distance.push_back(std::sqrt(near[1].squared));
   }
-  if (distance.empty()) return unknown;
-  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
-  std::nth_element(distance.begin(), middle, distance.end());
-  return *middle;
+  return median(std::move(distance));
 }
 
 }  // namespace forefeel

@@ -78,7 +78,7 @@ OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
     for (std::size_t i = 0; i < 4; ++i) result.corner[i] = {ids[result.local.corner[i]]};
     return result;
   }
-  // At a state, on a flat tetrahedron, or for a stricter angle: the directions decide.
+  // At a state, in a flat tetrahedron, or for a smaller angle the directions decide.
   directions.clear();
   for (const Vec3& offset : offsets)
     if (const double length = offset.norm(); length > here) directions.push(offset / length);
@@ -88,7 +88,7 @@ OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
 }
 
 // min over the 26 directions a of max over occupied leaves of a . u: the cosine that gamma approximates.
-// Stops looking where it has reached `enough`.
+// Stops once the value has reached `enough`.
 double OctreeIndex::least_side(const Vec3& q, double radius, double enough) const {
   static const std::array<Vec3, 26> axes = make_directions();
   std::array<double, 26> most;

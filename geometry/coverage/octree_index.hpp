@@ -1,15 +1,16 @@
 #pragma once
-// Coverage from the states around a place alone, without a triangulation: cheap to insert into and to erase from.
-// With s = h(q) the spacing at q:
-//   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), which are not coplanar.
-//            What this calls safe the triangulation calls safe; the converse fails only where a corner of the Delaunay
-//            cell lies farther than rho
+// Coverage from the states around a place, without a triangulation: cheap to insert into and to erase from.
+// With s = h(q), the spacing at q:
+//   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), and these are not
+//            coplanar. What is safe here is safe for the triangulation. The converse fails only if a corner
+//            of the Delaunay cell lies farther than rho
 //   sparse   delta(q) <= kappa_p s, as for the triangulation
-//   gap      q's leaf is empty and along each of 26 directions some occupied leaf within the gap radius lies no
-//            farther than the gap angle away
+//   gap      q's leaf is empty, and within the gap angle of each of 26 directions there is an occupied leaf
+//            within the gap radius
 //   blank    otherwise
-// spread is pi_rho, alpha the circumradius of its tetrahedron where that proves the place safe; gamma is that over the 26
-// directions. compare_indexes() in agreement.hpp says where the labels differ from those of coverage.hpp.
+// In a Coverage made here, spread is pi_rho, alpha the circumradius of its tetrahedron if that proves the
+// place safe, and gamma is over the 26 directions. compare_indexes() in agreement.hpp shows where the labels
+// differ from coverage.hpp.
 
 #include <cmath>
 #include <memory>
@@ -28,7 +29,7 @@ namespace forefeel {
 class OctreeIndex {
  public:
   explicit OctreeIndex(double spacing, CoverageOptions options = {});
-  // On an adaptive lattice: h(q) from its leaves.
+  // On an adaptive lattice, whose leaves give h(q).
   explicit OctreeIndex(AdaptiveLattice lattice, CoverageOptions options = {});
 
   void insert(StateId id, const Vec3& at);
@@ -37,8 +38,8 @@ class OctreeIndex {
 
   Coverage coverage(const Vec3& q) const;
   Label label(const Vec3& q) const;
-  // The same along a path: while q stays in a tetrahedron of states that proved the last place safe, it often proves
-  // the next. Only erase() puts a walk out of date: a further state cannot spoil the proof.
+  // The same along a path: the tetrahedron of states that proved the last place safe often proves the next
+  // one. Only erase() puts a walk out of date; a further state cannot invalidate the proof.
   Label label(const Vec3& q, PathWalk& walk) const;
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
@@ -47,7 +48,8 @@ class OctreeIndex {
   const Vec3& position(StateId id) const { return at_[id.value]; }
   const AdaptiveLattice* lattice() const { return lattice_.get(); }
   AdaptiveLattice* lattice() { return lattice_.get(); }
-  // Where to add states: points of the adaptive lattice with no state within half their spacing, outward from rest.
+  // Where to add states: points of the adaptive lattice without a state within half their spacing, outward
+  // from rest.
   std::vector<AdaptiveLattice::Point> proposals() const;
 
  private:
@@ -66,7 +68,7 @@ class OctreeIndex {
   std::unique_ptr<AdaptiveLattice> lattice_;
   PointOctree points_;
   std::vector<Vec3> at_;                    // by id
-  std::uint64_t version_ = next_version();  // of walks; changed by erase()
+  std::uint64_t version_ = next_version();  // for walks; erase() changes it
 };
 
 }  // namespace forefeel

@@ -11,7 +11,7 @@
 namespace forefeel {
 namespace {
 
-// Collects arrays, then writes their XML heads and, after them, their bytes.
+// Collects arrays; then writes their XML elements and, after these, their bytes.
 class AppendedArrays {
  public:
   template <class T>

@@ -1,22 +1,23 @@
 #pragma once
-// Regions, Delaunay cells and time series for ParaView (.vtu with raw appended data, .pvd) and tables (.csv).
-// Labels are numbers in files for ParaView: 0 safe, 1 sparse, 2 gap, 3 blank.
+// Writes regions, Delaunay cells and time series for ParaView (.vtu with raw appended data, .pvd), and tables
+// (.csv). Labels are numbers in files for ParaView: 0 safe, 1 sparse, 2 gap, 3 blank. Lengths in [m].
 
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/region_summary.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 
-// One VTK_VOXEL a leaf, with cell data label, component and, from `components` (may be empty), how many safe components
-// and how many sides of a bridge the leaf's component has.
+// One VTK_VOXEL for each leaf. Cell data: label, component; from `components` (may be empty) also the number
+// of safe neighbours and of bridge sides of the leaf's component.
 void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
                        std::span<const RegionComponent> components = {});
-// What changed from one set to another: one VTK_VOXEL a leaf, with cell data label_before and label_after.
+// What changed from one set of states to another: one VTK_VOXEL for each leaf, cell data label_before,
+// label_after.
 struct RegionChange {
   Box box;  // [m]
   Label before = Label::blank, after = Label::blank;
@@ -24,7 +25,7 @@ struct RegionChange {
 void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes);
 // x,y,z (centre), dx,dy,dz (sides), label, component.
 void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves);
-// One tetrahedron a finite Delaunay cell, with cell data spread (at the centroid) and alpha (circumradius) [m].
+// One tetrahedron for each finite Delaunay cell. Cell data: spread at the centroid, alpha (circumradius) [m].
 void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space);
 
 struct SeriesEntry {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/union_find.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
 
@@ -47,7 +48,7 @@ Voxels label_voxels(const Box& box, double spacing, const std::function<Label(co
   return voxels;
 }
 
-// The steps to the voxels no farther than `rim` from a voxel, cube to cube.
+// Offsets to all voxels whose cube is within `rim` of the cube of a voxel.
 std::vector<std::array<std::int64_t, 3>> steps_within(double rim, double side) {
   std::vector<std::array<std::int64_t, 3>> steps;
   const auto most = static_cast<std::int64_t>(std::floor(rim / side)) + 1;
@@ -94,15 +95,10 @@ void find_safe_neighbours(const Voxels& voxels, const std::vector<std::uint32_t>
   name_safe_neighbours(beside, near_safe, result.components);
 }
 
-// Component number per voxel, numbered by label, then falling volume.
+// Component of each voxel; components are numbered by label, then by falling volume.
 std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, RegionSummary& result) {
   const auto& n = voxels.count;
-  std::vector<std::uint32_t> parent(voxels.label.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind sets(voxels.label.size());
   const std::array<std::int64_t, 3> step{1, n[0], n[0] * n[1]};
   const auto for_each = [&](auto&& visit) {
     for (std::int64_t k = 0; k < n[2]; ++k)
@@ -115,13 +111,13 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (at[axis] + 1 >= n[axis]) continue;
       const auto next = here + static_cast<std::uint32_t>(step[axis]);
-      if (voxels.label[here] == voxels.label[next]) parent[find(here)] = find(next);
+      if (voxels.label[here] == voxels.label[next]) sets.join(here, next);
     }
   });
   std::vector<RegionComponent> found;
-  std::vector<std::uint32_t> number(parent.size(), 0xffffffffu);
+  std::vector<std::uint32_t> number(voxels.label.size(), 0xffffffffu);
   for_each([&](std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t here) {
-    const std::uint32_t root = find(here);
+    const std::uint32_t root = sets.find(here);
     const Box box = voxels.box_of(i, j, k, 1);
     if (number[root] == 0xffffffffu) {
       number[root] = static_cast<std::uint32_t>(found.size());
@@ -135,7 +131,7 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
     mine.volume += box.size().prod();
     mine.bounds = {mine.bounds.low.cwiseMin(box.low), mine.bounds.high.cwiseMax(box.high)};
   });
-  std::vector<std::uint32_t> order(found.size()), rank(found.size()), component(parent.size());
+  std::vector<std::uint32_t> order(found.size()), rank(found.size()), component(voxels.label.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return found[a].label != found[b].label ? found[a].label < found[b].label
@@ -145,12 +141,12 @@ std::vector<std::uint32_t> components_of(const Voxels& voxels, double rim, Regio
     rank[order[i]] = static_cast<std::uint32_t>(i);
     result.components.push_back(std::move(found[order[i]]));
   }
-  for (std::uint32_t i = 0; i < parent.size(); ++i) component[i] = rank[number[find(i)]];
+  for (std::uint32_t i = 0; i < component.size(); ++i) component[i] = rank[number[sets.find(i)]];
   find_safe_neighbours(voxels, component, rim, result);
   return component;
 }
 
-// Appends cubes of one label, as wide as they can be; false where the cube holds more than one.
+// Appends the largest cubes of one label. False if the given cube holds more than one label.
 bool collect(const Voxels& voxels, const std::vector<std::uint32_t>& component,
              std::array<std::int64_t, 3> low, std::int64_t width, RegionSummary& result) {
   const auto& n = voxels.count;

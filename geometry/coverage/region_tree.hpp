@@ -1,46 +1,59 @@
 #pragma once
-// The octree behind Regions. Its finest cells (voxels, h/4) carry the label of their centre, exactly; a coarser leaf
-// exists only where a bound proves that all its voxels agree, or where its eight children do. So the leaves do not
-// depend on the order in which states came, and an insertion only has to find the leaves whose proof it breaks:
+// The octree behind Regions. Its finest cells are voxels of side h/4; each carries the label of its centre,
+// exactly. A larger leaf exists only where a bound proves that all its voxels have one label, or where its
+// eight children have. So the leaves do not depend on the order in which states were inserted.
 //
-//   safe     never changes again
-//   gap      only within kappa_p h of the new state (the label can only rise to sparse or safe)
-//   blank    within kappa_p h, or within the gap radius where the state falls into the leaf's empty cone
-//   sparse   a voxel of too wide a spread: only where the Delaunay cell around it is destroyed; else within the safe
-//            radius where the state falls into the leaf's empty cone
+// An insertion marks the leaves whose proof it may break, and no others:
+//   safe     is never marked: it stays safe
+//   gap      within kappa_p h of the new state (the label can only rise to sparse or safe)
+//   blank    within kappa_p h; or within the gap radius, if the state lies in the leaf's empty cone
+//   sparse   a voxel whose spread is too wide: only when the Delaunay cell around it is destroyed.
+//            Any other: within the safe radius, if the state lies in the leaf's empty cone
 //
-// Finding them waits, too: an insertion leaves its place with the root cubes in reach, and whoever looks at a place
-// takes it one level down at each node of the path. Leaves found become unresolved and are worked out when someone looks
-// at them, one path at a time, or all of them by settle(), which visits nothing else. On an adaptive lattice a leaf is proven only where h(q) is the
-// same throughout; what an insertion may break is judged by the coarsest h.
+// The marking is lazy. An insertion is stored with the root cubes in reach; label_at() hands it down one
+// level at each node of its path. Marked leaves are unresolved. label_at() resolves those on its path,
+// settle() all of them, and settle() visits nothing else. On an adaptive lattice a leaf is proven only where
+// h(q) is constant, and the coarsest h decides what an insertion may break.
+//
+// region_tree.cpp: structure and settling. region_proofs.cpp: the labels of voxels and the bounds for larger
+// leaves. region_insertion.cpp: what an insertion marks. Lengths in [m].
 
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "geometry/coverage/coverage_query.hpp"
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/coverage/state_space_options.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
 
 namespace forefeel {
 
 struct RegionNode {
   enum class Kind : std::uint8_t { unresolved, leaf, branch, outside };
-  std::int32_t children = -1;  // first of eight
+  // Bits of `below`: 1 << label for each label; further:
+  static constexpr std::uint8_t unresolved_bit = 0x10;  // an unresolved node
+  static constexpr std::uint8_t axis_bit = 0x20;        // a sparse leaf that is proven by its axis
+  static constexpr std::uint8_t anything = 0x3f;
+
+  std::int32_t children = -1;  // index of the first of eight
   std::int32_t parent = -1;
   std::array<std::int32_t, 3> low{};  // lowest voxel
   std::uint8_t level = 0;             // 2^level voxels wide
   Kind kind = Kind::unresolved;
-  bool waits = false;           // an insertion may wait here or below
-  std::int32_t waiting = -1;    // of a branch: insertions not passed on to its children
-  Label label = Label::blank;   // while unresolved: the last known, which can only become better
-  std::uint8_t below = 0x3f;    // of a branch: bit per label below; 4: something unresolved; 5: a sparse
-                                // leaf proven by its axis
-  std::array<float, 3> axis{};  // of the empty cone that proves a blank or sparse leaf; 0: none
-  std::int32_t width() const { return 1 << level; }
+  bool waits = false;          // an insertion may be stored here or below
+  std::int32_t waiting = -1;   // of a branch: head of the list of insertions not yet handed to its children
+  Label label = Label::blank;  // while unresolved: the last known label; it can only become better
+  std::uint8_t below = anything;  // of a branch: what is below, as bits; may hold too much, never too little
+  std::array<float, 3> axis{};    // of the empty cone that proves a blank or sparse leaf; 0: none
+
+  static std::uint8_t bit(Label label) {
+    return static_cast<std::uint8_t>(1u << static_cast<unsigned>(label));
+  }
+  std::int32_t width() const { return 1 << level; }  // [voxels]
 };
 
 class RegionTree {
@@ -49,10 +62,10 @@ class RegionTree {
 
   Label label_at(const Vec3& q);
   void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
-  // Works out at most `budget` leaves; true when none is left.
+  // Resolves at most `budget` leaves; true when none is left.
   bool settle(std::size_t budget, const std::function<void(double)>& progress = {});
 
-  // visit(node) for every resolved leaf inside the box.
+  // visit(index, node) for every resolved leaf inside the box.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
     for (std::size_t root = 0; root < roots_; ++root) visit_leaves(static_cast<std::int32_t>(root), visit);
@@ -64,17 +77,17 @@ class RegionTree {
   const Box& box() const { return grid_.box; }
   double voxel() const { return voxel_; }
   const CoverageQuery& query() const { return query_; }
-  Label label_of(const Vec3& q, PathWalk& walk);  // by the indexes, not the leaves
+  Label label_of(const Vec3& q, PathWalk& walk);  // from the indexes, not from the leaves
   double gap_radius(const Vec3& q) const;         // [m]
   double rim(const Vec3& q) const;                // rim_reach() at q [m]
-  // visit(leaf) for every safe leaf within `reach` [m] of `around`; after settle().
+  // visit(index) for every safe leaf within `reach` [m] of `around`; call settle() before.
   template <class Visit>
   void for_each_safe_near(const Box& around, double reach, Visit&& visit) const {
     for (std::size_t root = 0; root < roots_; ++root)
       visit_safe_near(static_cast<std::int32_t>(root), around, reach * reach, visit);
   }
   double link_deg() const { return link_deg_; }
-  // Leaves marked and insertions not yet passed on since the last settle().
+  // Leaves marked and insertions not yet handed on, since the last settle().
   std::size_t pending() const { return pending_ + waiting_.size() - free_waiting_.size(); }
 
  private:
@@ -90,8 +103,7 @@ class RegionTree {
   void visit_safe_near(std::int32_t index, const Box& around, double squared, Visit& visit) const {
     const RegionNode& here = node(index);
     if (here.kind == RegionNode::Kind::outside || here.kind == RegionNode::Kind::unresolved) return;
-    if (here.kind == RegionNode::Kind::branch && !(here.below & 1u << static_cast<unsigned>(Label::safe)))
-      return;
+    if (here.kind == RegionNode::Kind::branch && !(here.below & RegionNode::bit(Label::safe))) return;
     const Box mine = box_of(here);
     if ((around.low - mine.high).cwiseMax(mine.low - around.high).cwiseMax(0.0).squaredNorm() > squared)
       return;
@@ -108,7 +120,7 @@ class RegionTree {
   bool prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest);
   bool prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e, const Vec3& nearest);
   bool all_safe(const RegionNode& node, const Thresholds& limits);
-  // The thresholds that hold throughout the node; none where h(q) varies.
+  // The thresholds that hold throughout the node; null where h(q) varies.
   const Thresholds* limits_over(const RegionNode& node);
   bool find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const;
   void gather(const Vec3& q, double radius);
@@ -120,9 +132,9 @@ class RegionTree {
   void refresh_above(std::int32_t index);
   bool reaches(const RegionNode& node, const Vec3& at) const;
   void hand(std::int32_t index,
-            const Vec3& at);             // an insertion to a node: leaves answer at once, branches wait
-  void pass_on(std::int32_t index);      // what waits at a branch, to its children
-  void pass_on_all(std::int32_t index);  // and theirs
+            const Vec3& at);             // an insertion to a node: marks a leaf, is stored with a branch
+  void pass_on(std::int32_t index);      // what a branch has stored, to its children
+  void pass_on_all(std::int32_t index);  // and from them to all below
   bool breaks(const RegionNode& leaf, const Vec3& at) const;
   void mark(std::int32_t index);
   std::uint8_t summary(const RegionNode& node) const;
@@ -132,7 +144,7 @@ class RegionTree {
   std::shared_ptr<const AdaptiveLattice> lattice_;
   Thresholds limits_;  // at the spacing that the regions are made for
   Thresholds widest_;  // at the coarsest spacing of the lattice
-  Thresholds scaled_;  // what limits_over() returned
+  Thresholds scaled_;  // storage of what limits_over() returns
   double spacing_;     // [m]
   double link_deg_;
   VoxelGrid grid_;
@@ -141,21 +153,47 @@ class RegionTree {
   int root_level_;
   std::size_t roots_ = 0;
   std::vector<RegionNode> nodes_;
-  std::vector<std::int32_t> free_;      // octets
-  std::vector<std::int32_t> restless_;  // voxels that no watch covers
+  std::vector<std::int32_t> free_;      // first of eight unused nodes, each
+  std::vector<std::int32_t> restless_;  // voxels that no watch covers: marked by every insertion
   struct Waiting {
     Vec3 at;
     std::int32_t next;
   };
-  std::vector<Waiting> waiting_;  // lists by node
+  std::vector<Waiting> waiting_;  // linked lists, one a node
   std::vector<std::int32_t> free_waiting_;
   std::vector<std::int32_t> waiting_roots_;
   PathWalk walk_;
   Directions directions_;
   ConeSolver solver_;
-  std::vector<std::int32_t> marked_;  // since all leaves were last worked out
-  bool complete_ = false;             // they were, once: what is unresolved lies below marked_
+  std::vector<std::int32_t> marked_;  // since settle() last resolved all leaves
+  bool complete_ = false;             // it did so once: whatever is unresolved lies below marked_
   std::size_t pending_ = 0;
 };
+
+inline Vec3 RegionTree::centre(const RegionNode& node) const {
+  if (node.level == 0) return grid_.centre(node.low);
+  return grid_.low_of(node.low) + Vec3::Constant(0.5 * voxel_ * node.width());
+}
+
+inline double RegionTree::reach(const RegionNode& node) const {
+  const double whole = 0.5 * (node.width() - 1) * voxel_ * std::numbers::sqrt3;
+  if (node.level == 0) return whole;
+  // The box may cut a voxel off: its centre is then up to half a voxel from the middle of the whole voxel,
+  // per axis.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (node.low[axis] == 0 || node.low[axis] + node.width() >= voxels_[axis])
+      return whole + 0.5 * voxel_ * std::numbers::sqrt3;
+  return whole;
+}
+
+inline bool RegionTree::outside(const RegionNode& node) const {
+  return node.low[0] >= voxels_[0] || node.low[1] >= voxels_[1] || node.low[2] >= voxels_[2];
+}
+
+inline void RegionTree::become_leaf(RegionNode& node, Label label, const Vec3& axis) {
+  node.kind = RegionNode::Kind::leaf;
+  node.label = label;
+  for (std::size_t i = 0; i < 3; ++i) node.axis[i] = static_cast<float>(axis[static_cast<Eigen::Index>(i)]);
+}
 
 }  // namespace forefeel

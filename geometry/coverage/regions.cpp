@@ -81,7 +81,7 @@ void across(const RegionTree& tree, const RegionNode& node, std::size_t axis, Me
   face(face, low, node.width());
 }
 
-// Leaves of the tree with an index, so that vectors can stand beside them.
+// Numbers the leaves of the tree, so that vectors can hold a value for each.
 struct LeafTable {
   std::vector<std::int32_t> node;   // by leaf
   std::vector<std::uint32_t> leaf;  // by node
@@ -98,7 +98,8 @@ LeafTable list_leaves(const RegionTree& tree) {
   return table;
 }
 
-// Components by union over shared facets, numbered by label, then falling volume. Returns the number of each leaf.
+// Components by union over shared facets, numbered by label, then by falling volume. Returns the component of
+// each leaf.
 std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTable& table,
                                            std::vector<RegionComponent>& components) {
   UnionFind sets(table.node.size());
@@ -143,7 +144,7 @@ std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTab
   return component;
 }
 
-// Which safe components a component touches, a gap through the sparse rim that separates them.
+// Finds the safe components next to each component; next to a gap, those behind its sparse rim.
 void find_safe_neighbours(const RegionTree& tree, const LeafTable& table,
                           const std::vector<std::uint32_t>& component,
                           std::vector<RegionComponent>& components) {
@@ -171,7 +172,7 @@ void find_safe_neighbours(const RegionTree& tree, const LeafTable& table,
   name_safe_neighbours(beside, near_safe, components);
 }
 
-// What each gap bridges, seen from its inner place.
+// Finds the sides of each gap, seen from its inner place.
 void find_sides(const RegionTree& tree, std::vector<RegionComponent>& components) {
   std::size_t done = 0;
   for (RegionComponent& c : components) {
@@ -184,7 +185,7 @@ void find_sides(const RegionTree& tree, std::vector<RegionComponent>& components
   }
 }
 
-// Appends the leaves below `index`; eight of one label become one.
+// Appends the leaves below `index`; eight leaves of one label become one.
 void collect(const RegionTree& tree, std::int32_t index, const LeafTable& table,
              const std::vector<std::uint32_t>& component, std::vector<RegionLeaf>& out) {
   const RegionNode& here = tree.node(index);
@@ -202,7 +203,7 @@ void collect(const RegionTree& tree, std::int32_t index, const LeafTable& table,
   if (out.size() - start != inside) return;
   for (std::size_t i = start + 1; i < out.size(); ++i)
     if (out[i].label != out[start].label) return;
-  // One leaf per child and one label: they touch, so they are one component, too.
+  // Eight leaves of one label share facets, so they belong to one component.
   out[start].box = tree.box_of(here);
   out.resize(start + 1);
 }
@@ -226,7 +227,7 @@ RegionSummary Regions::summary() const {
   return result;
 }
 
-// Inside the box delta has its maxima at Voronoi vertices, the circumcentres of the cells; else on the boundary.
+// delta has its maxima at Voronoi vertices (circumcentres of the cells) inside the box, or on its boundary.
 double Regions::fill_distance() const {
   const RegionTree& tree = impl_->tree;
   const PointOctree& points = tree.query().points();

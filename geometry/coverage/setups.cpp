@@ -8,7 +8,8 @@
 namespace forefeel {
 namespace {
 
-// A repeatable share in [0, 1) for a lattice point: which states of a thinned layer are kept must not depend on order.
+// A number in [0, 1) that depends on the lattice point alone: the states that a thinned layer keeps must not
+// depend on their order.
 double share(int i, int j, int k) {
   std::uint64_t x = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ull +
                     static_cast<std::uint64_t>(j) * 0xbf58476d1ce4e5b9ull +

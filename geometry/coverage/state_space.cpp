@@ -21,7 +21,7 @@ struct StateSpace::Impl {
   Thresholds limits;
   VoxelGrid voxels;  // of the regions
   std::unique_ptr<Regions> regions;
-  StateId last;  // of insert(): paths arrive in order
+  StateId last;  // of the last insert(): the next state is often close
 
   explicit Impl(StateSpaceOptions given)
       : options(std::move(given)),
@@ -34,7 +34,7 @@ struct StateSpace::Impl {
   Thresholds limits_at(const Vec3& q) const {
     return options.lattice ? limits.scaled(options.lattice->spacing_at(q) / options.spacing) : limits;
   }
-  // A state near q to start the walk from: the last one inserted if it is close, else the nearest.
+  // A state near q, to start the search from: the last one inserted if it is close, else the nearest.
   StateId hint(const Vec3& q) const {
     if (last.valid() && (states[last.value].at - q).squaredNorm() < 9 * options.spacing * options.spacing)
       return last;
@@ -46,7 +46,7 @@ StateSpace::StateSpace(StateSpaceOptions options) {
   if (!(options.spacing > 0) || !std::isfinite(options.spacing))
     throw InputError("spacing",
                      "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
-  // A safe position is within kappa_s h of a state; regions rely on its being sparse at least.
+  // A safe place is within kappa_s h of a state; regions need it to be at least sparse.
   if (!(options.coverage.sparse_distance >= options.coverage.safe_spread))
     throw InputError("coverage",
                      "the sparse distance is below the safe spread, expected it to be at least as large");

@@ -1,6 +1,7 @@
 #pragma once
-// A box cut into cubes: the finest cells of regions. The grid stands in the middle of the box; where the box is no
-// multiple of the side, the cells at its faces are cut off, and count for the place in the middle of what is left.
+// A box cut into cubes, the finest cells of regions. The grid is centred in the box. If the box is no
+// multiple of the side, cubes at its faces are cut off; such a voxel stands for the middle of its remaining
+// part.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +15,7 @@ namespace forefeel {
 struct VoxelGrid {
   Box box;                        // [m]
   double side = 0;                // [m]
-  std::array<double, 3> count{};  // voxels along each axis, whole numbers; a box may hold more than an int
+  std::array<double, 3> count{};  // voxels along each axis; whole, as double since an int may overflow
   Vec3 origin = Vec3::Zero();     // low corner of voxel (0, 0, 0) [m]
 
   VoxelGrid(const Box& around, double voxel) : box(around), side(voxel) {
@@ -26,7 +27,7 @@ struct VoxelGrid {
   Vec3 low_of(const std::array<std::int32_t, 3>& voxel) const {
     return origin + side * Vec3(voxel[0], voxel[1], voxel[2]);
   }
-  // Of a place in the box.
+  // The voxel that contains a place of the box.
   std::array<std::int32_t, 3> voxel_of(const Vec3& q) const {
     std::array<std::int32_t, 3> voxel{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -36,13 +37,13 @@ struct VoxelGrid {
     }
     return voxel;
   }
-  // The cube of `width` voxels above `low`, cut off at the box.
+  // The cube of `width` voxels with its low corner at voxel `low`, cut off at the box.
   Box cube(const std::array<std::int32_t, 3>& low, double width) const {
     const Vec3 corner = low_of(low);
     return {corner.cwiseMax(box.low).cwiseMin(box.high),
             (corner + Vec3::Constant(side * width)).cwiseMin(box.high).cwiseMax(box.low)};
   }
-  // The middle of what the box leaves of a voxel.
+  // The middle of the part of a voxel that lies in the box.
   Vec3 centre(const std::array<std::int32_t, 3>& voxel) const {
     const Vec3 low = low_of(voxel);
     const Vec3 below = (box.low - low).cwiseMax(0.0),

@@ -71,8 +71,9 @@ std::int32_t AdaptiveLattice::leaf_index(const Cell& fine) const {
   return index;
 }
 
-// Leaves that share a face, edge or corner with the node. In a balanced tree the neighbours of a leaf are at most one
-// level finer, so two probes along each side find them all; a coarser one may be visited several times.
+// Leaves that share a face, edge or corner with the node. In a balanced tree the neighbours of a leaf are at
+// most one level finer, so two probes along each side find them all; a coarser one may be visited several
+// times.
 template <class Visit>
 void AdaptiveLattice::for_each_touching(const Node& node, Visit&& visit) const {
   const int shift = finest - node.level;
@@ -109,7 +110,7 @@ void AdaptiveLattice::split(std::int32_t index) {
                 2 * parent.low[2] + ((child >> 2) & 1)}};
 }
 
-// Before a leaf is split, its neighbours must be no coarser than itself.
+// Splits a leaf; before that the neighbours that are coarser than it.
 void AdaptiveLattice::split_balanced(std::int32_t index, std::size_t& count) {
   const Node node = nodes_[static_cast<std::size_t>(index)];
   if (node.children >= 0) return;
@@ -206,7 +207,7 @@ std::optional<AdaptiveLattice> lattice_of(std::span<const State> states, const B
   }
   if (marks.empty() || least > widest * (1 - 1e-9)) return std::nullopt;
   AdaptiveLattice lattice(box, widest);
-  // A leaf is too wide where a state that asks for less lies inside it: its middle, once its corners are taken.
+  // A leaf is too wide if a state with a smaller target spacing lies strictly inside it.
   std::ranges::sort(marks, {}, [](const auto& mark) { return mark.first.x(); });
   lattice.refine(
       [&](const LatticeLeaf& leaf) {

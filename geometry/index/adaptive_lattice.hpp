@@ -1,8 +1,9 @@
 #pragma once
-// The adaptive lattice: an octree whose leaves are as wide as the spacing asked for there, 2:1 balanced over faces,
-// edges and corners. States belong at the corners of the leaves; leaves of one width s have their corners at {k s}^3,
-// so an unrefined lattice is {k h}^3 and rest is always a corner.
-//   h(q) = the largest spacing among the leaves that touch q's leaf (itself included) [m]
+// The adaptive lattice: an octree whose leaves are as wide as the spacing wanted there. Leaves that touch
+// (over faces, edges or corners) differ by at most one level. States belong at the corners of the leaves.
+// Leaves of width s have their corners at {k s}^3; so a lattice without refinement is {k h}^3, and rest is
+// always a corner.
+//   h(q) = the largest spacing among the leaves that touch q's leaf, itself included [m]
 
 #include <array>
 #include <cstdint>
@@ -23,19 +24,21 @@ struct LatticeLeaf {
 
 class AdaptiveLattice {
  public:
-  // Covers `box` by leaves of side `coarsest` [m], enlarged to whole leaves.
+  // Covers `box` with whole leaves of side `coarsest` [m]. InputError if that is not > 0, or beyond 1e8
+  // leaves.
   AdaptiveLattice(const Box& box, double coarsest);
 
-  // Splits leaves until each is at most target(leaf) wide, or max_level deep, then whatever the balance needs.
-  // Returns how many leaves were split.
+  // Splits leaves until each is at most target(leaf) [m] wide or max_level deep, and others as the balance
+  // needs. Returns the number of splits.
   std::size_t refine(const std::function<double(const LatticeLeaf&)>& target, int max_level = 6);
 
-  double spacing_at(const Vec3& q) const;  // h(q); outside the leaves that of the nearest place in them
-  // h(q) where it is the same for all q of the box because one leaf holds them all.
+  double spacing_at(const Vec3& q) const;  // h(q); outside the leaves, that of the nearest place inside
+  // h(q) if one leaf holds the whole box, so that h is constant in it.
   std::optional<double> spacing_over(const Box& box) const;
   LatticeLeaf leaf_at(const Vec3& q) const;
   std::vector<LatticeLeaf> leaves() const;
-  // The corners of all leaves inside the box as given, with the smallest spacing that meets there; outward from rest.
+  // The corners of all leaves inside the given box, outward from rest, with the smallest spacing of their
+  // leaves.
   struct Point {
     Vec3 at;
     double spacing;
@@ -47,7 +50,7 @@ class AdaptiveLattice {
   struct Node {
     std::int32_t children = -1;
     std::int32_t level = 0;
-    std::int32_t widest = 0;            // of a leaf: the least level among the leaves that touch it
+    std::int32_t widest = 0;            // of a leaf: lowest level among the leaves that touch it
     std::array<std::int32_t, 3> low{};  // in units of its own side
   };
   using Cell = std::array<std::int32_t, 3>;
@@ -68,8 +71,9 @@ class AdaptiveLattice {
   std::vector<Node> nodes_;
 };
 
-// The lattice that states with target spacings (State::spacing) lie on: as wide as the widest of them, and no wider in
-// a leaf than the spacing of any state inside it. None where no state says, or all say the same.
+// The lattice on which states with target spacings (State::spacing) lie: its coarsest spacing is the largest
+// of theirs, and no leaf is wider than the spacing of any state inside it. Nothing if no state has a target
+// spacing, or if all have the same.
 std::optional<AdaptiveLattice> lattice_of(std::span<const State> states, const Box& box);
 
 }  // namespace forefeel

@@ -18,7 +18,7 @@ constexpr double flat = 1e-7;       // height below which directions count as co
 FOREFEEL_CLONES
 double largest_product(const double* __restrict x, const double* __restrict y, const double* __restrict z,
                        std::size_t count, double a, double b, double c) {
-  // Eight maxima side by side: the order of a maximum is free, but only the writer may change it.
+  // Eight maxima side by side, which vectorise. The compiler may not reorder a maximum by itself.
   double best[8];
   for (double& b8 : best) b8 = -std::numeric_limits<double>::infinity();
   std::size_t i = 0;
@@ -135,8 +135,8 @@ void ConeSolver::add(const Directions& directions, std::uint32_t corner) {
   for (const auto& edge : rim_) push_facet(directions, edge[0], edge[1], corner);
 }
 
-// Grows the hull at its lowest facet until every facet is at least at cos_threshold (bounded) or the lowest one
-// has nothing beyond it (open).
+// Grows the hull at its lowest facet until every facet is at least at cos_threshold (bounded) or the lowest
+// one has nothing beyond it (open).
 ConeSolver::Stop ConeSolver::grow(const Directions& directions, double cos_threshold, std::size_t& lowest) {
   if (directions.size() < 4 || !start(directions)) return Stop::flat;
   for (std::size_t round = 0; round <= directions.size(); ++round) {

@@ -1,12 +1,14 @@
 #pragma once
-// Empty cones. For unit directions u_i from an apex q,
+// The largest empty cone. For unit directions u_i from an apex q,
 //   gamma = max_a min_i angle(a, u_i),   cos gamma = min_a max_i a . u_i   over unit axes a
-// is the half-angle of the largest cone that contains no direction. Where the apex lies inside the hull of the
-// directions, cos gamma is the least distance of a facet of that hull; elsewhere cos gamma = -|p| with p the point of
-// the hull nearest to the apex. So gamma < 90 degrees exactly where q is strictly inside the hull of the states.
+// is the half-angle of the largest cone that contains no direction. If the apex lies inside the hull of the
+// directions, cos gamma is the least distance of a facet of that hull; otherwise cos gamma = -|p|, p the
+// point of the hull nearest to the apex. So gamma < 90 degrees exactly if q lies strictly inside the hull of
+// the states.
 //
-// The hull is never built whole: a small hull grows by the direction farthest beyond its lowest facet until nothing
-// lies beyond. It is contained in the full hull, so it already proves gamma <= threshold when its own facets do.
+// The full hull is not built. A small hull grows by the direction farthest beyond its lowest facet, until
+// none lies beyond. It lies within the full hull, so it proves gamma <= threshold as soon as its own facets
+// do.
 
 #include <array>
 #include <cstdint>
@@ -16,7 +18,7 @@
 
 namespace forefeel {
 
-// Directions as structure of arrays, reused between queries (clear() keeps the memory).
+// Directions as three arrays. Reused between queries: clear() keeps the memory.
 class Directions {
  public:
   void clear() { x_.clear(), y_.clear(), z_.clear(); }
@@ -31,8 +33,8 @@ class Directions {
 };
 
 struct EmptyCone {
-  double cos_half = -1;       // cos gamma; -1 where there are no directions
-  Vec3 axis = Vec3::UnitX();  // unit, of one largest empty cone
+  double cos_half = -1;       // cos gamma; -1 without directions
+  Vec3 axis = Vec3::UnitX();  // unit; of one of the largest empty cones
 };
 
 struct ConeFacet {
@@ -46,9 +48,9 @@ class ConeSolver {
   // gamma and its axis.
   EmptyCone largest_empty(const Directions& directions);
 
-  // Whether no empty cone is wider than arccos(cos_threshold): cos gamma >= cos_threshold, within 1e-9.
-  // Directions that lie in one plane never qualify. On false, *witness (if given) is the axis of a cone that is
-  // wider and empty, or NaN where coplanarity alone decided.
+  // True if no empty cone is wider than arccos(cos_threshold): cos gamma >= cos_threshold, within 1e-9. False
+  // for directions that lie in one plane. If false, *witness (if given) is the axis of a wider empty cone, or
+  // NaN if only the common plane decided.
   bool at_most(const Directions& directions, double cos_threshold, Vec3* witness = nullptr);
 
  private:

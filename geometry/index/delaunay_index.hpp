@@ -1,18 +1,20 @@
 #pragma once
-// The Delaunay triangulation of the known states (exact predicates, CGAL), built one state at a time.
-//   spread   pi(q) = sqrt(sum lambda_i |v_i - q|^2) over the vertices v_i of the cell that contains q, lambda the
-//            barycentric weights [m]; infinite outside the hull and while there is no cell
+// The Delaunay triangulation of the known states, built one state at a time (CGAL, exact predicates).
+//   spread   pi(q) = sqrt(sum lambda_i |v_i - q|^2) over the vertices v_i of the cell that contains q, lambda
+//            the barycentric weights [m]; infinite outside the hull and while there is no cell
 //   alpha    least circumradius over the cells that contain q [m]
 //
-// Why pi never grows when a state is added: lift x to (x, |x|^2). The Delaunay triangulation is the lower hull of the
-// lifted states, so sum lambda_i |v_i|^2 = min { sum mu_j |x_j|^2 : mu >= 0, sum mu_j = 1, sum mu_j x_j = q }.
-// A further state enlarges the feasible set (its mu may stay 0), so the minimum can only descend; and
-// pi^2 = sum lambda_i |v_i|^2 - |q|^2. The minimum does not know which of several cospherical triangulations was
-// chosen, so pi does not either. (The circumradius alone is not monotone.)
+// Why pi never grows when a state is added: lift x to (x, |x|^2). The Delaunay triangulation is the lower
+// hull of the lifted states, so
+//   sum lambda_i |v_i|^2 = min { sum mu_j |x_j|^2 : mu >= 0, sum mu_j = 1, sum mu_j x_j = q },
+//   pi^2 = sum lambda_i |v_i|^2 - |q|^2.
+// A further state enlarges the feasible set (its mu may stay 0), so the minimum can only fall. The minimum
+// does not depend on which of several cospherical triangulations was chosen, so neither does pi. (The
+// circumradius alone is not monotone.)
 //
-// Rounding: cells lower than 1e-12 of their edges, or than 64 units in the last place of the states' coordinates,
-// count as coplanar; where they fill a face of the hull the cell behind them speaks for them. q may lie outside the
-// hull by as little. (A rotated lattice has such cells at all its faces.)
+// Rounding: cells whose height is below 1e-12 of their edges, or below 64 units in the last place of the
+// states' coordinates, count as coplanar. At a face of the hull the cell behind them is used instead, and q
+// may lie outside the hull by as little. (A rotated lattice has such cells at all its faces.)
 
 #include <array>
 #include <cstdint>
@@ -27,8 +29,8 @@ namespace forefeel {
 
 struct Spread {
   double spread = std::numeric_limits<double>::infinity();
-  double alpha = std::numeric_limits<double>::infinity();  // filled where asked
-  bool inside = false;                                     // in the hull, and of a cell that is not flat
+  double alpha = std::numeric_limits<double>::infinity();  // only if asked for
+  bool inside = false;                                     // in the hull, in a cell that is not flat
   std::array<StateId, 4> states;                           // of one cell that contains q
   std::array<double, 4> weights{};                         // barycentric, >= 0, sum 1
   std::array<Vec3, 4> at;
@@ -44,23 +46,23 @@ class DelaunayIndex {
   std::size_t size() const;
   int dimension() const;  // of the affine hull of the states; -1 while there are none
 
-  // Adds a state; `near` is a known state close to it, or an invalid id. Returns the id of the state at exactly
-  // this position: id itself, or the one already there. Ids may come in any order but must be below 2^31.
+  // Adds a state. near: a known state close to it, or an invalid id. Returns the id of the state at exactly
+  // this position: the new one, or the one already there. Ids may come in any order and must be below 2^31.
   StateId insert(StateId id, const Vec3& at, StateId near = {});
 
   Vec3 position(StateId id) const;  // [m]; of a state that is there
 
   // Const members may run in many threads at once, but not beside insert().
   Spread spread(const Vec3& q, StateId near, bool with_alpha = false) const;
-  // The same along a path: starts where the walk was last, and leaves it at q.
+  // The same along a path: starts at the last place of the walk and moves the walk to q.
   Spread spread(const Vec3& q, PathWalk& walk) const;
 
-  // Watches: a token is reported by the insert() that destroys the cell in which watch() found q (states that are
-  // added elsewhere leave the spread at q as it is). False, and no watch, in flat cells and below dimension 3.
+  // Watches the cell that contains q: the insert() that destroys the cell reports the token. (Other
+  // insertions do not change the spread at q.) False, and no watch, in flat cells and below dimension 3.
   bool watch(const Vec3& q, StateId near, std::uint32_t token);
-  // The same where spread(q, walk) has just found q inside.
+  // The same after spread(q, walk) has found q inside.
   void watch(const PathWalk& walk, std::uint32_t token);
-  std::span<const std::uint32_t> disturbed() const;  // by the last insert(); each token once
+  std::span<const std::uint32_t> disturbed() const;  // tokens that the last insert() reports, each once
 
   struct Cell {
     std::array<StateId, 4> states;  // positively oriented

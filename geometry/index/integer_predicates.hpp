@@ -1,10 +1,11 @@
 #pragma once
-// Signs of the determinants behind a Delaunay triangulation, exact and quick where the coordinates share a grid, as
-// those of a lattice of states do: with 2^s x an integer below 2^61 for all of them, differences fit 62 bits and
+// Signs of the determinants of a Delaunay triangulation, exact and fast for coordinates on a common grid, as
+// those of a lattice of states. If 2^s x is an integer below 2^61 for all coordinates x, differences fit 62
+// bits, and
 //   orientation    |q-p, r-p, s-p|                                                     189 bits
 //   sphere         |p-t, |p-t|^2; q-t, ...; r-t, ...; s-t, ...|                        318 bits
-// are sums of products of integers of fixed width. A lattice is cospherical throughout, so filters in floating point
-// decide little there, and general exact arithmetic costs some 20 times as much.
+// are sums of products of integers of fixed width. A lattice is cospherical throughout: floating-point
+// filters decide little there, and general exact arithmetic costs about 20 times as much.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +15,9 @@
 
 namespace forefeel {
 
-// Two's complement, lowest word first. No overflow is caught: the widths above are proven.
+namespace detail {
+
+// Two's complement, lowest word first. Overflow is not detected; the widths above exclude it.
 template <std::size_t N>
 struct WideInteger {
   std::array<std::uint64_t, N> word{};
@@ -76,7 +79,7 @@ WideInteger<N + M> operator*(const WideInteger<N>& a, const WideInteger<M>& b) {
     }
     result.word[i + M] = static_cast<std::uint64_t>(carry);
   }
-  // As unsigned numbers a negative one is too large by 2^(64 N).
+  // Read as unsigned, a negative number is too large by 2^(64 N).
   const auto less_above = [&result](std::size_t from, const auto& other) {
     std::uint64_t borrow = 0;
     for (std::size_t i = from; i < N + M; ++i) {
@@ -90,7 +93,9 @@ WideInteger<N + M> operator*(const WideInteger<N>& a, const WideInteger<M>& b) {
   return result;
 }
 
-// 2^s x of some points for the largest s that keeps them below 2^61, where that makes all of them integers.
+}  // namespace detail
+
+// 2^s x of some points, for the largest s that keeps all below 2^61. exact() is true if all are integers.
 template <std::size_t Points>
 class GridPoints {
  public:
@@ -98,12 +103,13 @@ class GridPoints {
 
   // coordinates: Points x 3
   explicit GridPoints(const std::array<std::array<double, 3>, Points>& coordinates) {
-    std::uint64_t most = 0;  // of the bits: magnitudes are in the order of their bits
+    std::uint64_t most = 0;  // largest magnitude, as bits: these are in the order of the magnitudes
     for (const auto& point : coordinates)
       for (const double x : point)
         most = std::max(most, std::bit_cast<std::uint64_t>(x) & ~(std::uint64_t{1} << 63));
     const auto exponent = static_cast<std::int64_t>(most >> 52);  // 2^(exponent - 1023) <= |x|
-    if (exponent < 200 || exponent > 1083) return;  // a normal scale, of 1 or more: no product is rounded
+    if (exponent < 200 || exponent > 1083)
+      return;  // else scale and products are normal numbers: nothing is rounded
     const double scale =
         std::bit_cast<double>(static_cast<std::uint64_t>(1023 + 60 - (exponent - 1023)) << 52);
     exact_ = true;
@@ -126,11 +132,13 @@ class GridPoints {
 
 using GridVector = std::array<std::int64_t, 3>;
 
+namespace detail {
+
 inline Signed128 minor(const GridVector& a, const GridVector& b, std::size_t i, std::size_t j) {
   return static_cast<Signed128>(a[i]) * b[j] - static_cast<Signed128>(a[j]) * b[i];
 }
 
-// |a, b, c| given the minors of a and b
+// |a, b, c| from the minors of a and b.
 inline WideInteger<3> triple(const std::array<Signed128, 3>& ab, const GridVector& c) {
   const auto term = [](Signed128 m, std::int64_t x) {
     return wide<2>(m) * WideInteger<1>{{static_cast<std::uint64_t>(x)}};
@@ -147,13 +155,17 @@ inline Signed128 squared(const GridVector& a) {
          static_cast<Signed128>(a[2]) * a[2];
 }
 
+}  // namespace detail
+
 // Sign of |a, b, c|.
 inline int orientation_sign(const GridVector& a, const GridVector& b, const GridVector& c) {
-  return triple(minors(a, b), c).sign();
+  return detail::triple(detail::minors(a, b), c).sign();
 }
 
-// Sign of |a, |a|^2; b, |b|^2; c, |c|^2; d, |d|^2| = -|a|^2 |b c d| + |b|^2 |a c d| - |c|^2 |a b d| + |d|^2 |a b c|.
+// Sign of |a, |a|^2; b, |b|^2; c, |c|^2; d, |d|^2| = -|a|^2 |b c d| + |b|^2 |a c d| - |c|^2 |a b d| + |d|^2
+// |a b c|.
 inline int sphere_sign(const GridVector& a, const GridVector& b, const GridVector& c, const GridVector& d) {
+  using namespace detail;
   const std::array<Signed128, 3> ab = minors(a, b), cd = minors(c, d);
   const auto term = [](const GridVector& x, const WideInteger<3>& volume) {
     return volume * wide<2>(squared(x));

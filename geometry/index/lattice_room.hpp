@@ -1,5 +1,5 @@
 #pragma once
-// Whether a box holds any position of the lattice {k h}^3 (lattice() in state_space.hpp lists them).
+// Does a box hold any position of the lattice {k h}^3? lattice() in coverage/state_space.hpp lists them.
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 
 namespace forefeel {
 
-// A corner that is a lattice point within rounding belongs to the lattice.
+// spacing: h [m]. Lattice points on the boundary of the box count, within rounding.
 inline bool holds_lattice_position(const Box& box, double spacing) {
   const Eigen::Array3d first = (box.low.array() / spacing - 1e-9).ceil(),
                        last = (box.high.array() / spacing + 1e-9).floor();

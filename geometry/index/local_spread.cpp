@@ -7,7 +7,7 @@ namespace forefeel {
 namespace {
 
 constexpr double far_away = 16;  // of the artificial corners, in scales
-constexpr double penalty = 1e8;  // their squared distance, so that any state is preferred
+constexpr double penalty = 1e8;  // their squared distance: larger than that of any state
 constexpr double flat = 1e-7;    // relative height of tetrahedra that count as coplanar
 constexpr std::uint32_t artificial = 0xfffffffcu;
 
@@ -57,7 +57,7 @@ bool pivot(Basis& basis, const Vec3& p, double cost, std::uint32_t index) {
   for (std::size_t i = 0; i < 4; ++i) {
     if (share[i] <= 1e-10) continue;
     const double ratio = basis.weight[i] / share[i];
-    // Of equals the artificial one leaves, else the one that keeps the tetrahedron fattest.
+    // In a tie an artificial corner leaves; otherwise the one whose removal leaves the largest volume.
     const bool better =
         ratio < step - 1e-13 || (out < 4 && ratio < step + 1e-13 && basis.corner[out] < artificial &&
                                  (basis.corner[i] >= artificial || share[i] > share[out]));

@@ -1,9 +1,11 @@
 #pragma once
-// The spread of a place over the states around it, without a triangulation:
-//   pi_rho(q) = min { sqrt(sum mu_j |x_j - q|^2) : mu_j >= 0, sum mu_j = 1, sum mu_j x_j = q,  |x_j - q| <= rho }   [m]
-// The spread of delaunay_index.hpp is the same minimum over all states, so pi <= pi_rho, with equality where the
-// corners of the Delaunay cell of q lie within rho. A finite pi_rho says that q lies in the hull of the states within
-// rho. Linear programme in five rows, solved by the simplex method on tetrahedra: O(n) a pivot, about ten pivots.
+// The spread of a place from the states around it, without a triangulation:
+//   pi_rho(q) = min { sqrt(sum mu_j |x_j - q|^2) :
+//                     mu_j >= 0, sum mu_j = 1, sum mu_j x_j = q,  |x_j - q| <= rho }   [m]
+// The spread of delaunay_index.hpp is the same minimum over all states. So pi <= pi_rho, with equality if the
+// corners of the Delaunay cell of q lie within rho. A finite pi_rho says that q lies in the hull of the
+// states within rho. A linear programme in five rows, solved by the simplex method on tetrahedra: O(n) a
+// pivot, about ten pivots.
 
 #include <array>
 #include <cstdint>
@@ -16,11 +18,11 @@ namespace forefeel {
 
 struct LocalSpread {
   double spread = std::numeric_limits<double>::infinity();  // [m]
-  bool solid = false;                                       // the four corners below are states, not coplanar
-  std::array<std::uint32_t, 4> corner{};                    // indices of the optimal tetrahedron
+  bool solid = false;                     // true: the four corners are states and not coplanar
+  std::array<std::uint32_t, 4> corner{};  // indices of the optimal tetrahedron
 };
 
-// offsets x_j - q [m]; scale: a length of their order [m].
+// offsets: x_j - q [m]; scale: a length of their order of magnitude [m].
 LocalSpread least_spread(std::span<const Vec3> offsets, double scale);
 
 }  // namespace forefeel

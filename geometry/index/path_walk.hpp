@@ -1,9 +1,10 @@
 #pragma once
-// Where a path of queries was last: a tetrahedron of states with its affine map. While the path stays inside,
+// The memory of a path of queries: the tetrahedron of states that held the last place, with its affine map.
+// While the path stays inside,
 //   lambda_i = (B (q - v_0))_i,  i = 1..3,   lambda_0 = 1 - sum     barycentric weights of q
 //   spread   = sqrt(sum lambda_i |v_i - q|^2)
-// need a dozen products and no search. One walk per path and thread, owned by the caller; it may be handed to any
-// index at any time: a walk that does not fit, or is out of date, costs a search and is renewed.
+// take a dozen products and no search. The caller owns one walk for each path and thread. It may be given to
+// any index at any time: a walk of another index, or out of date, costs a search and is renewed.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,10 +17,10 @@
 namespace forefeel {
 
 struct PathWalk {
-  std::uint64_t version = 0;   // of the index that it belongs to; 0: nowhere yet
-  const void* cell = nullptr;  // the index's own
-  StateId near;                // where a search starts if the rest is out of date
-  bool cached = false;         // the fields below are of the cell
+  std::uint64_t version = 0;   // of the index that it belongs to; 0: of none
+  const void* cell = nullptr;  // private to the index
+  StateId near;                // where a search starts when the rest is out of date
+  bool cached = false;         // true: the fields below belong to the cell
   std::array<StateId, 4> states;
   std::array<Vec3, 4> at;       // [m]
   Mat3 inverse = Mat3::Zero();  // B [1/m]
@@ -30,7 +31,7 @@ struct PathWalk {
     const Vec3 bc = b.cross(c);
     const double volume = a.dot(bc);
     const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
-    // The map of a flat cell is inexact: there every query is a search.
+    // The map of a flat cell would be inexact: there every query searches.
     cached = std::abs(volume) > 1e-3 * longest * std::sqrt(longest);
     if (!cached) return;
     inverse.row(0) = bc / volume;
@@ -38,7 +39,7 @@ struct PathWalk {
     inverse.row(2) = a.cross(b) / volume;
   }
 
-  // True where q is inside by more than rounding, with its weights.
+  // True if q lies inside by more than rounding; then `weight` holds its barycentric weights.
   bool holds(const Vec3& q, std::array<double, 4>& weight) const {
     if (!cached) return false;
     const Vec3 w = inverse * (q - at[0]);
@@ -48,7 +49,7 @@ struct PathWalk {
   }
 };
 
-// Versions of everything that a walk may belong to; no two are alike.
+// A version for whatever a walk may belong to; no two calls return the same.
 std::uint64_t next_version();
 
 }  // namespace forefeel

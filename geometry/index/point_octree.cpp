@@ -83,7 +83,7 @@ void PointOctree::split(std::int32_t node, const Vec3& centre, double) {
 }
 
 void PointOctree::insert(std::uint32_t id, const Vec3& at) {
-  // Paths arrive in order: the last leaf often takes the next point, too.
+  // Points of a path come in order: the next one often falls into the last leaf.
   if (!((at - last_.centre).cwiseAbs().maxCoeff() < last_.half * (1 - 1e-9))) {
     grow_to(at);
     last_ = {0, 0, centre_, half_};
@@ -126,7 +126,7 @@ bool PointOctree::erase(std::uint32_t id, const Vec3& at) {
     for (int i = 0; i < bucket.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (bucket.id[k] != id) continue;
-      // The hole is filled from the head, the only bucket of a chain that may be partly full.
+      // The gap is filled from the first bucket, the only one of a chain that may be partly full.
       Bucket& first = buckets_[static_cast<std::size_t>(head)];
       const auto last = static_cast<std::size_t>(--first.count);
       bucket.x[k] = first.x[last];
@@ -201,7 +201,7 @@ bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double hal
 PointOctree::Neighbour PointOctree::nearest(const Vec3& q, double reach) const {
   Neighbour best{reach * reach, 0xffffffffu};
   if (nodes_.empty()) return {};
-  // While the ball lies on one side of all three planes only that child can hold what is sought.
+  // While the ball lies on one side of all three planes, only the child there can hold the nearest point.
   std::int32_t node = 0;
   Vec3 centre = centre_;
   double half = half_;

@@ -1,7 +1,8 @@
 #pragma once
-// Bucket octree over points: exact nearest and range queries under insertion and removal.
-// A leaf holds up to 16 points; the root doubles where a point falls outside. Points at the same place chain
-// beyond the deepest level. O(log n) insert, O(log n + k) queries; const members are safe from many threads.
+// Nearest and range queries over points, exact, under insertion and removal: an octree with buckets of 16
+// points. The root doubles when a point falls outside; points at one place are chained at the deepest level.
+// O(log n) insertion, O(log n + k) queries of k results. Const members may run in many threads at once.
+// Lengths in [m].
 
 #include <array>
 #include <cstdint>
@@ -28,20 +29,21 @@ class PointOctree {
   void insert(std::uint32_t id, const Vec3& at);
   bool erase(std::uint32_t id, const Vec3& at);  // false: not there
 
-  // The nearest point no farther than `reach` [m]; id 0xffffffff where there is none. Ties by id.
+  // The nearest point within `reach` [m]; id 0xffffffff if there is none. The lowest id wins a tie.
   Neighbour nearest(const Vec3& q, double reach = std::numeric_limits<double>::infinity()) const;
   // The n nearest by distance, ties by id.
   void nearest(const Vec3& q, std::size_t n, std::vector<Neighbour>& out) const;
 
-  // visit(id, offset from q, squared distance) for every point with |x - q| <= radius, in no particular order.
+  // visit(id, offset from q, squared distance) for every point with |x - q| <= radius, in no particular
+  // order.
   template <class Visit>
   void for_each_within(const Vec3& q, double radius, Visit&& visit) const {
     if (nodes_.empty()) return;
     visit_within(0, centre_, half_, q, radius * radius, visit);
   }
 
-  // Of the points within `reach` of q, one with the largest axis . d - cosine |d| + margin, d = x - q, if that is
-  // positive anywhere: false says that the cone around the axis is empty, with the margin to spare [m]. axis: unit.
+  // The point within `reach` of q with the largest axis . d - cosine |d| + margin, d = x - q, as offset d, if
+  // that is positive. False: the cone about the unit axis is empty, with the margin [m] to spare.
   bool find_in_cone(const Vec3& q, const Vec3& axis, double cosine, double margin, double reach,
                     Vec3& offset) const {
     if (nodes_.empty()) return false;
@@ -49,8 +51,8 @@ class PointOctree {
     return find_in_cone(0, centre_, half_, {q, axis, cosine, margin, reach * reach}, best, offset);
   }
 
-  // visit(offset) for every occupied leaf with a state within the radius: the middle of these states where the leaf
-  // is small against its distance, else each of them. Ends where visit() returns false.
+  // visit(offset) for the points within the radius: for a leaf that is small against its distance once, with
+  // the mean of its points; otherwise for each point. Ends when visit() returns false.
   template <class Visit>
   void for_each_leaf_within(const Vec3& q, double radius, Visit&& visit) const {
     if (!nodes_.empty()) visit_leaves(0, centre_, half_, q, radius * radius, visit);

@@ -1,6 +1,7 @@
 #pragma once
-// Reading and writing tetrahedral meshes: Gmsh .msh 2.2 and 4.1 (ASCII and binary), legacy .vtk and .vtu, Medit .mesh.
-// Nodes keep their order in the file, counted from 0. Errors: InputError naming file and line.
+// Reads and writes tetrahedral meshes: Gmsh .msh 2.2 and 4.1 (ASCII and binary), legacy .vtk, .vtu, Medit
+// .mesh. Nodes keep their order in the file and are numbered from 0. Errors are InputError and name file and
+// line.
 
 #include <filesystem>
 
@@ -10,11 +11,12 @@ namespace forefeel {
 
 bool is_mesh_file(const std::filesystem::path& file);  // by extension: .msh .vtk .vtu .mesh
 
-// Reads by extension. Physical groups of Gmsh become groups by name (of any dimension; one that holds the whole body is
-// left out), references of Medit ref_vertices_R, ref_triangles_R, …. Does not check quality (see check_and_orient).
+// The extension decides the format. Node groups: physical groups of Gmsh, of any dimension, keep their names
+// (a group that holds the whole body is left out); references R of Medit become ref_vertices_R,
+// ref_triangles_R, …. Does not check whether the mesh can be solved; check_and_orient() does.
 TetMesh read_mesh(const std::filesystem::path& file);
 
-// Gmsh 2.2 ASCII, written to a temporary name and renamed; groups become physical node groups.
+// Gmsh 2.2 ASCII; groups become physical node groups. The file appears complete or not at all.
 void write_msh(const std::filesystem::path& file, const TetMesh& mesh);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// The readers behind read_mesh(), one a format; content is the whole file.
+// The readers behind read_mesh(), one for each format. The scanner holds the whole file.
 
 #include <cstdint>
 #include <set>
@@ -13,14 +13,14 @@ namespace forefeel {
 
 TetMesh read_gmsh(Scanner in);        // .msh 2.2 and 4.1, ASCII and binary
 TetMesh read_vtk_legacy(Scanner in);  // .vtk, DATASET UNSTRUCTURED_GRID, ASCII and BINARY
-TetMesh read_vtu(Scanner in);         // .vtu: ascii, binary or appended data, zlib where the build has it
+TetMesh read_vtu(Scanner in);         // .vtu: ascii, binary or appended data; zlib if the build has it
 TetMesh read_medit(Scanner in);       // .mesh
 
-// Takes a tetrahedron, passes over points, lines and faces, refuses the rest. where names the file.
+// Adds a tetrahedron; ignores points, lines and faces; InputError for other cells. where: name of the file.
 void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t> nodes,
                   const std::string& where);
 
-// Sorts and makes unique every group; drops empty ones.
+// Sorts every group, removes duplicate nodes and empty groups.
 void tidy_groups(TetMesh& mesh);
 
 }  // namespace forefeel

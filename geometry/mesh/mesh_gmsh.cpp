@@ -1,5 +1,5 @@
-// Gmsh .msh, as its reference manual describes the formats 2.2 and 4.1. Node tags are free numbers there; nodes are
-// numbered here in file order. Physical groups of any dimension become node groups.
+// Gmsh .msh, as its reference manual describes the formats 2.2 and 4.1. Node tags may be any numbers; nodes
+// are numbered here in file order. Physical groups of any dimension become node groups.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 namespace forefeel {
 namespace {
 
-// Nodes of an element type and the dimension of its entity; {0, 0} for a type we do not know.
+// Nodes of an element type and the dimension of its entity; {0, 0} for an unknown type.
 struct ElementType {
   int nodes, dimension;
 };
@@ -43,7 +43,8 @@ class GmshReader {
     if (!seen_nodes_) throw InputError({.file = in_.name()}, "holds no $Nodes section");
     if (!seen_elements_) throw InputError({.file = in_.name()}, "holds no $Elements section");
     for (const auto& [group, nodes] : physical_) {
-      if (group.first == 3 && covers_all(nodes)) continue;  // "the body" says nothing
+      if (group.first == 3 && covers_all(nodes))
+        continue;  // a group of the whole body carries no information
       const auto named = names_.find(group);
       const std::string name =
           named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
@@ -110,7 +111,7 @@ class GmshReader {
   // Binary data begin on the byte after the line that announces them.
   void next_line() {
     std::string_view rest;
-    if (!in_.line(rest) || !trim(rest).empty()) in_.fail("text stands where binary data were expected");
+    if (!in_.line(rest) || !trimmed(rest).empty()) in_.fail("text stands where binary data were expected");
   }
 
   std::int64_t whole(const char* expected) {
@@ -141,7 +142,7 @@ class GmshReader {
       const std::int64_t tag = in_.integer("a physical tag");
       std::string_view rest;
       if (!in_.line(rest)) in_.fail("the file ends where a name was expected");
-      rest = trim(rest);
+      rest = trimmed(rest);
       if (rest.size() < 2 || rest.front() != '"' || rest.back() != '"')
         in_.fail("a name in quotes was expected");
       names_[{dimension, tag}] = std::string(rest.substr(1, rest.size() - 2));

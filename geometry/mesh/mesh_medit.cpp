@@ -1,5 +1,6 @@
-// Medit .mesh (ASCII): "MeshVersionFormatted v", "Dimension 3", then keyword sections of n lines. Reference numbers
-// other than 0 of vertices, triangles and tetrahedra become node groups ref_vertices_R, ref_triangles_R, ….
+// Medit .mesh (ASCII): "MeshVersionFormatted v", "Dimension 3", then keyword sections of n lines. Reference
+// numbers other than 0 of vertices, triangles and tetrahedra become node groups ref_vertices_R,
+// ref_triangles_R, ….
 
 #include <fmt/format.h>
 
@@ -11,7 +12,7 @@
 namespace forefeel {
 namespace {
 
-// Integers a line of the section holds, reference included; 0: not a section that we can skip.
+// Number of integers in a line of the section, reference included; 0: unknown section.
 int integers_per_line(const std::string& keyword) {
   static const std::map<std::string, int> known{{"edges", 3},
                                                 {"triangles", 4},
@@ -28,7 +29,7 @@ int integers_per_line(const std::string& keyword) {
   return found == known.end() ? 0 : found->second;
 }
 
-// Real numbers a line of the section holds, after `integers` leading ones are counted too.
+// Number of values in a line of the section, of which the first `integers` are whole numbers.
 int reals_per_line(const std::string& keyword) {
   static const std::map<std::string, int> known{{"normals", 3},
                                                 {"tangents", 3},

@@ -1,5 +1,6 @@
-// Legacy .vtk, DATASET UNSTRUCTURED_GRID: versions up to 4.2 (CELLS n size) and 5.1 (OFFSETS, CONNECTIVITY), ASCII
-// and BINARY (big-endian). Points, lines and faces among the cells are passed over; other volume cells are refused.
+// Legacy .vtk, DATASET UNSTRUCTURED_GRID: versions up to 4.2 (CELLS n size) and 5.1 (OFFSETS, CONNECTIVITY),
+// ASCII and BINARY (big-endian). Points, lines and faces among the cells are passed over; other volume cells
+// are refused.
 
 #include <fmt/format.h>
 
@@ -51,7 +52,7 @@ class LegacyReader {
       else if (keyword == "metadata")
         skip_metadata();
       else if (keyword == "point_data" || keyword == "cell_data")
-        break;  // nothing that we need follows
+        break;  // the rest of the file is not needed
       else
         in_.fail(fmt::format("keyword '{:.40}' is unknown, expected POINTS, CELLS or CELL_TYPES", keyword));
     }
@@ -105,7 +106,7 @@ class LegacyReader {
 
   void next_line() {
     std::string_view rest;
-    if (binary_ && (!in_.line(rest) || !trim(rest).empty()))
+    if (binary_ && (!in_.line(rest) || !trimmed(rest).empty()))
       in_.fail("text stands where binary data were expected");
   }
 
@@ -152,7 +153,8 @@ class LegacyReader {
     const std::size_t n = count("cells", 2, 1);
     const std::size_t size = count("cell entries", 2, 1);
     std::string_view rest;
-    if (!in_.line(rest) || !trim(rest).empty()) in_.fail("expected the end of the line after CELLS n size");
+    if (!in_.line(rest) || !trimmed(rest).empty())
+      in_.fail("expected the end of the line after CELLS n size");
     const std::size_t at = in_.position();
     // A binary block may begin with any bytes, but a count that spells OFFS would be a cell of 1.3e9 nodes.
     if (lower_case(in_.content().substr(at, 7)) == "offsets") return read_offset_cells(n, size);
@@ -219,7 +221,7 @@ class LegacyReader {
   void skip_metadata() {  // ends with an empty line
     std::string_view line;
     in_.line(line);
-    while (in_.line(line) && !trim(line).empty()) {
+    while (in_.line(line) && !trimmed(line).empty()) {
     }
   }
 

@@ -121,12 +121,12 @@ class VtuReader {
     const std::size_t name_end = std::min(text.find_first_of(" \t\r\n"), text.size());
     tag.name = std::string(text.substr(0, name_end));
     text.remove_prefix(name_end);
-    while (!(text = trim(text)).empty()) {
+    while (!(text = trimmed(text)).empty()) {
       const std::size_t equals = text.find('=');
       if (equals == std::string_view::npos)
         in_.fail(fmt::format("<{:.40}> has an attribute without a value", tag.name));
-      const std::string key(trim(text.substr(0, equals)));
-      text = trim(text.substr(equals + 1));
+      const std::string key(trimmed(text.substr(0, equals)));
+      text = trimmed(text.substr(equals + 1));
       const std::size_t end = text.empty() ? std::string_view::npos : text.find(text.front(), 1);
       if (text.empty() || (text.front() != '"' && text.front() != '\'') || end == std::string_view::npos)
         in_.fail(fmt::format("<{:.40}> has an attribute without quotes", tag.name));
@@ -287,7 +287,7 @@ class VtuReader {
   }
 
   std::string bytes_of(const Array& array, const std::string& format, const std::string& offset) {
-    if (format == "binary") return unpack(trim(array.text), true);
+    if (format == "binary") return unpack(trimmed(array.text), true);
     if (format != "appended")
       throw InputError({.file = in_.name()},
                        fmt::format("data format '{:.40}', expected ascii, binary or appended", format));

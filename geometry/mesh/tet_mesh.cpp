@@ -14,7 +14,8 @@
 namespace forefeel {
 namespace {
 
-// Faces of a positively oriented tetrahedron, each counter-clockwise seen from outside; face i is opposite node i.
+// Faces of a positively oriented tetrahedron, each counter-clockwise seen from outside; face i is opposite
+// node i.
 constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 struct Face {
@@ -110,7 +111,7 @@ double tet_volume(const TetMesh& mesh, std::size_t tet) {
   return (mesh.nodes[b] - origin).cross(mesh.nodes[c] - origin).dot(mesh.nodes[d] - origin) / 6;
 }
 
-MeshQuality quality(const TetMesh& mesh) {
+MeshQuality mesh_quality(const TetMesh& mesh) {
   MeshQuality result;
   if (mesh.tets.empty()) return result;
   result.min_dihedral_deg = 180;

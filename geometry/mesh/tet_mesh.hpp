@@ -17,10 +17,9 @@ using Tet = std::array<NodeIndex, 4>;
 using Triangle = std::array<NodeIndex, 3>;  // counter-clockwise seen from outside
 
 struct TetMesh {
-  std::vector<Vec3> nodes;  // #V, [m]
-  std::vector<Tet> tets;    // #T, positively oriented
-  std::map<std::string, std::vector<NodeIndex>>
-      groups;  // named node sets of the file (physical groups), sorted
+  std::vector<Vec3> nodes;                               // #V, [m]
+  std::vector<Tet> tets;                                 // #T, positively oriented
+  std::map<std::string, std::vector<NodeIndex>> groups;  // named node sets of the file, sorted
 };
 
 struct MeshQuality {
@@ -31,25 +30,26 @@ struct MeshQuality {
 };
 
 double tet_volume(const TetMesh& mesh, std::size_t tet);  // signed, [m^3]
-MeshQuality quality(const TetMesh& mesh);
+MeshQuality mesh_quality(const TetMesh& mesh);
 Box bounding_box(const TetMesh& mesh);
 double longest_side(const TetMesh& mesh);            // of the bounding box, [m]
-void scale_to_length(TetMesh& mesh, double length);  // longest side becomes length, about the origin
+void scale_to_length(TetMesh& mesh, double length);  // about the origin, until the longest side is length [m]
 std::vector<Triangle> boundary_triangles(const TetMesh& mesh);  // outward
 std::vector<NodeIndex> surface_nodes(const TetMesh& mesh);      // sorted
-// Component number of each node by shared tetrahedra, from 0; -1 for a node that no tetrahedron uses.
+// Number of the connected part of each node, from 0; -1 for a node that belongs to no tetrahedron.
 std::vector<int> components(const TetMesh& mesh);
 
 struct MeshCheck {
   std::vector<std::string> warnings;  // e.g. "all tetrahedra were turned", "3 nodes belong to no tetrahedron"
 };
-// Makes a mesh fit for solving, or throws InputError(where, ...): no tetrahedra, index out of range, non-finite
-// coordinates, zero volume (|V| < 1e-14 L^3), mixed orientation. A mesh wholly flipped is turned, with a warning.
+// Checks that a mesh can be solved. InputError at `where`: no tetrahedra, index out of range, coordinates
+// that are not finite, zero volume (|V| < 1e-14 L^3, L the longest side), mixed orientation. A mesh whose
+// tetrahedra are all negatively oriented is turned, with a warning.
 MeshCheck check_and_orient(TetMesh& mesh, const std::string& where);
 
 // Node sets by geometry; sorted.
-std::vector<NodeIndex> nodes_below(const TetMesh& mesh, Axis axis,
-                                   double share);  // lowest share of the extent
+// share: of the extent along the axis, from its low end, in [0, 1].
+std::vector<NodeIndex> nodes_below(const TetMesh& mesh, Axis axis, double share);
 NodeIndex nearest_surface_node(const TetMesh& mesh, const Vec3& point);
 std::vector<NodeIndex> surface_nodes_within(const TetMesh& mesh, const Vec3& centre, double radius);
 

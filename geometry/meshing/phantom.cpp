@@ -16,8 +16,10 @@ namespace {
 
 constexpr double patch_radius = 0.02;  // of the group "contact" [m]
 
-// Two ellipsoids with semi-axes r that differ above and below their equator, blended: g_i = |(x - c_i) / r_i|^2,
-// f = 1 / g_1^2 + 1 / g_2^2 - 1. The right lobe (x < 0) is thick, the left one thin; the underside is flat.
+// Two ellipsoids, blended; their semi-axes r differ above and below the equator:
+//   g_i = |(x - c_i) / r_i|^2,   f = 1 / g_1^2 + 1 / g_2^2 - 1. The right lobe (x < 0) is thick, the left one
+//   thin; the underside is
+// flat.
 struct Lobe {
   Vec3 centre;
   double x, y, above, below;  // semi-axes [m]
@@ -56,12 +58,12 @@ ImplicitSurface liver_body() {
   return {value, gradient, Vec3(0.006, 0.004, 0), 0.2};
 }
 
-// Farthest point of the body along an axis: walks along the surface, always uphill.
+// Farthest point of the body along a direction, by ascent along the surface.
 Vec3 extreme(const ImplicitSurface& body, const Vec3& direction) {
-  Vec3 point = cast(body, body.centre, direction);
+  Vec3 point = last_crossing(body, body.centre, direction);
   for (int k = 0; k < 200; ++k) {
     const Vec3 normal = body.gradient(point).normalized();
-    point = project(body, point + 0.02 * (direction - normal.dot(direction) * normal));
+    point = project_onto(body, point + 0.02 * (direction - normal.dot(direction) * normal));
   }
   return point;
 }
@@ -70,11 +72,11 @@ Vec3 extreme(const ImplicitSurface& body, const Vec3& direction) {
 struct Liver {
   ImplicitSurface unscaled = liver_body();
   Vec3 left = extreme(unscaled, -Vec3::UnitX()), right = extreme(unscaled, Vec3::UnitX());
-  Vec3 top = cast(unscaled, lobes()[0].centre, Vec3::UnitZ());  // over the thickest place
+  Vec3 top = last_crossing(unscaled, lobes()[0].centre, Vec3::UnitZ());  // over the thickest place
   double scale = 0.22 / (right.x() - left.x());
 
   Surface surface(int n) const {
-    Surface result = triangulate(unscaled, n, std::array{top, left, right});
+    Surface result = triangulate_implicit(unscaled, n, std::array{top, left, right});
     for (Vec3& node : result.nodes) node *= scale;
     return result;
   }
@@ -147,7 +149,7 @@ TetMesh box_mesh(const Box& box, const std::array<int, 3>& cells) {
   return mesh;
 }
 
-// Cell counts with 6 n_x n_y n_z within 5 % of the asked number and cells as near to cubes as that allows.
+// Cell counts with 6 n_x n_y n_z within 5 % of the wanted number, and cells as near to cubes as possible.
 std::array<int, 3> cells_for(const Vec3& size, std::size_t elements) {
   const double cells = static_cast<double>(elements) / 6;
   const double edge = std::cbrt(size.prod() / cells);
@@ -161,7 +163,7 @@ std::array<int, 3> cells_for(const Vec3& size, std::size_t elements) {
                          static_cast<std::size_t>(j) * static_cast<std::size_t>(k);
       if (!within_share(count, elements)) continue;
       const Vec3 sides(size.x() / i, size.y() / j, size.z() / k);
-      // The aspect ratio decides, then the count: 2 % off weighs as much as 2 % of elongation.
+      // Aspect ratio and count: a count that is 2 % off weighs as much as an elongation of 2 %.
       const double cost =
           sides.maxCoeff() / sides.minCoeff() + std::abs(static_cast<double>(count) / (6 * cells) - 1);
       if (cost < least) least = cost, best = {i, j, k};
@@ -181,7 +183,8 @@ bool is_box(std::string_view name) {
   return name == "beam" || name == "slab";
 }
 
-// The geodesic frequency whose triangles are about as large as the faces of `elements` equal tetrahedra inside.
+// The subdivision n whose triangles are about as large as the faces of `elements` equal tetrahedra in the
+// body.
 int frequency_for(std::size_t elements) {
   return std::max(1, static_cast<int>(std::lround(5 * std::cbrt(static_cast<double>(elements) / 1777))));
 }
@@ -198,7 +201,7 @@ TetMesh smooth_mesh(std::string_view name, std::size_t elements) {
                                           problem.empty() ? "" : ": ", problem));
 }
 
-// Where the body is held: beam at its root, ball and slab below, liver on its underside.
+// The clamp: beam at its root, ball and slab below, liver on its underside.
 std::vector<NodeIndex> clamp_nodes(std::string_view name, const TetMesh& mesh) {
   if (name == "beam") return nodes_below(mesh, Axis::x, 1e-9);
   if (name == "slab") return nodes_below(mesh, Axis::z, 1e-9);

@@ -31,7 +31,8 @@ Vec3 area_vector(const Surface& surface, const Triangle& t) {
   return (surface.nodes[t[1]] - a).cross(surface.nodes[t[2]] - a);
 }
 
-// One Jacobi step: each node moves to the area-weighted mean of the centroids around it, and back onto the surface.
+// One Jacobi step: each node moves to the area-weighted mean of the centroids around it, and back onto the
+// surface.
 void smooth(const ImplicitSurface& body, Surface& surface, const std::vector<char>& fixed) {
   std::vector<Vec3> sum(surface.nodes.size(), Vec3::Zero());
   std::vector<double> weight(surface.nodes.size(), 0);
@@ -45,7 +46,7 @@ void smooth(const ImplicitSurface& body, Surface& surface, const std::vector<cha
     const Vec3 normal = body.gradient(surface.nodes[i]).normalized();
     Vec3 step = sum[i] / weight[i] - surface.nodes[i];
     step -= normal.dot(step) * normal;
-    surface.nodes[i] = project(body, surface.nodes[i] + step);
+    surface.nodes[i] = project_onto(body, surface.nodes[i] + step);
   }
 }
 
@@ -59,7 +60,8 @@ struct Edge {
   std::uint8_t corner;  // opposite the edge
 };
 
-// Turns edges whose opposite angles sum to more than 180 degrees, where the new triangles do not fold. True if any.
+// Turns edges whose opposite angles sum to more than 180 degrees, where the new triangles do not fold. True
+// if any.
 bool flip_pass(Surface& surface) {
   std::vector<Edge> edges;
   edges.reserve(3 * surface.triangles.size());
@@ -139,7 +141,7 @@ Surface geodesic_sphere(int n) {
   return result;
 }
 
-Vec3 project(const ImplicitSurface& body, Vec3 point) {
+Vec3 project_onto(const ImplicitSurface& body, Vec3 point) {
   for (int k = 0; k < 30; ++k) {
     const double value = body.value(point);
     const Vec3 gradient = body.gradient(point);
@@ -150,7 +152,7 @@ Vec3 project(const ImplicitSurface& body, Vec3 point) {
   return point;
 }
 
-Vec3 cast(const ImplicitSurface& body, const Vec3& from, const Vec3& direction) {
+Vec3 last_crossing(const ImplicitSurface& body, const Vec3& from, const Vec3& direction) {
   double low = 0, high = body.reach;
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (low + high);
@@ -159,9 +161,9 @@ Vec3 cast(const ImplicitSurface& body, const Vec3& from, const Vec3& direction) 
   return from + low * direction;
 }
 
-Surface triangulate(const ImplicitSurface& body, int n, std::span<const Vec3> pins) {
+Surface triangulate_implicit(const ImplicitSurface& body, int n, std::span<const Vec3> pins) {
   Surface surface = geodesic_sphere(n);
-  for (Vec3& node : surface.nodes) node = cast(body, body.centre, node);
+  for (Vec3& node : surface.nodes) node = last_crossing(body, body.centre, node);
   std::vector<char> fixed(surface.nodes.size(), 0);
   relax(body, surface, fixed);
   for (const Vec3& pin : pins) {

@@ -1,7 +1,7 @@
 #pragma once
-// Even triangulations of smooth closed surfaces given as f(x) = 0: a subdivided icosahedron is thrown onto the
-// surface along rays, then relaxed by turns of smoothing along the surface and Delaunay flips. Only + - * / and
-// square roots are used, so that every processor gets the same bits.
+// Even triangulations of smooth closed surfaces f(x) = 0. A subdivided icosahedron is projected onto the
+// surface along rays; then smoothing along the surface alternates with Delaunay flips. Only + - * / and
+// square roots are used, so every processor computes the same bits.
 
 #include <functional>
 #include <span>
@@ -20,10 +20,11 @@ struct ImplicitSurface {
 // The subdivided icosahedron: 20 n^2 triangles, 10 n^2 + 2 nodes on the unit sphere.
 Surface geodesic_sphere(int n);
 
-Vec3 project(const ImplicitSurface& body, Vec3 point);  // nearest along the gradient
-Vec3 cast(const ImplicitSurface& body, const Vec3& from, const Vec3& direction);  // last crossing on the ray
+Vec3 project_onto(const ImplicitSurface& body, Vec3 point);  // along the gradient
+Vec3 last_crossing(const ImplicitSurface& body, const Vec3& from,
+                   const Vec3& direction);  // of the ray with the surface
 
-// 20 n^2 triangles on the body, outward; one node comes to lie on each of `pins`.
-Surface triangulate(const ImplicitSurface& body, int n, std::span<const Vec3> pins);
+// 20 n^2 triangles on the surface, outward; each point of `pins` becomes a node.
+Surface triangulate_implicit(const ImplicitSurface& body, int n, std::span<const Vec3> pins);
 
 }  // namespace forefeel

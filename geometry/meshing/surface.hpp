@@ -1,5 +1,5 @@
 #pragma once
-// Triangle surfaces: reading, repair, decimation, and tetrahedralisation to an asked element count.
+// Triangle surfaces: reading, repair, and tetrahedralisation with a given number of elements. Lengths in [m].
 
 #include <cstddef>
 #include <filesystem>
@@ -16,12 +16,12 @@ struct Surface {
   std::vector<Triangle> triangles;
 };
 
-bool is_surface_file(const std::filesystem::path& file);  // by extension
+bool is_surface_file(const std::filesystem::path& file);  // by extension: .obj .off .stl .ply
 
 // .obj .off .stl (ASCII and binary) .ply (ASCII and binary). InputError names file and line.
 Surface read_surface(const std::filesystem::path& file);
 
-Surface boundary_surface(const TetMesh& mesh);   // outward; nodes renumbered, in the order of the mesh
+Surface boundary_surface(const TetMesh& mesh);   // outward; nodes in the order of the mesh, renumbered
 double enclosed_volume(const Surface& surface);  // [m^3], positive where the triangles face outward
 Box bounding_box(const Surface& surface);
 
@@ -30,29 +30,32 @@ struct RepairReport {
   std::size_t holes = 0;
   std::size_t components = 0;
   bool reoriented = false;
-  bool wrapped = false;  // rebuilt by an alpha wrap because local repair did not suffice
+  bool wrapped = false;  // local repair failed; rebuilt as an alpha wrap
   std::size_t triangles_before = 0, triangles_after = 0;
 };
 
-// A closed, outward, self-intersection-free surface close to the input (CGAL: polygon soup repair, orientation,
-// hole filling, self-intersection removal; alpha wrap as the last resort).
-Surface repair(const Surface& surface, RepairReport& report);
+// A closed surface near the input, outward, without self-intersections. By CGAL: polygon soup repair,
+// orientation, hole filling, removal of self-intersections; if that fails, an alpha wrap. InputError if it
+// encloses no volume.
+Surface repair_surface(const Surface& surface, RepairReport& report);
 
-// Largest distance from a point of either surface to the other, sampled every `step` [m] (0: a 300th of the diagonal).
+// Hausdorff distance [m]: the largest distance from a point of either surface to the other one. Sampled every
+// `step` [m]; 0: a 300th of the diagonal.
 double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
 
 struct TetrahedraliseOptions {
-  std::size_t elements = 0;                     // asked count, met within 5 %; 0: as the surface gives
+  std::size_t elements = 0;                     // wanted number, met within 5 %; 0: as the surface is
   std::optional<double> length = std::nullopt;  // rescale so that the longest side is this [m]
-  std::string name = "surface";                 // named in errors
+  std::string name = "surface";                 // what errors call it
 };
 
 struct TetrahedraliseReport {
   RepairReport repair;
-  double hausdorff = 0;  // largest distance between input surface and mesh boundary, both ways [m]
+  double hausdorff = 0;  // between the input surface and the boundary of the mesh [m]
 };
 
-// Repairs, decimates and fills a surface (TetGen, volume bound bisected). InputError if the count cannot be met.
+// Repairs and decimates a surface and fills it by TetGen; bisection finds the volume bound that gives the
+// wanted number. InputError if that number cannot be met.
 TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
                        TetrahedraliseReport* report = nullptr);
 

@@ -1,5 +1,6 @@
 #pragma once
-// Conversions between our surfaces and CGAL's; included by the two files that process surfaces with CGAL.
+// Conversions between Surface and CGAL's types. Only the two files that process surfaces with CGAL include
+// this.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
@@ -37,7 +38,7 @@ inline Surface from_mesh(Mesh& mesh) {
   return surface;
 }
 
-// Only for surfaces that are manifold and consistently oriented.
+// The surface must be manifold and consistently oriented.
 inline Mesh to_mesh(const Surface& surface) {
   Mesh mesh;
   for (const Vec3& node : surface.nodes) mesh.add_vertex(Point(node.x(), node.y(), node.z()));

@@ -44,7 +44,7 @@ void read_obj_corner(Scanner& in, Builder& out, std::string_view corner) {
 
 std::vector<std::string_view> words(std::string_view line) {
   std::vector<std::string_view> result;
-  while (!(line = trim(line)).empty()) {
+  while (!(line = trimmed(line)).empty()) {
     const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
     result.push_back(line.substr(0, end));
     line.remove_prefix(end);
@@ -108,7 +108,7 @@ class Welder {
   void corner(const Vec3& point) {
     const std::array<double, 3> key{point.x() + 0.0, point.y() + 0.0, point.z() + 0.0};  // -0 is 0
     if (key[0] != key[0] || key[1] != key[1] || key[2] != key[2]) {
-      out_.surface.nodes.push_back(point);  // refused later, with the other coordinates that are not finite
+      out_.surface.nodes.push_back(point);  // not finite: refused at the end, as in the other formats
       out_.polygon.push_back(static_cast<std::int64_t>(out_.surface.nodes.size()) - 1);
       return;
     }
@@ -158,7 +158,7 @@ void read_stl(Scanner& in, Builder& out) {
   std::uint32_t n = 0;
   if (in.content().size() >= 84) std::memcpy(&n, in.content().data() + 80, 4);
   if (std::endian::native == std::endian::big) n = byte_swapped(n);
-  // Binary files may begin with "solid" as well: their length tells.
+  // Binary files may begin with "solid", too; the length of the file decides.
   const bool binary =
       in.content().size() >= 84 && in.content().size() == 84 + 50 * static_cast<std::size_t>(n);
   if (!binary && lower_case(in.content().substr(0, 5)) == "solid") return read_stl_text(in, out);
@@ -208,7 +208,7 @@ class PlyReader {
 
   void read_header() {
     std::string_view line;
-    if (!in_.line(line) || trim(line) != "ply")
+    if (!in_.line(line) || trimmed(line) != "ply")
       in_.fail("is not a PLY file, expected 'ply' in the first line");
     for (;;) {
       if (!in_.line(line)) in_.fail("the file ends before end_header");

@@ -1,16 +1,17 @@
 #pragma once
-// Steps of tetrahedralise() on repaired surfaces (closed, manifold, outward).
+// Steps of tetrahedralise(), for repaired surfaces: closed, manifold, outward. Private to this room.
 
 #include "geometry/meshing/surface.hpp"
 
 namespace forefeel {
 
-double area(const Surface& surface);  // [m^2]
+double surface_area(const Surface& surface);  // [m^2]
 bool intersects_itself(const Surface& surface);
-// A closed surface around everything, offset outward by a twentieth of alpha [m] (CGAL alpha_wrap_3).
+// A closed surface around the whole input, a twentieth of alpha [m] outside it (CGAL alpha_wrap_3).
 Surface alpha_wrap(const Surface& surface, double alpha);
-// Triangles of about this edge length [m]: Garland-Heckbert edge collapse while the surface is far finer than that,
-// then isotropic remeshing back onto the input; edges sharper than 50 degrees stay.
-Surface resample(const Surface& surface, double edge);
+// The same surface with triangles of about this edge length [m]. A much finer surface is first decimated by
+// edge collapse (Garland and Heckbert 1997); then isotropic remeshing, projected onto the input. Edges
+// sharper than 50 degrees stay.
+Surface resample_surface(const Surface& surface, double edge);
 
 }  // namespace forefeel

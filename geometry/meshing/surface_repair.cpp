@@ -23,7 +23,7 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using cgal::Mesh;
 using cgal::Soup;
 
-// Oriented alike, manifold, borders sewn. Non-manifold edges and vertices are split.
+// Orients the triangles consistently, splits non-manifold edges and vertices, and sews borders.
 Mesh sewn(Soup soup, bool& reoriented) {
   auto& [points, polygons] = soup;
   PMP::repair_polygon_soup(points, polygons);
@@ -51,7 +51,7 @@ std::size_t fill_holes(Mesh& mesh) {
   return cycles.size();
 }
 
-// Parts without volume (crumbs, folded sheets) go; the number of those that stay.
+// Removes parts without volume (crumbs, folded sheets); returns the number of parts that stay.
 std::size_t drop_crumbs(Mesh& mesh) {
   auto part = mesh.add_property_map<Mesh::Face_index, std::size_t>("f:part").first;
   const std::size_t parts = PMP::connected_components(mesh, part);
@@ -79,7 +79,7 @@ bool is_solid(const Mesh& mesh) {
   return !mesh.is_empty() && CGAL::is_closed(mesh) && !PMP::does_self_intersect(mesh);
 }
 
-// In place; false where the mesh cannot be made solid by local means.
+// Repairs in place. False if local repair cannot make the mesh a closed solid.
 bool repair_locally(Mesh& mesh, RepairReport& report) {
   report.holes = fill_holes(mesh);
   if (!CGAL::is_closed(mesh)) return false;
@@ -106,7 +106,7 @@ Surface alpha_wrap(const Surface& surface, double alpha) {
   return cgal::from_mesh(mesh);
 }
 
-Surface repair(const Surface& surface, RepairReport& report) {
+Surface repair_surface(const Surface& surface, RepairReport& report) {
   report = {};
   report.triangles_before = surface.triangles.size();
   if (!(diagonal(surface) > 0)) throw InputError("surface", "has no extent, expected a closed surface");
@@ -122,7 +122,7 @@ Surface repair(const Surface& surface, RepairReport& report) {
       report.reoriented = report.reoriented || before < 0;
     }
   } catch (const CGAL::Failure_exception&) {
-    solid = false;  // the wrap below copes with anything
+    solid = false;  // the wrap below accepts any input
   }
   if (solid) {
     result = cgal::from_mesh(mesh);
@@ -132,9 +132,9 @@ Surface repair(const Surface& surface, RepairReport& report) {
     Mesh wrapped = cgal::to_mesh(result);
     report.components = drop_crumbs(wrapped);
     result = cgal::from_mesh(wrapped);
-    // Around an open sheet the wrap is a shell of twice its offset; a body thicker than the offset passes.
+    // The wrap of an open sheet is a shell twice its offset thick; such a thin result is refused.
     const double offset = diagonal(surface) / 60 / 20;
-    if (enclosed_volume(result) < 1.5 * offset * area(result)) {
+    if (enclosed_volume(result) < 1.5 * offset * surface_area(result)) {
       throw InputError("surface", "encloses no volume, expected a closed surface");
     }
   }

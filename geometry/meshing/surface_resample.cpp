@@ -37,7 +37,7 @@ void decimate(Mesh& mesh, double share) {
 // Largest distance from points of `from`, no more than `step` apart, to `to`.
 double one_sided_distance(const Surface& from, const Surface& to, double step) {
   const cgal::Soup soup = cgal::to_soup(to);
-  Mesh mesh;  // a soup may be non-manifold: each triangle stands alone
+  Mesh mesh;  // each triangle on its own: the input may be non-manifold
   for (const auto& face : soup.second) {
     const auto a = mesh.add_vertex(soup.first[face[0]]), b = mesh.add_vertex(soup.first[face[1]]),
                c = mesh.add_vertex(soup.first[face[2]]);
@@ -64,7 +64,7 @@ double one_sided_distance(const Surface& from, const Surface& to, double step) {
 
 }  // namespace
 
-double area(const Surface& surface) {
+double surface_area(const Surface& surface) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles) {
     const Vec3& origin = surface.nodes[static_cast<std::size_t>(a)];
@@ -76,9 +76,9 @@ double area(const Surface& surface) {
   return sum;
 }
 
-Surface resample(const Surface& surface, double edge) {
+Surface resample_surface(const Surface& surface, double edge) {
   Mesh mesh = cgal::to_mesh(surface);
-  const double wanted = area(surface) / (std::sqrt(3.0) / 4 * edge * edge);
+  const double wanted = surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge);
   const double far_finer = static_cast<double>(surface.triangles.size()) / (6 * wanted);
   try {
     if (far_finer > 1) decimate(mesh, 1 / far_finer);

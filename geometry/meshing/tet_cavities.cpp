@@ -15,7 +15,7 @@ Triangle sorted(Triangle t) {
   return t;
 }
 
-// Number of the region of each tetrahedron: those that hang together without crossing the surface.
+// Number of the region of each tetrahedron. A region is connected without crossing the surface.
 std::vector<int> regions_of(const TetMesh& mesh, const Surface& surface) {
   std::set<Triangle> walls;
   for (const Triangle& t : surface.triangles) walls.insert(sorted(t));
@@ -58,7 +58,7 @@ double winding_number(const Surface& surface, const Vec3& q) {
   return sum;
 }
 
-// Drops nodes that no tetrahedron uses, but keeps those of the surface, which come first.
+// Removes nodes that no tetrahedron uses, except those of the surface, which come first.
 void compact(TetMesh& mesh, std::size_t keep) {
   std::vector<char> used(mesh.nodes.size(), 0);
   std::fill_n(used.begin(), std::min(keep, used.size()), char{1});
@@ -77,7 +77,7 @@ void compact(TetMesh& mesh, std::size_t keep) {
 
 void drop_cavities(TetMesh& mesh, const Surface& surface) {
   const std::vector<int> region = regions_of(mesh, surface);
-  std::vector<int> inside(mesh.tets.size(), -1);  // by region: -1 not looked at yet
+  std::vector<int> inside(mesh.tets.size(), -1);  // by region; -1: not yet known
   std::vector<Tet> kept;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     int& known = inside[static_cast<std::size_t>(region[t])];

@@ -14,9 +14,9 @@
 
 #include "geometry/meshing/tet_improve.hpp"
 
-// libtet was compiled with TETLIBRARY: failures are thrown as int, after its memory was released once already, and
-// released again while the stack unwinds. Our own definition takes the place of that weak function and leaves at
-// once; we are in a child process of our own (below).
+// libtet is compiled with TETLIBRARY: on failure it frees its memory, throws an int, and frees the memory
+// again while the stack unwinds. This definition replaces its weak function and ends the process at once.
+// TetGen runs in a child process (below).
 #define TETLIBRARY
 #define terminatetetgen terminatetetgen_of_the_header
 #include <tetgen.h>
@@ -31,7 +31,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A power of two (so that scaling is exact) that brings the body to a size TetGen's tolerances suit.
+// A power of two (so that scaling is exact) that brings the body to a size that suits TetGen's tolerances.
 double scale_for(const Surface& surface) {
   double side = 0;
   for (const Vec3& node : surface.nodes)
@@ -71,7 +71,7 @@ bool write_all(int descriptor, const void* data, std::size_t size) {
   return true;
 }
 
-// In the child: two counts, coordinates, indices.
+// In the child: writes two counts, coordinates, indices.
 [[noreturn]] void run_child(int out, const Surface& surface, double scale, const std::string& switches) {
   // No destructors: the process ends here.
   auto& in = *new tetgenio;
@@ -91,7 +91,7 @@ bool write_all(int descriptor, const void* data, std::size_t size) {
   _exit(written ? 0 : 99);
 }
 
-// Everything the child writes; false after the deadline.
+// Reads all that the child writes; false after the deadline.
 bool drain(int in, Clock::time_point deadline, std::string& data) {
   char block[1 << 16];
   for (;;) {
@@ -181,9 +181,9 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   std::optional<TetMesh> mesh = unpack(data, scale);
   if (!mesh) problem = "TetGen's answer was cut short";
   if (mesh && options.keep_surface && parts(surface) > 1) drop_cavities(*mesh, surface);
-  // With new nodes on the surface we cannot tell them from inner ones: then none moves.
+  // New nodes on the surface cannot be told from inner ones; in that case no node may move.
   if (mesh && options.improve)
-    improve(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
+    improve_shapes(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
   return mesh;
 }
 
@@ -218,7 +218,8 @@ class BoundSearch {
     const std::size_t free = attempt(0);
     best.too_fine = static_cast<double>(free) > asked * (1 + share);
     if (free == 0 || best.too_fine || near(free)) return best;
-    // Mean tetrahedra are about 0.6 of the bound; from there look for bounds on both sides, then halve the interval.
+    // The mean volume is about 0.6 of the bound. From there: find bounds on both sides, then halve the
+    // interval.
     double coarse = 0, fine = 0, bound = enclosed_volume(surface_) / asked / 0.6;
     for (int k = 0; k < 16; ++k) {
       const std::size_t count = attempt(bound);
@@ -250,7 +251,7 @@ CountedFill fill_to_count(const Surface& surface, std::size_t elements, double s
   CountedFill result;
   BoundSearch search(surface, options);
   const auto asked = static_cast<double>(elements);
-  // Flips take some of TetGen's tetrahedra away; how many shows after the first time.
+  // Flips remove some of TetGen's tetrahedra; the first attempt shows how many.
   double left_by_flips = 0.955;
   for (int k = 0; k < 3; ++k) {
     BoundSearch::Result raw = search.nearest(asked / left_by_flips, share / 2);
@@ -258,7 +259,7 @@ CountedFill fill_to_count(const Surface& surface, std::size_t elements, double s
     result.too_fine = raw.too_fine;
     if (!raw.mesh) return result;
     const auto before = static_cast<double>(raw.mesh->tets.size());
-    improve(*raw.mesh, {.fixed_nodes = surface.nodes.size()});
+    improve_shapes(*raw.mesh, {.fixed_nodes = surface.nodes.size()});
     const std::size_t count = raw.mesh->tets.size();
     left_by_flips = static_cast<double>(count) / before;
     if (!result.mesh || log_ratio(count, asked) < log_ratio(result.mesh->tets.size(), asked))

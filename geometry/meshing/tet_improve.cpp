@@ -14,8 +14,9 @@ namespace {
 
 constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
 
-// Least sine of a dihedral angle, negative where the tetrahedron is turned: small angles and those near 180 degrees
-// count alike, and no trigonometry is needed. sin = 3/2 V l / (A_i A_j) with l the edge that the faces share.
+// Least sine of a dihedral angle, negative where the tetrahedron is turned: small angles and those near 180
+// degrees count alike, and no trigonometry is needed. sin = 3/2 V l / (A_i A_j) with l the edge that the
+// faces share.
 double shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 p[4] = {a, b, c, d};
   const double six_volume = (b - a).cross(c - a).dot(d - a);
@@ -86,8 +87,9 @@ class Improver {
     return result;
   }
 
-  // Takes away flat tetrahedra on the surface: with two faces there, the surface gets the other diagonal of the two;
-  // with three, a low tip goes. The surface moves by less than a tenth of the edges there. True if any.
+  // Removes flat tetrahedra on the surface. One with two faces there: the surface gets the other diagonal of
+  // the two. One with three: a low tip is cut off. The surface moves by less than a tenth of the edges there.
+  // True if any.
   bool peel() {
     const std::vector<Side> all = sides();
     std::vector<std::vector<int>> outer(mesh_.tets.size());
@@ -123,8 +125,8 @@ class Improver {
     return any;
   }
 
-  // Whether the surface hardly moves when this tetrahedron goes: its faces on the surface look the same way (else it
-  // is a true edge or tip of the body), and it is low.
+  // Whether removing this tetrahedron hardly moves the surface: its faces on the surface have nearly one
+  // normal (otherwise it is a real edge or tip of the body), and its height is small.
   bool low(const Tet& tet, const std::vector<int>& on_surface) const {
     std::vector<Vec3> normals;
     for (const int side : on_surface) {
@@ -141,13 +143,13 @@ class Improver {
     const Vec3 a = at(tet[1]) - at(tet[0]), b = at(tet[2]) - at(tet[0]), c = at(tet[3]) - at(tet[0]);
     const double six_volume = a.cross(b).dot(c);
     double height = 0;
-    if (on_surface.size() == 2) {  // between the edge that goes and the one that comes
+    if (on_surface.size() == 2) {  // distance between the old and the new edge
       const NodeIndex i = tet[std::size_t(on_surface[0])], j = tet[std::size_t(on_surface[1])];
       NodeIndex other[2]{}, n = 0;
       for (const NodeIndex node : tet)
         if (node != i && node != j) other[n++] = node;
       height = six_volume / (at(i) - at(j)).cross(at(other[0]) - at(other[1])).norm();
-    } else {  // of the tip over the face inside
+    } else {  // height of the tip over the inner face
       const int inside = 6 - on_surface[0] - on_surface[1] - on_surface[2];
       const Vec3& p = at(tet[std::size_t(faces[inside][0])]);
       height = six_volume / (at(tet[std::size_t(faces[inside][1])]) - p)
@@ -209,8 +211,8 @@ class Improver {
     return least;
   }
 
-  // An inner edge with n tetrahedra around it goes: its ring of n nodes is triangulated, two tetrahedra a triangle
-  // (3-2 for n = 3, 4-4 for n = 4, and so on).
+  // Removes an inner edge with n tetrahedra around it: the ring of n nodes is triangulated, two tetrahedra
+  // for each triangle (3-2 for n = 3, 4-4 for n = 4, and so on).
   void flip_edges() {
     std::unordered_map<Key, std::vector<int>> around;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
@@ -309,8 +311,9 @@ class Improver {
     collect(k, j, split, pair_of, out);
   }
 
-  // Inner nodes try steps towards the mean of their neighbours and along the axes, halved until nothing helps. Nodes
-  // of the surface move only where a tetrahedron is really bad, and by a few hundredths of an edge.
+  // Tries steps of inner nodes towards the mean of their neighbours and along the axes; the step is halved
+  // until nothing helps. Nodes of the surface move only next to very bad tetrahedra, by a few hundredths of
+  // an edge.
   void smooth() {
     std::vector<std::vector<int>> star(mesh_.nodes.size());
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
@@ -360,7 +363,7 @@ class Improver {
 
 }  // namespace
 
-void improve(TetMesh& mesh, const ImproveOptions& options) {
+void improve_shapes(TetMesh& mesh, const ImproveOptions& options) {
   Improver(mesh, options).run();
 }
 

@@ -1,8 +1,11 @@
 #pragma once
-// Better-shaped tetrahedra: slivers on the surface are peeled off (the same as turning one edge of the surface), faces
-// and edges inside are flipped (2-3; 3-2, 4-4 and more by Klincsek's dynamic programme), inner nodes move, those of the
-// surface by a few hundredths of an edge and only at really bad places. A flip or move is kept only where the worst
-// angle of the tetrahedra it touches grows. The result depends on the input alone.
+// Improves the shape of tetrahedra:
+//   flat tetrahedra on the surface are removed, as if an edge of the surface were flipped
+//   inner faces and edges are flipped: 2-3; 3-2, 4-4 and larger rings by Klincsek's dynamic programme (1980)
+//   inner nodes move; nodes of the surface move by a few hundredths of an edge, and only next to very bad
+//   tetrahedra
+// A flip or move is kept only if the worst dihedral angle of the tetrahedra that it touches grows.
+// Deterministic.
 
 #include <cstddef>
 
@@ -11,11 +14,11 @@
 namespace forefeel {
 
 struct ImproveOptions {
-  std::size_t fixed_nodes = 0;  // the first nodes stay where they are: those of the surface
+  std::size_t fixed_nodes = 0;  // so many nodes, from the first, are those of the surface and stay
   int rounds = 4;
-  double peel_below_deg = 6;  // dihedral angle under which a sliver on the surface goes
+  double peel_below_deg = 6;  // a flat tetrahedron on the surface is removed below this dihedral angle [deg]
 };
 
-void improve(TetMesh& mesh, const ImproveOptions& options);
+void improve_shapes(TetMesh& mesh, const ImproveOptions& options);
 
 }  // namespace forefeel

@@ -11,8 +11,8 @@
 namespace forefeel {
 namespace {
 
-constexpr double share = 0.05;         // how far the count may be off
-constexpr double close_enough = 0.02;  // where the search stops
+constexpr double share = 0.05;         // accepted relative deviation of the count
+constexpr double close_enough = 0.02;  // deviation at which the search stops
 
 void scale(Surface& surface, double length, const std::string& name) {
   const double side = bounding_box(surface).size().maxCoeff();
@@ -22,7 +22,7 @@ void scale(Surface& surface, double length, const std::string& name) {
   for (Vec3& node : surface.nodes) node *= length / side;
 }
 
-// Coarse triangles cut round ends off; the mesh still has the asked length.
+// Coarse triangles cut off round ends; this scales the mesh back to the wanted length.
 void match_length(TetMesh& mesh, double length, const Vec3& centre) {
   const double factor = length / longest_side(mesh);
   for (Vec3& node : mesh.nodes) node = centre + factor * (node - centre);
@@ -65,11 +65,11 @@ class Attempts {
     return std::log(static_cast<double>(mesh.tets.size()) / static_cast<double>(options_.elements));
   }
 
-  // The surface at the right density, free of intersections.
+  // The surface with triangles of the right size, without self-intersections.
   Surface skin(double edge) {
-    Surface surface = resample(closed_, edge);
+    Surface surface = resample_surface(closed_, edge);
     RepairReport unused;
-    return intersects_itself(surface) ? repair(surface, unused) : surface;
+    return intersects_itself(surface) ? repair_surface(surface, unused) : surface;
   }
 
   void wrap() {
@@ -116,7 +116,7 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
   out = {};
   TetMesh mesh;
   try {
-    const Surface closed = repair(input, out.repair);
+    const Surface closed = repair_surface(input, out.repair);
     mesh = options.elements == 0 ? fill_as_given(closed, options.name)
                                  : Attempts(input, closed, options, out.repair).run();
   } catch (const InputError& error) {

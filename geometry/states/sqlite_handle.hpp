@@ -1,5 +1,6 @@
 #pragma once
-// SQLite behind two small owners; every failure is an InputError that names the file.
+// Owners of a SQLite database and of a statement. Every failure is an InputError that names the file
+// (`where`).
 
 #include <sqlite3.h>
 
@@ -11,7 +12,7 @@
 
 #include "geometry/common/error.hpp"
 
-namespace forefeel {
+namespace forefeel::sqlite {
 
 class Statement {
  public:
@@ -70,7 +71,7 @@ struct CloseDatabase {
 };
 using Database = std::unique_ptr<sqlite3, CloseDatabase>;
 
-// flags as sqlite3_open_v2; uri: the name is a file: URI.
+// flags: of sqlite3_open_v2; with SQLITE_OPEN_URI the name is a file: URI.
 Database open_database(const std::string& name, const std::string& where, int flags);
 void execute(sqlite3* database, const std::string& where, const char* sql);
 [[noreturn]] void fail_database(sqlite3* database, const std::string& where);
@@ -79,4 +80,4 @@ inline void Statement::fail() {
   fail_database(database_, where_);
 }
 
-}  // namespace forefeel
+}  // namespace forefeel::sqlite

@@ -1,8 +1,9 @@
 #pragma once
-// A state: HIP position x [m] with the static equilibrium of the body there.
+// A state: the static equilibrium of the body with the HIP (haptic interaction point, the tip) at position x
+// [m].
 //   f = -dW/dx   force of the body on the HIP [N]      K = -df/dx   stiffness [N/m], k_ij = -df_i/dx_j
 //   W = sum V (psi(F) - psi(I))   stored energy [J]
-// Values that a source does not give (a measured force has no stiffness) are NaN.
+// Values that are not known are NaN: a measured force comes without stiffness.
 
 #include <cstdint>
 #include <limits>
@@ -15,7 +16,7 @@
 
 namespace forefeel {
 
-// Position of a state in its state space: dense, from 0, in order of arrival; never reused.
+// Number of a state in its state space: from 0 in order of insertion, without gaps, never reused.
 struct StateId {
   std::uint32_t value = 0xffffffffu;
   bool valid() const { return value != 0xffffffffu; }
@@ -36,13 +37,13 @@ struct State {
   double energy = unknown;                   // [J]
   double spacing = unknown;                  // target spacing of an adaptive lattice here [m]
   SolveStatus status = SolveStatus::measured;
-  bool multivalued = false;  // another path reaches another stable equilibrium
+  bool multivalued = false;  // another path leads to another stable equilibrium here
   int iterations = 0;
   double residual = unknown;              // relative to the force
   double seconds = unknown;               // time of the solve [s]
   double min_jacobian = unknown;          // least det F over the elements
   Vec3 parent = Vec3::Constant(unknown);  // position whose solution the solve started from [m]
-  std::shared_ptr<const std::vector<double>> displacements;  // #V x 3 row by row [m], only if the scene asks
+  std::shared_ptr<const std::vector<double>> displacements;  // #V x 3, row by row [m]; null unless wanted
 
   bool usable() const { return status == SolveStatus::converged || status == SolveStatus::measured; }
   bool has_stiffness() const { return stiffness.allFinite(); }

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
@@ -17,97 +18,79 @@ namespace {
 constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22",
                                                        "k23", "k31", "k32", "k33"};
 
-// Rows of comma-separated cells under a header line; blank lines and comments are passed over.
-class CsvReader {
+// A CSV file with a header line: the cells of the current row by the names of their columns.
+class NamedRows {
  public:
-  // required: columns that must be there, in this order where the file has no header line (only if that is allowed).
-  CsvReader(const std::filesystem::path& file, std::span<const char* const> required, bool header_optional)
-      : in_(read_file(file), file.string()) {
-    if (in_.content().starts_with("\xef\xbb\xbf")) in_.seek(3);  // byte order mark
-    const std::size_t start = in_.position();
-    if (!split())
-      throw InputError({.file = in_.name()},
+  // required: columns that must be there, and their order in a file without a header line (if that is
+  // allowed).
+  NamedRows(const std::filesystem::path& file, std::span<const char* const> required, bool header_optional)
+      : content_(read_file(file)), rows_(content_, file.string()) {
+    if (!rows_.next())
+      throw InputError({.file = rows_.name()},
                        fmt::format("holds no header line, expected {}", fmt::join(required, ",")));
     double number = 0;
     if (header_optional &&
-        std::ranges::all_of(cells_, [&](std::string_view cell) { return parse_real(cell, number); })) {
+        std::ranges::all_of(rows_.cells(), [&](std::string_view cell) { return parse_real(cell, number); })) {
       for (std::size_t i = 0; i < required.size(); ++i) columns_[required[i]] = i;
       width_ = required.size();
-      in_.seek(start);
+      rows_.again();
       return;
     }
     read_header(required);
   }
 
   bool next() {
-    if (!split()) return false;
-    if (cells_.size() != width_) in_.fail(fmt::format("{} columns, expected {}", cells_.size(), width_));
+    if (!rows_.next()) return false;
+    if (rows_.cells().size() != width_)
+      fail(fmt::format("{} columns, expected {}", rows_.cells().size(), width_));
     return true;
   }
 
   bool has(const std::string& column) const { return columns_.contains(column); }
-  std::string_view text(const std::string& column) const { return cells_[columns_.at(column)]; }
+  std::string_view text(const std::string& column) const { return rows_.cells()[columns_.at(column)]; }
 
-  double finite(const std::string& column) {
+  double finite(const std::string& column) const {
     double value = 0;
     if (!parse_real(text(column), value))
-      in_.fail(fmt::format("column {}: '{:.40}' is not a number", column, text(column)));
-    if (!std::isfinite(value))
-      in_.fail(fmt::format("column {}: '{:.40}' is not finite", column, text(column)));
+      fail(fmt::format("column {}: '{:.40}' is not a number", column, text(column)));
+    if (!std::isfinite(value)) fail(fmt::format("column {}: '{:.40}' is not finite", column, text(column)));
     return value;
   }
   // Empty or nan: unknown.
-  double optional(const std::string& column) {
+  double optional(const std::string& column) const {
     if (text(column).empty() || lower_case(text(column)) == "nan") return unknown;
     return finite(column);
   }
-  Vec3 vector(const char* x, const char* y, const char* z) {
+  Vec3 vector(const char* x, const char* y, const char* z) const {
     const double a = finite(x), b = finite(y), c = finite(z);
     return {a, b, c};
   }
-  [[noreturn]] void fail(const std::string& problem) { in_.fail(problem); }
-  const std::string& name() const { return in_.name(); }
+  [[noreturn]] void fail(const std::string& problem) const { rows_.fail(problem); }
+  const std::string& name() const { return rows_.name(); }
 
  private:
-  bool split() {
-    std::string_view line;
-    do {
-      if (!in_.line(line)) return false;
-    } while (trim(line).empty() || trim(line).front() == '#');
-    cells_.clear();
-    for (;;) {
-      const std::size_t comma = line.find(',');
-      std::string_view cell = trim(line.substr(0, comma));
-      if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-        cell = cell.substr(1, cell.size() - 2);
-      cells_.push_back(cell);
-      if (comma == std::string_view::npos) return true;
-      line.remove_prefix(comma + 1);
-    }
-  }
-
   void read_header(std::span<const char* const> required) {
-    if (cells_.size() == 1 && cells_[0].find_first_of(";\t") != std::string_view::npos)
-      in_.fail("columns are not separated by commas, expected a comma-separated file");
-    width_ = cells_.size();
+    const auto cells = rows_.cells();
+    if (cells.size() == 1 && cells[0].find_first_of(";\t") != std::string_view::npos)
+      fail("columns are not separated by commas, expected a comma-separated file");
+    width_ = cells.size();
     for (std::size_t i = 0; i < width_; ++i)
-      if (!columns_.emplace(std::string(cells_[i]), i).second && !cells_[i].empty())
-        in_.fail(fmt::format("column {:.40} is there twice", cells_[i]));
+      if (!columns_.emplace(std::string(cells[i]), i).second && !cells[i].empty())
+        fail(fmt::format("column {:.40} is there twice", cells[i]));
     for (const char* column : required)
       if (!columns_.contains(column))
-        in_.fail(
-            fmt::format("no column {}, expected a header line with {}", column, fmt::join(required, ",")));
+        fail(fmt::format("no column {}, expected a header line with {}", column, fmt::join(required, ",")));
   }
 
-  Scanner in_;
-  std::vector<std::string_view> cells_;
+  std::string content_;
+  CsvRows rows_;
   std::map<std::string, std::size_t> columns_;
   std::size_t width_ = 0;
 };
 
 constexpr double largest_number = 1e100;
 
-Mat3 read_stiffness(CsvReader& in) {
+Mat3 read_stiffness(NamedRows& in) {
   Mat3 stiffness;
   int known = 0;
   for (int i = 0; i < 9; ++i) {
@@ -119,7 +102,7 @@ Mat3 read_stiffness(CsvReader& in) {
   return stiffness;
 }
 
-SolveStatus read_status(CsvReader& in) {
+SolveStatus read_status(NamedRows& in) {
   if (in.has("status")) {
     const auto status = solve_status(in.text("status"));
     if (!status)
@@ -134,7 +117,7 @@ SolveStatus read_status(CsvReader& in) {
   in.fail(fmt::format("converged '{:.40}', expected 1, 0, true or false", word));
 }
 
-// Text goes to the file in pieces, so that a million states need no gigabyte.
+// Writes text in pieces: a million states as one text would take a gigabyte.
 class CsvWriter {
  public:
   explicit CsvWriter(const std::filesystem::path& file) : output_(file) {}
@@ -165,7 +148,7 @@ std::string cell(double value) {
 
 std::vector<State> read_states_csv(const std::filesystem::path& file) {
   constexpr std::array<const char*, 6> required{"x", "y", "z", "fx", "fy", "fz"};
-  CsvReader in(file, required, false);
+  NamedRows in(file, required, false);
   const auto given =
       std::ranges::count_if(stiffness_columns, [&](const char* column) { return in.has(column); });
   if (given != 0 && given != 9)
@@ -200,7 +183,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
 
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   constexpr std::array<const char*, 3> required{"x", "y", "z"};
-  CsvReader in(file, required, true);
+  NamedRows in(file, required, true);
   std::vector<Vec3> points;
   while (in.next()) points.push_back(in.vector("x", "y", "z"));
   if (points.empty()) throw InputError({.file = in.name()}, "holds no points, expected rows x,y,z");
@@ -235,7 +218,7 @@ LoadedStates load_states(const std::filesystem::path& file) {
   const std::string content_start = read_start(file, 16);
   if (content_start.starts_with("SQLite format 3")) {
     const StateFile states = StateFile::open_read_only(file);
-    states.check_pages();  // before anything is written on the strength of it
+    states.check_pages();  // damage is found before the caller writes anything
     loaded.header = states.header();
     loaded.states = states.read_all();
     loaded.damaged = states.damaged();

@@ -12,7 +12,7 @@ struct StateWriter::Impl {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds patience{20};
 
-  StateFile file;  // touched by the thread alone
+  StateFile file;  // used by the thread alone
   std::mutex mutex;
   std::condition_variable wake, done;
   std::vector<State> waiting;
@@ -38,7 +38,7 @@ struct StateWriter::Impl {
     for (;;) {
       wake.wait(lock, [&] { return stop || !waiting.empty(); });
       if (waiting.empty()) return;
-      // More may come: they share one flush to the disk.
+      // Waits for more states: they share one flush to the disk.
       wake.wait_until(lock, first_waiting + patience, [&] { return stop || hurry; });
       batch.swap(waiting);
       hurry = false;
@@ -74,7 +74,7 @@ void StateWriter::push(State state) {
     impl_->waiting.push_back(std::move(state));
     ++impl_->pushed;
   }
-  if (first) impl_->wake.notify_one();  // it looks for the others itself
+  if (first) impl_->wake.notify_one();  // the thread finds further states by itself
 }
 
 void StateWriter::flush() {

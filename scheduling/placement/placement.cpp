@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "approx/model/model_options.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/halton.hpp"
 #include "scheduling/motion/random.hpp"
 
@@ -35,18 +36,14 @@ struct EstimatePoints {
   }
 };
 
-double quantile(std::vector<double>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
-}
-
 // uniform: how many of the first values the quantiles are of; the maximum is of all.
 ErrorQuantiles quantiles_of(std::span<const double> values, std::size_t uniform) {
   ErrorQuantiles result;
   if (uniform == 0) return result;
   std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(uniform));
   std::ranges::sort(sorted);
-  result.p50 = quantile(sorted, 0.5);
-  result.p95 = quantile(sorted, 0.95);
+  result.p50 = quantile(sorted, 0.5, QuantileRule::nearest);
+  result.p95 = quantile(sorted, 0.95, QuantileRule::nearest);
   result.max = *std::ranges::max_element(values);
   return result;
 }

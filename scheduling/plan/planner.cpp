@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/common/quantiles.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -137,10 +139,7 @@ void Planner::note_cost(double seconds, bool at_rest) {
   costs_.push_back(seconds);
   if (recent_costs_.size() == 31) recent_costs_.erase(recent_costs_.begin());
   recent_costs_.push_back(seconds);
-  std::vector<double> sorted = recent_costs_;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  solve_seconds_ = std::max(sorted[sorted.size() / 2], 1e-6);
+  solve_seconds_ = std::max(median(recent_costs_), 1e-6);
 }
 
 void Planner::remember_start(const Vec3& at, std::int64_t dispatch,

@@ -4,22 +4,21 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/record/needed_states.hpp"
 
 namespace forefeel {
 namespace {
 
-// Nearest-rank quantile of sorted values; unknown when there are none.
-double quantile(const std::vector<double>& sorted, double q) {
-  if (sorted.empty()) return unknown;
-  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
-  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+double rank_quantile(const std::vector<double>& sorted, double share) {
+  return quantile(sorted, share, QuantileRule::inverted_cdf);
 }
 
 SessionSummary::Timing timing(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   std::sort(values.begin(), values.end());
-  return {.p50 = quantile(values, 0.5), .p99 = quantile(values, 0.99), .max = quantile(values, 1)};
+  return {
+      .p50 = rank_quantile(values, 0.5), .p99 = rank_quantile(values, 0.99), .max = rank_quantile(values, 1)};
 }
 
 double jnd(const Vec3& force, const SwitchOptions& options) {
@@ -37,9 +36,9 @@ SessionSummary::Errors errors_of(const SessionResult& result, const SwitchOption
   }
   std::sort(sorted.begin(), sorted.end());
   return {.samples = sorted.size(),
-          .p50 = quantile(sorted, 0.5),
-          .p95 = quantile(sorted, 0.95),
-          .max = quantile(sorted, 1),
+          .p50 = rank_quantile(sorted, 0.5),
+          .p95 = rank_quantile(sorted, 0.95),
+          .max = rank_quantile(sorted, 1),
           .within_jnd =
               sorted.empty() ? unknown : static_cast<double>(within) / static_cast<double>(sorted.size())};
 }
@@ -59,8 +58,10 @@ SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions&
   const std::vector<double> approximation = sorted_part(result, &Judgement::approximation),
                             switching = sorted_part(result, &Judgement::switching),
                             staleness = sorted_part(result, &Judgement::staleness);
-  error.parts_p95 = {quantile(approximation, 0.95), quantile(switching, 0.95), quantile(staleness, 0.95)};
-  error.parts_p50 = {quantile(approximation, 0.5), quantile(switching, 0.5), quantile(staleness, 0.5)};
+  error.parts_p95 = {rank_quantile(approximation, 0.95), rank_quantile(switching, 0.95),
+                     rank_quantile(staleness, 0.95)};
+  error.parts_p50 = {rank_quantile(approximation, 0.5), rank_quantile(switching, 0.5),
+                     rank_quantile(staleness, 0.5)};
   for (const Label label : all_labels)
     error.by_label[label] = errors_of(
         result, options, [label](const FrameRecord& f) { return f.judged.sampled && f.label == label; });
@@ -97,8 +98,8 @@ SessionSummary::States states_of(const SessionResult& result) {
           .wasted = solved - std::min(used, solved),
           .preempted = preempted,
           .failed = failed,
-          .age_at_use_ms_p50 = quantile(age, 0.5),
-          .age_at_use_ms_p99 = quantile(age, 0.99)};
+          .age_at_use_ms_p50 = rank_quantile(age, 0.5),
+          .age_at_use_ms_p99 = rank_quantile(age, 0.99)};
 }
 
 // Largest |sum of dF| within any window of given length [s].

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/common/csv_table.hpp"
 #include "geometry/common/error.hpp"
+#include "scheduling/log/dispatch_file.hpp"
 #include "scheduling/log/records.hpp"
 
 namespace forefeel {
@@ -44,20 +46,19 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
 Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
   Replay replay{.motion = read_trace(run_folder / "frames.csv"), .arrivals = {}, .of_arrivals = false};
   const auto dispatch = run_folder / "dispatch.csv";
-  constexpr std::string_view columns[] = {"x", "y", "z", "finished", "known"};
-  CsvTable table;
+  std::vector<DispatchRow> rows;
   try {
-    table = read_csv(dispatch, columns, {.allow_empty_cells = true, .text_column = "status"});
+    rows = read_dispatch(dispatch);
   } catch (const InputError&) {
     if (!std::filesystem::exists(dispatch)) throw;
     return replay;  // a run in which nothing was dispatched
   }
-  for (std::size_t i = 0; i < table.rows(); ++i)
-    if (table.texts[i] == name(DispatchStatus::solved) || table.texts[i] == name(DispatchStatus::arrived)) {
-      replay.of_arrivals = replay.of_arrivals || table.texts[i] == name(DispatchStatus::arrived);
-      replay.arrivals.push_back({table.at(i, 4), Vec3(table.at(i, 0), table.at(i, 1), table.at(i, 2))});
-      check_near(replay.arrivals.back().at, farthest, dispatch, table.lines[i]);
-    }
+  for (const DispatchRow& row : rows) {
+    if (!row.became_known() || !std::isfinite(row.known)) continue;
+    replay.of_arrivals = replay.of_arrivals || row.status == name(DispatchStatus::arrived);
+    check_near(row.at, farthest, dispatch, row.line);
+    replay.arrivals.push_back({row.known, row.at});
+  }
   std::stable_sort(replay.arrivals.begin(), replay.arrivals.end(),
                    [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
   return replay;

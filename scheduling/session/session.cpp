@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/common/quantiles.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "scheduling/session/session_parts.hpp"
 #include "scheduling/workers/cost.hpp"
@@ -79,8 +80,7 @@ Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateWri
     for (const Vec3& x :
          lattice(plan.input.touched.space.box, plan.input.touched.space.box.size().maxCoeff() / 4))
       seconds.push_back(cost->seconds(x));
-    std::ranges::nth_element(seconds, seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2));
-    if (!seconds.empty()) hooks.expected_solve = seconds[seconds.size() / 2];
+    if (!seconds.empty()) hooks.expected_solve = median(std::move(seconds));
   }
   return hooks;
 }

@@ -4,19 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/common/quantiles.hpp"
+
 namespace forefeel {
 namespace {
 
 bool depends_on_wall_time(std::string_view name) {
   return name.starts_with("deadline.cost_us") || name.starts_with("deadline.lateness_us") ||
          name == "wall_seconds" || name == "realtime_priority" || name == "memory_locked";
-}
-
-double quantile95(std::vector<double> values) {
-  if (values.empty()) return unknown;
-  std::ranges::sort(values);
-  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(values.size())));
-  return values[std::max<std::size_t>(rank, 1) - 1];
 }
 
 void add_parts(const SessionResult& result, StudyCellResult& row) {
@@ -28,7 +23,8 @@ void add_parts(const SessionResult& result, StudyCellResult& row) {
     for (const FrameRecord& frame : result.frames)
       if (frame.judged.first_visit && std::isfinite(frame.judged.*member))
         values.push_back(frame.judged.*member);
-    row.set(std::string("error.first_visit.parts.") + name, column_value(quantile95(std::move(values))));
+    row.set(std::string("error.first_visit.parts.") + name,
+            column_value(quantile_of(std::move(values), 0.95, QuantileRule::inverted_cdf)));
   }
 }
 

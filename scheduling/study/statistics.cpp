@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
@@ -32,14 +33,6 @@ std::vector<double> group_means(const GroupedValues& groups) {
   std::vector<double> means;
   for (const std::vector<double>& group : groups) means.push_back(mean_of(group));
   return means;
-}
-
-// Quantile of sorted values, linear between them (type 7 of Hyndman, Fan 1996).
-double sorted_quantile(std::span<const double> sorted, double share) {
-  const double place = share * static_cast<double>(sorted.size() - 1);
-  const auto i = static_cast<std::size_t>(place);
-  const std::size_t next = std::min(i + 1, sorted.size() - 1);
-  return sorted[i] + (place - static_cast<double>(i)) * (sorted[next] - sorted[i]);
 }
 
 class Draws {
@@ -135,7 +128,7 @@ ConfidenceInterval bootstrap_interval(const GroupedValues& values, const Bootstr
   for (double& m : means) m = resampled_mean(groups, draws);
   std::ranges::sort(means);
   const double tail = (1 - options.confidence) / 2;
-  return {mean, sorted_quantile(means, tail), sorted_quantile(means, 1 - tail)};
+  return {mean, quantile(means, tail, QuantileRule::linear), quantile(means, 1 - tail, QuantileRule::linear)};
 }
 
 int Comparison::verdict() const {

@@ -9,7 +9,7 @@
 #include <map>
 #include <sstream>
 
-#include "apps/classify/calibration.hpp"
+#include "scheduling/calibration/calibration.hpp"
 #include "apps/laboratory/laboratory.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
 #include "tests/support/executable.hpp"

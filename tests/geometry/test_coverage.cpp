@@ -30,14 +30,15 @@ StateSpace space_of(const std::vector<Vec3>& positions, double spacing = h) {
   return space;
 }
 
-// The label of definition: exact inequalities on brute-force measures. Only for generic positions.
+// The label by its definition: exact inequalities on brute-force measures. Only for generic positions.
 Label label_of(const Coverage& c, double gamma_near_deg, double gamma_far_deg) {
   if (c.spread <= 0.95 * h && gamma_near_deg < 90) return Label::safe;
   if (c.delta <= 1.5 * h) return Label::sparse;
   return gamma_far_deg <= 85 ? Label::gap : Label::blank;
 }
 
-// gamma by all planes through three directions, those that have all directions on one side being facets of the hull.
+// gamma from all planes through three directions: a plane with all directions on one side is a facet of the
+// hull.
 double brute_gamma_deg(const std::vector<Vec3>& states, const Vec3& q, double radius) {
   std::vector<Vec3> u;
   for (const Vec3& p : states)
@@ -144,7 +145,7 @@ TEST_CASE("named places have the labels of the definitions") {
         kept.push_back(p);
     return space_of(kept);
   };
-  SECTION("one missing state is sparse around its place, with spread h there") {
+  SECTION("around the place of one missing state it is sparse, with spread h there") {
     const StateSpace space = without([](int i, int j, int k) { return i == 0 && j == 0 && k == 0; });
     const Coverage here = space.coverage(Vec3::Zero());
     CHECK(here.label == Label::sparse);
@@ -356,7 +357,7 @@ TEST_CASE("the lattice holds rest and its box, outward from rest") {
   CHECK(all[1] == Vec3(0, 0, -0.006));
 }
 
-TEST_CASE("options that make no sense are refused") {
+TEST_CASE("impossible options are refused") {
   CHECK_THROWS_AS(StateSpace({.spacing = 0}), InputError);
   CHECK_THROWS_AS(StateSpace({.spacing = h, .coverage = {.sparse_distance = 0.5}}), InputError);
   CHECK_THROWS_AS(make_setup("mountain"), InputError);

@@ -1,4 +1,5 @@
-// Queries along paths, the spread without a triangulation, labels on an adaptive lattice, the sides of bridges.
+// Queries along paths, the spread without a triangulation, labels on an adaptive lattice, the sides of
+// bridges.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "geometry/coverage/fill_distance.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
@@ -59,7 +61,7 @@ TEST_CASE("labels along a path equal labels asked one by one, while states arriv
         const StateId id = space.insert(state_at(p)).id;
         octree.insert(id, p);
         known.push_back(id);
-        if (known.size() % 11 == 0) {  // the octree forgets one
+        if (known.size() % 11 == 0) {  // erases one state from the octree
           REQUIRE(octree.erase(known.front()));
           octree.insert(known.front(), space[known.front()].at);
         }
@@ -72,7 +74,7 @@ TEST_CASE("labels along a path equal labels asked one by one, while states arriv
           REQUIRE(octree.label(q, counted) == octree.coverage(q).label);
         }
       }
-      // A walk of one index handed to another is only a bad start.
+      // A walk of another index is only a bad place to start.
       REQUIRE(octree.label(Vec3::Zero(), walk) == octree.label(Vec3::Zero()));
       REQUIRE(space.label(Vec3::Zero(), counted) == space.label(Vec3::Zero()));
     }
@@ -167,7 +169,7 @@ TEST_CASE("on an adaptive lattice labels and regions use h(q), and regions follo
   }
   CHECK(space.spacing_at({-h, -h, -h}) == Approx(2 * h));
   CHECK(space.spacing_at({3.5 * h, 3.5 * h, 3.5 * h}) == Approx(h));
-  CHECK(space.regions().volumes()[0] == Approx(box.size().prod()));  // every place as dense as asked
+  CHECK(space.regions().volumes()[0] == Approx(box.size().prod()));  // everywhere as dense as wanted
   const Vec3 coarse(-2.9 * h, -3.1 * h, -2.8 * h);
   CHECK(space.label(coarse) == Label::safe);
   StateSpace strict({.spacing = h, .box = box});
@@ -215,7 +217,7 @@ TEST_CASE("bridges have as many sides as areas they meet") {
   CHECK(two[0].distance == Approx(3 * h));
   CHECK(two[0].half_angle_deg == Approx(68).margin(4));  // acos(3 / 8)
   CHECK(two[0].states + two[1].states == offsets.size());
-  // All round a hole of 3 x 3 x 3: one side that has no end.
+  // States all round a hole of 3 x 3 x 3 are one side without a border.
   offsets.clear();
   for (int k = -3; k <= 3; ++k)
     for (int j = -3; j <= 3; ++j)
@@ -224,7 +226,7 @@ TEST_CASE("bridges have as many sides as areas they meet") {
   CHECK(bridge_sides(offsets, link).size() == 1);
 }
 
-TEST_CASE("the largest distance is bracketed, exactly where it may take its time") {
+TEST_CASE("the largest distance is bracketed, within the tolerance if the budget suffices") {
   std::mt19937_64 random(71);
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<Vec3> states;

@@ -1,5 +1,6 @@
-// The hull and other degenerate places under rounding. The oracle is exact: a lattice of spacing 2^-7 has coordinates,
-// planes and spheres without rounding; turned, none of its faces is flat any more, and no label may know.
+// The hull and other degenerate places under rounding. The oracle is a lattice of spacing 2^-7, whose
+// coordinates, planes and spheres are exact. After a rotation none of its faces is exactly flat, and every
+// label must stay.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -55,14 +56,15 @@ std::vector<Vec3> lattice_part(std::mt19937_64& random, int kind) {
   return part;
 }
 
-// Places of the lattice itself, half and quarter steps: on facets, edges, vertices, and in the planes of the faces.
+// Places of the lattice itself, half and quarter steps: on facets, edges, vertices, and in the planes of the
+// faces.
 Vec3 lattice_query(std::mt19937_64& random) {
   std::uniform_int_distribution<int> quarter(-14, 14), half(-8, 8);
   if (random() % 2) return h / 2 * Vec3(half(random), half(random), half(random));
   return h / 4 * Vec3(quarter(random), quarter(random), quarter(random));
 }
 
-// How close a place is to where the label turns over: rounding may decide there, and only there.
+// How close a place is to a threshold of its label: only there may rounding decide.
 bool undecided(const Coverage& c) {
   const auto at = [](double value, double limit) { return std::abs(value - limit) < 1e-6 * limit; };
   return at(c.spread, 0.95 * h) || at(c.delta, 1.5 * h) || at(c.gamma_deg, 85);
@@ -70,7 +72,7 @@ bool undecided(const Coverage& c) {
 
 }  // namespace
 
-TEST_CASE("a turned lattice has the labels and spreads of the exact one") {
+TEST_CASE("a rotated lattice has the labels and spreads of the exact one") {
   std::size_t compared = 0, on_hull = 0;
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u})
     for (int round = 0; round < 18; ++round) {
@@ -101,7 +103,7 @@ TEST_CASE("a turned lattice has the labels and spreads of the exact one") {
   CHECK(on_hull > 1000);
 }
 
-TEST_CASE("in a turned lattice neither order nor a far state takes a label away") {
+TEST_CASE("in a rotated lattice neither the order of states nor a distant state changes a label") {
   std::size_t checks = 0;
   for (const std::uint64_t seed : {5u, 6u, 7u})
     for (int round = 0; round < 12; ++round) {
@@ -142,7 +144,7 @@ TEST_CASE("in a turned lattice neither order nor a far state takes a label away"
   CHECK(checks > 6000);
 }
 
-TEST_CASE("a place outside the hull is outside, however little") {
+TEST_CASE("a place outside the hull is outside, however near") {
   std::mt19937_64 random(8);
   std::vector<Vec3> slab;
   for (int k = -2; k <= 2; ++k)
@@ -169,7 +171,8 @@ TEST_CASE("a sheet and one state beside it are a thin body") {
     set.push_back(h * Vec3(0.3, 0.4, height));
     const StateSpace space = space_of(set);
     INFO("height " << height);
-    // Below the top the weights are those of the triangle below and the top: pi follows by hand at its foot's half.
+    // Halfway below the single state the weights are half that of the state and half those of the triangle at
+    // its foot: pi follows by hand.
     const Vec3 q = h * Vec3(0.3, 0.4, height / 2);
     CHECK(space.coverage(q).spread <= h * std::sqrt(0.5) * (1 + 1e-6));
     CHECK(std::isfinite(space.coverage(h * Vec3(1.1, -0.7, 0)).spread));
@@ -178,7 +181,7 @@ TEST_CASE("a sheet and one state beside it are a thin body") {
   }
 }
 
-TEST_CASE("regions hold where the box cuts their cubes off") {
+TEST_CASE("regions are right where the box cuts off their cubes") {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> uniform(0.2, 2.6);
   for (int round = 0; round < 150; ++round) {
@@ -197,8 +200,9 @@ TEST_CASE("regions hold where the box cuts their cubes off") {
   }
 }
 
-TEST_CASE("regions of a lattice that fills in any order heal everywhere") {
-  // Spacings of 12 and 7 mm are not exact: oblique faces of the known set pass through voxel centres within rounding.
+TEST_CASE("regions of a lattice that is filled in any order end up safe everywhere") {
+  // Spacings of 12 and 7 mm are not exact: oblique faces of the known set pass through voxel centres within
+  // rounding.
   for (const double spacing : {0.012, 0.007})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
       std::mt19937_64 random(seed);

@@ -1,4 +1,5 @@
-// Signs of determinants on integers against CGAL's arbitrary precision, on lattices and on points that only nearly are.
+// Signs of determinants on integers against CGAL's arbitrary precision, on lattices and on points near
+// lattices.
 
 #include <CGAL/Gmpz.h>
 
@@ -68,7 +69,7 @@ TEST_CASE("signs on integers are those of arbitrary precision", "[integers]") {
   CHECK(refused < 10000);
 }
 
-TEST_CASE("points that share no grid are left to others", "[integers]") {
+TEST_CASE("points without a common grid are not decided here", "[integers]") {
   const auto of = [](double x) {
     return GridPoints<2>({std::array{1.0, 2.0, 3.0}, std::array{1.0, 2.0, x}}).exact();
   };

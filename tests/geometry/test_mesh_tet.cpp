@@ -26,7 +26,7 @@ TetMesh regular_tet() {
 }  // namespace
 
 TEST_CASE("volume and dihedral angles of known tetrahedra") {
-  const MeshQuality regular = quality(regular_tet());
+  const MeshQuality regular = mesh_quality(regular_tet());
   CHECK(regular.volume == Approx(std::pow(8, 1.5) / (6 * std::sqrt(2.0))).epsilon(1e-14));
   CHECK(regular.min_dihedral_deg == Approx(std::acos(1.0 / 3) * 180 / std::numbers::pi).epsilon(1e-13));
   CHECK(regular.max_dihedral_deg == Approx(regular.min_dihedral_deg).epsilon(1e-13));
@@ -34,8 +34,8 @@ TEST_CASE("volume and dihedral angles of known tetrahedra") {
   corner.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   corner.tets = {{0, 1, 2, 3}};
   CHECK(tet_volume(corner, 0) == Approx(1.0 / 6).epsilon(1e-15));
-  CHECK(quality(corner).max_dihedral_deg == Approx(90).epsilon(1e-13));
-  CHECK(quality(corner).min_dihedral_deg ==
+  CHECK(mesh_quality(corner).max_dihedral_deg == Approx(90).epsilon(1e-13));
+  CHECK(mesh_quality(corner).min_dihedral_deg ==
         Approx(std::atan(std::sqrt(2.0)) * 180 / std::numbers::pi).epsilon(1e-13));
 }
 
@@ -57,11 +57,11 @@ TEST_CASE("boundary triangles close the body and face outward") {
     }
     for (const auto& [a, b] : edges) CHECK(edges.contains({b, a}));
     CHECK(area.norm() < 1e-15);
-    CHECK(volume == Approx(quality(mesh).volume).epsilon(1e-12));
+    CHECK(volume == Approx(mesh_quality(mesh).volume).epsilon(1e-12));
   }
 }
 
-TEST_CASE("a mesh is turned, warned about, or refused") {
+TEST_CASE("a mesh is turned with a warning, or refused") {
   const TetMesh good = test::sample_mesh();
   TetMesh mesh = good;
   CHECK(check_and_orient(mesh, "good").warnings.empty());
@@ -70,7 +70,7 @@ TEST_CASE("a mesh is turned, warned about, or refused") {
   const MeshCheck turned = check_and_orient(mesh, "turned");
   REQUIRE(turned.warnings.size() == 1);
   CHECK(turned.warnings[0].find("all tetrahedra were turned") == 0);
-  CHECK(quality(mesh).min_tet_volume > 0);
+  CHECK(mesh_quality(mesh).min_tet_volume > 0);
 
   const auto refused = [&](auto&& change, const char* line) {
     TetMesh bad = good;

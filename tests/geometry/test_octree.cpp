@@ -40,7 +40,7 @@ TEST_CASE("octree and Delaunay labels agree on 95 % of the volume of every built
   }
 }
 
-TEST_CASE("states erased from the octree are gone, those left are found") {
+TEST_CASE("erased states are gone from the octree, the others are found") {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-0.05, 0.05);
   OctreeIndex octree(h);
@@ -72,7 +72,7 @@ TEST_CASE("states erased from the octree are gone, those left are found") {
   }
 }
 
-TEST_CASE("the adaptive lattice is balanced, refined where asked and covers its box once") {
+TEST_CASE("the adaptive lattice is balanced, refined where wanted, and covers its box once") {
   AdaptiveLattice adaptive({Vec3(-0.03, -0.03, -0.03), Vec3(0.03, 0.03, 0.03)}, 0.012);
   const Vec3 focus(0.0051, 0.0003, -0.0078);
   adaptive.refine([&](const LatticeLeaf& leaf) { return leaf.box.contains(focus) ? 0.0008 : 0.012; });
@@ -98,7 +98,7 @@ TEST_CASE("the adaptive lattice is balanced, refined where asked and covers its 
   }
 }
 
-TEST_CASE("an unrefined lattice proposes {k h} around rest, without what is known") {
+TEST_CASE("a lattice without refinement proposes {k h} around rest, except known states") {
   OctreeIndex octree(AdaptiveLattice({Vec3(-0.012, -0.012, -0.012), Vec3(0.012, 0.012, 0.012)}, h));
   CHECK(octree.proposals().size() == 125);
   CHECK(octree.proposals()[0].at == Vec3::Zero());

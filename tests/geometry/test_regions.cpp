@@ -61,7 +61,7 @@ TEST_CASE("regions that grew with the states equal regions made at once, voxel b
       const RegionSummary a = grown.regions().summary(), b = fresh.regions().summary();
       REQUIRE(same_leaves(a, b));
       REQUIRE(grown.regions().pending() == 0);
-      // The same leaves by labelling every voxel, without bounds or history.
+      // The same leaves by labelling every voxel.
       const RegionSummary sampled =
           sample_regions(box, h, 2 * h, [&](const Vec3& q) { return fresh.label(q); });
       REQUIRE(same_leaves(a, sampled));

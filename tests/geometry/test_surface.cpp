@@ -96,7 +96,7 @@ TEST_CASE("a closed cube becomes tetrahedra that fill it exactly") {
     TetrahedraliseReport report;
     TetMesh mesh = tetrahedralise(test::unit_cube(), {.elements = elements, .length = 0.1}, &report);
     CHECK(check_and_orient(mesh, "cube").warnings.empty());
-    CHECK(quality(mesh).volume == Approx(1e-3).epsilon(1e-6));
+    CHECK(mesh_quality(mesh).volume == Approx(1e-3).epsilon(1e-6));
     if (elements != 0) CHECK(std::abs(double(mesh.tets.size()) / double(elements) - 1) <= 0.05);
     CHECK(report.hausdorff < 1e-5);
     CHECK(report.repair.self_intersections == 0);
@@ -108,12 +108,12 @@ TEST_CASE("holes, flipped triangles, doubled nodes and inward surfaces are repai
   RepairReport report;
   Surface open = test::unit_cube();
   open.triangles.resize(10);
-  CHECK(enclosed_volume(repair(open, report)) == Approx(1).epsilon(1e-12));
+  CHECK(enclosed_volume(repair_surface(open, report)) == Approx(1).epsilon(1e-12));
   CHECK(report.holes == 1);
 
   Surface mixed = test::unit_cube();
   for (std::size_t t = 0; t < 12; t += 3) std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
-  CHECK(enclosed_volume(repair(mixed, report)) == Approx(1).epsilon(1e-12));
+  CHECK(enclosed_volume(repair_surface(mixed, report)) == Approx(1).epsilon(1e-12));
   CHECK(report.reoriented);
 
   Surface soup;  // each triangle with nodes of its own
@@ -123,32 +123,32 @@ TEST_CASE("holes, flipped triangles, doubled nodes and inward surfaces are repai
     for (const NodeIndex node : t) soup.nodes.push_back(cube.nodes[std::size_t(node)]);
     soup.triangles.push_back({n, n + 2, n + 1});
   }
-  const Surface whole = repair(soup, report);
+  const Surface whole = repair_surface(soup, report);
   CHECK(whole.nodes.size() == 8);
   CHECK(enclosed_volume(whole) == Approx(1).epsilon(1e-12));
   CHECK(report.components == 1);
 }
 
-TEST_CASE("two boxes through each other become one body") {
+TEST_CASE("two intersecting boxes become one body") {
   Surface crossing = test::unit_cube();
   append(crossing, test::unit_cube(), {0.5, 0.4, 0.3}, 1);
   TetrahedraliseReport report;
   TetMesh mesh = tetrahedralise(crossing, {.elements = 1500}, &report);
   CHECK(report.repair.self_intersections > 0);
   CHECK(check_and_orient(mesh, "union").warnings.empty());
-  CHECK(quality(mesh).volume ==
+  CHECK(mesh_quality(mesh).volume ==
         Approx(2 - 0.5 * 0.6 * 0.7).epsilon(0.12));  // their union, wrapped with an offset
 }
 
-TEST_CASE("a hollow stays hollow") {
+TEST_CASE("a cavity stays empty") {
   Surface hollow = test::unit_cube();
   append(hollow, test::unit_cube(), {0.25, 0.25, 0.25}, 0.5, true);
   TetMesh mesh = tetrahedralise(hollow, {.elements = 2500});
   CHECK(check_and_orient(mesh, "hollow").warnings.empty());
-  CHECK(quality(mesh).volume == Approx(1 - 0.125).epsilon(1e-3));
+  CHECK(mesh_quality(mesh).volume == Approx(1 - 0.125).epsilon(1e-3));
 }
 
-TEST_CASE("what encloses nothing is refused") {
+TEST_CASE("a surface that encloses nothing is refused") {
   Surface flat;
   flat.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   flat.triangles = {{0, 1, 2}};
@@ -176,11 +176,11 @@ TEST_CASE("Hausdorff distance of shifted and scaled bodies") {
 TEST_CASE("phantom surfaces are closed and enclose their bodies") {
   for (const std::string& name : phantom_names()) {
     INFO(name);
-    CHECK(enclosed_volume(phantom_surface(name)) == Approx(quality(phantom(name)).volume).epsilon(1e-3));
+    CHECK(enclosed_volume(phantom_surface(name)) == Approx(mesh_quality(phantom(name)).volume).epsilon(1e-3));
   }
 }
 
-TEST_CASE("the real liver is meshed to the asked counts", "[shared]") {
+TEST_CASE("the real liver is meshed with the wanted numbers of elements", "[shared]") {
   if (test::shared_folder().empty()) return test::skip("no reference data beside the sources");
   const Surface liver = read_surface(test::shared_folder() + "/liver/liver-smooth.obj");
   REQUIRE(liver.triangles.size() == 4384);
@@ -191,7 +191,7 @@ TEST_CASE("the real liver is meshed to the asked counts", "[shared]") {
     CHECK(std::abs(double(mesh.tets.size()) / double(elements) - 1) <= 0.05);
     CHECK(report.repair.self_intersections > 0);
     CHECK(longest_side(mesh) == Approx(0.22).epsilon(1e-12));
-    CHECK(quality(mesh).min_dihedral_deg > 8);
+    CHECK(mesh_quality(mesh).min_dihedral_deg > 8);
     CHECK(report.hausdorff < 0.011);
   }
 }

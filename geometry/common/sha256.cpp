@@ -1,4 +1,4 @@
-#include "apps/scene_input/sha256.hpp"
+#include "geometry/common/sha256.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// SHA-256 (FIPS 180-4), for the identity of bodies and scenes.
+// SHA-256 (FIPS 180-4): the hash behind the identity of bodies and scenes and the names of cache files.
 
 #include <array>
 #include <cstddef>
@@ -16,7 +16,7 @@ class Sha256 {
   Sha256& add(std::string_view text) { return add(text.data(), text.size()); }
   Sha256& add(double value);        // its IEEE bits, little endian, -0 as 0
   Sha256& add(std::int64_t value);  // little endian
-  std::string hex() const;          // 64 digits; more may be added afterwards
+  std::string hex() const;          // of what was added so far: 64 digits; adding may go on
 
  private:
   void block(const std::uint8_t* data);

@@ -1,13 +1,14 @@
 #pragma once
-// Do labels mean something? Known states are cut out of a lattice in several ways, so that every label has
-// positions; at positions that are not states the model's error, against tight solves, stands beside the
-// label, the distance delta to the nearest state and the power function P (approx/judge/power_function.hpp) of the
-// set that the model used.
+// What does a label say about the error on this body? States are cut out of a lattice in several ways (known
+// sets), so that every label has positions. At positions that are not states, the relative error of the model
+// |f~ - f| / max(|f|, f0) against tight solves is compared with the label, the distance delta to the nearest
+// state, the spread, and the power function P (approx/judge/power_function.hpp) of the states that the model
+// used.
 //   table   per kernel, data and label: P(error > tolerance | label) with its 95 % interval (Wilson 1927),
-//           error quantiles
-//   ranks   per kernel and data: Spearman's rank correlation of the true error with label (safe < sparse <
-//           gap < blank), delta, spread (infinite counts as largest) and P
-// Needs states and truth alone: no solver.
+//           and error quantiles
+//   ranks   per kernel and data: Spearman's rank correlation of the error with label (safe < sparse < gap <
+//           blank), delta, spread (infinite counts as largest) and P
+// Needs states and truth; solves nothing.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +21,7 @@ namespace forefeel {
 
 struct CalibrationOptions {
   StateSpaceOptions space;       // spacing, box, thresholds
-  Vec3 inward = -Vec3::UnitZ();  // the gap and the border of what is known are cut across it
+  Vec3 inward = -Vec3::UnitZ();  // into the body; gaps and borders of the known sets are cut across it
   double tolerance = 0.07;       // of the error [1]
   double floor = 0.05;           // f0 [N]
   Select select = Select::label;
@@ -69,7 +70,10 @@ struct Calibration {
   std::vector<CalibrationRanks> ranks;
 };
 
-// pool: usable states; truth: usable states at positions of their own.
+// Random positions in the box for the truth, the same for the same seed [m].
+std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed);
+
+// pool: usable states, of which the known sets are made. truth: usable states at other positions.
 Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth,
                       const CalibrationOptions& options);
 
@@ -79,10 +83,5 @@ struct ShareInterval {
   double low, high;
 };
 ShareInterval wilson_interval(std::size_t hits, std::size_t count);  // 95 %
-
-struct Globals;
-// `forefeel classify [STATES] --calibrate SCENE [-o DIR/]`. States: a file, or "" for the scene's lattice.
-int calibrate_labels(const Globals& globals, const std::string& scene, const std::string& states,
-                     const std::string& output);
 
 }  // namespace forefeel

@@ -1,4 +1,4 @@
-#include "apps/classify/calibration.hpp"
+#include "scheduling/calibration/calibration.hpp"
 
 #include <omp.h>
 
@@ -7,15 +7,11 @@
 #include <numeric>
 
 #include "approx/judge/power_function.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
 namespace {
-
-double quantile(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return unknown;
-  return sorted[static_cast<std::size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
-}
 
 // Mean ranks from 0.
 std::vector<double> ranks_of(const std::vector<double>& values) {
@@ -73,11 +69,11 @@ CalibrationCell make_cell(const std::vector<CalibrationSample>& samples, std::si
   cell.count = errors.size();
   cell.over =
       static_cast<std::size_t>(std::ranges::count_if(errors, [&](double e) { return !(e <= tolerance); }));
-  cell.p50 = quantile(errors, 0.5);
-  cell.p90 = quantile(errors, 0.9);
-  cell.p95 = quantile(errors, 0.95);
-  cell.p99 = quantile(errors, 0.99);
-  cell.max = quantile(errors, 1);
+  cell.p50 = quantile(errors, 0.5, QuantileRule::nearest);
+  cell.p90 = quantile(errors, 0.9, QuantileRule::nearest);
+  cell.p95 = quantile(errors, 0.95, QuantileRule::nearest);
+  cell.p99 = quantile(errors, 0.99, QuantileRule::nearest);
+  cell.max = quantile(errors, 1, QuantileRule::nearest);
   if (cell.count == 0) return cell;
   cell.share = static_cast<double>(cell.over) / static_cast<double>(cell.count);
   const ShareInterval interval = wilson_interval(cell.over, cell.count);
@@ -176,6 +172,16 @@ std::vector<KnownSet> calibration_sets(const std::vector<State>& pool, const Cal
   sets.push_back(cut("corner", [&](const Vec3& x) { return ((x - box.centre()).array() <= 0.1 * h).all(); }));
   std::erase_if(sets, [](const KnownSet& set) { return set.states.size() < 4; });
   return sets;
+}
+
+std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed) {
+  std::vector<Vec3> at;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const Vec3 share(uniform(mix(seed + 101, 3 * i)), uniform(mix(seed + 101, 3 * i + 1)),
+                     uniform(mix(seed + 101, 3 * i + 2)));
+    at.push_back(box.low + share.cwiseProduct(box.size()));
+  }
+  return at;
 }
 
 Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth,

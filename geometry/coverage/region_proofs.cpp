@@ -1,0 +1,164 @@
+#include "geometry/coverage/region_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+constexpr int block_level = 2;  // largest leaves that are proven sparse or safe: 4 voxels, h wide
+constexpr std::uint32_t nobody = 0xffffffffu;
+
+}  // namespace
+
+// Unit directions from q to the states within the radius.
+void RegionTree::gather(const Vec3& q, double radius) {
+  directions_.clear();
+  query_.points().for_each_within(q, radius, [&](std::uint32_t, const Vec3& offset, double squared) {
+    directions_.push(offset / std::sqrt(squared));
+  });
+}
+
+// Turns `axis` until, seen from every point within e of q, each state within the radius is farther from it
+// than arccos(cosine). False if six turns do not suffice. The margin (1 + |c|) e covers the points within e:
+//   a . (d - s) <= a . d + e   and   c |d - s| >= c |d| - |c| e   for |s| <= e.
+bool RegionTree::find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const {
+  const double margin = (1 + std::abs(cosine)) * e;
+  constexpr double slack = 2e-9, spare = 0.01;
+  for (int turn = 0; turn < 6; ++turn) {
+    Vec3 d;
+    if (!query_.points().find_in_cone(q, axis, cosine - slack, margin, radius + e, d)) return true;
+    const double length = d.norm();
+    if (!(length > 0)) return false;
+    const Vec3 u = d / length;
+    const double wanted = cosine - margin / length - spare;
+    const Vec3 aside = axis - axis.dot(u) * u;
+    const double width = aside.norm();
+    if (wanted <= -1 || width < 1e-6) return false;
+    axis = wanted * u + std::sqrt(1 - wanted * wanted) / width * aside;
+    axis.normalize();
+  }
+  return false;
+}
+
+// For a node whose voxels are all farther than kappa_p h from every state: proves gap or blank for all of
+// them.
+bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
+                           const Vec3& nearest) {
+  if (node.label == Label::gap) {
+    become_leaf(node, Label::gap);
+    return true;
+  }
+  Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
+  if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
+  axis.normalize();
+  if (find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) {
+    become_leaf(node, Label::blank, axis);
+    return true;
+  }
+  // A move by e turns no direction by more than asin(e / nearest): a smaller angle at q proves all.
+  gather(q, limits.gap_radius - e);
+  const double turn = std::asin(std::min(1.0, e / nearest.norm())) + 1e-9;
+  const double angle = std::acos(std::clamp(limits.gap_cos, -1.0, 1.0));
+  if (angle > turn && solver_.at_most(directions_, std::cos(angle - turn), &axis)) {
+    become_leaf(node, Label::gap);
+    return true;
+  }
+  if (!axis.allFinite() || !find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) return false;
+  become_leaf(node, Label::blank, axis);
+  return true;
+}
+
+// For a node whose voxels are all within kappa_p h of a state: proves that none of them is enclosed.
+bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
+                              const Vec3& nearest) {
+  // If the corners of the cell around q are all in reach, they enclose q: no cone is empty.
+  const Spread spread = delaunay_.spread(q, walk_);
+  const auto within = [&](const Vec3& corner) {
+    return (corner - q).squaredNorm() <= limits.safe_radius * limits.safe_radius;
+  };
+  if (spread.inside && std::ranges::all_of(spread.at, within)) return false;
+  Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
+  if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
+  if (!(axis.norm() > 0)) axis = Vec3::UnitX();
+  axis.normalize();
+  if (!find_axis(q, limits.safe_radius, limits.safe_cos, e, axis)) return false;
+  become_leaf(node, Label::sparse, axis);
+  return true;
+}
+
+bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
+  // The corners first: if not all voxels are safe, a corner usually is not.
+  const std::int32_t w = node.width();
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::int32_t k = 0; k < w; ++k)
+      for (std::int32_t j = 0; j < w; ++j)
+        for (std::int32_t i = 0; i < w; ++i) {
+          const bool corner = (i == 0 || i == w - 1) && (j == 0 || j == w - 1) && (k == 0 || k == w - 1);
+          if (corner != (pass == 0)) continue;
+          const std::array<std::int32_t, 3> at{node.low[0] + i, node.low[1] + j, node.low[2] + k};
+          if (at[0] >= voxels_[0] || at[1] >= voxels_[1] || at[2] >= voxels_[2]) continue;
+          const Vec3 q = grid_.centre(at);
+          const Spread spread = delaunay_.spread(q, walk_);
+          if (spread.spread > limits.safe_spread || !query_.safe_cone(q, spread, limits)) return false;
+        }
+  }
+  return true;
+}
+
+void RegionTree::resolve_voxel(std::int32_t index) {
+  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  const Thresholds& limits = *limits_over(here);
+  const Vec3 q = centre(here);
+  const bool was_sparse = here.label == Label::sparse;  // known: a state lies within kappa_p h
+  if (!walk_.near.valid()) {
+    walk_.near = {query_.points().nearest(q).id};
+    if (!walk_.near.valid()) return become_leaf(here, Label::blank, Vec3::UnitX());
+  }
+  const Spread spread = delaunay_.spread(q, walk_);
+  Vec3 axis = Vec3::Zero();
+  const bool coarse = spread.inside && spread.spread > limits.safe_spread;
+  const bool enclosed = coarse || query_.safe_cone(q, spread, limits, &axis);
+  if (enclosed && spread.spread <= limits.safe_spread) return become_leaf(here, Label::safe);
+  if (was_sparse || query_.points().nearest(q, limits.sparse_distance).id != nobody) {
+    if (coarse)
+      delaunay_.watch(walk_, static_cast<std::uint32_t>(index));
+    else if (enclosed && !delaunay_.watch(q, walk_.near, static_cast<std::uint32_t>(index)))
+      restless_.push_back(index);
+    return become_leaf(here, Label::sparse, enclosed ? Vec3(Vec3::Zero()) : axis);
+  }
+  if (here.label == Label::gap) return become_leaf(here, Label::gap);
+  // After a state has filled the empty cone, another empty cone is often close to it.
+  axis = Vec3(here.axis[0], here.axis[1], here.axis[2]);
+  if (std::abs(axis.squaredNorm() - 1) < 0.1) {
+    axis.normalize();
+    if (find_axis(q, limits.gap_radius, limits.gap_cos, 0, axis))
+      return become_leaf(here, Label::blank, axis);
+  }
+  if (query_.enclosed(q, limits.gap_radius, limits.gap_cos, limits.merge, &axis))
+    return become_leaf(here, Label::gap);
+  become_leaf(here, Label::blank, axis);
+}
+
+void RegionTree::resolve(std::int32_t index) {
+  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  if (here.level == 0) return resolve_voxel(index);
+  const Thresholds* limits = limits_over(here);
+  if (!limits) return branch(index);
+  const Vec3 q = centre(here);
+  const double e = reach(here) * (1 + 1e-9), tiny = 1e-9 * voxel_;
+  const PointOctree::Neighbour found = query_.points().nearest(q);
+  if (found.id == nobody) return become_leaf(here, Label::blank, Vec3::UnitX());
+  const Vec3 offset = delaunay_.position({found.id}) - q;
+  const double nearest = std::sqrt(found.squared);
+  if (nearest > limits->sparse_distance + e + tiny) {
+    if (prove_far(here, *limits, q, e, offset)) return;
+  } else if (here.level <= block_level) {
+    walk_.near = {found.id};
+    if (nearest + e + tiny <= limits->sparse_distance && prove_sparse(here, *limits, q, e, offset)) return;
+    if (nearest <= limits->safe_spread + e && all_safe(here, *limits)) return become_leaf(here, Label::safe);
+  }
+  branch(index);
+}
+
+}  // namespace forefeel

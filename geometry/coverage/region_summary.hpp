@@ -1,0 +1,54 @@
+#pragma once
+// Regions as plain data: labelled leaves, their components, and the gaps' sides. Made by Regions::summary()
+// and sample_regions().
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/coverage/coverage.hpp"
+
+namespace forefeel {
+
+struct RegionLeaf {
+  Box box;  // clipped to the box of the states [m]
+  Label label = Label::blank;
+  std::uint32_t component = 0;  // index into RegionSummary::components
+};
+
+// One cluster of the directions in which a gap meets known states (bridge.hpp), seen from the gap's inner
+// place.
+struct BridgeSide {
+  Vec3 direction = Vec3::Zero();  // unit, mean over its states
+  double half_angle_deg = 0;      // from the direction to its farthest state
+  double distance = 0;            // to its nearest state [m]
+  std::size_t states = 0;         // within the gap radius
+};
+
+// Leaves of one label that are connected over shared facets.
+struct RegionComponent {
+  Label label = Label::blank;
+  double volume = 0;  // [m^3]
+  std::size_t leaves = 0;
+  Box bounds;                 // [m]
+  Vec3 inner = Vec3::Zero();  // centre of its largest leaf [m]
+  // Safe components next to it: those that share a facet with it. A gap is always surrounded by sparse; for a
+  // gap these are the safe components within (kappa_p + 1/2) h.
+  std::vector<std::uint32_t> safe_neighbours;
+  std::vector<BridgeSide> sides;  // of a gap, nearest first; only for the 1000 largest gaps
+};
+
+struct LargestHole {
+  double radius = 0;  // [m]
+  Vec3 centre = Vec3::Zero();
+};
+
+struct RegionSummary {
+  std::vector<RegionLeaf> leaves;
+  std::vector<RegionComponent> components;  // by label, then by falling volume
+  std::array<double, 4> volume{};           // per label [m^3]
+  std::array<std::size_t, 4> component_count{};
+};
+
+}  // namespace forefeel

@@ -1,0 +1,16 @@
+#pragma once
+// What a set of states belongs to: mesh, element, material, clamp and contact of a body, each as a hash or in
+// words. identity_of(body) in solver/body/body_identity.hpp makes it. Measured states have none.
+
+#include <map>
+#include <string>
+
+namespace forefeel {
+
+using BodyIdentity =
+    std::map<std::string, std::string>;  // "mesh" -> "sha256 …", "material" -> "neo-hookean, …"
+
+// InputError that names the file and each key that differs, if both identities are known and differ.
+void check_same_body(const std::string& file, const BodyIdentity& in_file, const BodyIdentity& ours);
+
+}  // namespace forefeel

@@ -1,0 +1,234 @@
+#include "geometry/states/state_rows.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "geometry/common/error.hpp"
+
+namespace forefeel {
+
+using sqlite::execute;
+using sqlite::Statement;
+
+namespace {
+
+constexpr int application_id = 0x46465331;  // "FFS1"
+constexpr int schema_version = 1;
+
+constexpr const char* schema = R"sql(
+CREATE TABLE identity (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE header (key TEXT PRIMARY KEY, value REAL);
+CREATE TABLE notes (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE states (
+  id INTEGER PRIMARY KEY,
+  x REAL NOT NULL, y REAL NOT NULL, z REAL NOT NULL,
+  fx REAL, fy REAL, fz REAL,
+  k11 REAL, k12 REAL, k13 REAL, k21 REAL, k22 REAL, k23 REAL, k31 REAL, k32 REAL, k33 REAL,
+  energy REAL, h REAL, status TEXT NOT NULL, multivalued INTEGER NOT NULL,
+  iterations INTEGER NOT NULL, residual REAL, seconds REAL, min_jacobian REAL,
+  parent_x REAL, parent_y REAL, parent_z REAL, displacements BLOB, checksum INTEGER);
+)sql";
+
+constexpr const char* columns =
+    "x, y, z, fx, fy, fz, k11, k12, k13, k21, k22, k23, k31, k32, k33, energy, h, status, multivalued, "
+    "iterations, "
+    "residual, seconds, min_jacobian, parent_x, parent_y, parent_z, displacements";
+constexpr const char* insert_values = "?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?";
+constexpr std::array<const char*, 6> box_keys{"box_low_x",  "box_low_y",  "box_low_z",
+                                              "box_high_x", "box_high_y", "box_high_z"};
+
+State read_row(Statement& row, const std::string& where) {
+  State state;
+  int i = 0;
+  for (int k = 0; k < 3; ++k) state.at[k] = row.real(i++);
+  for (int k = 0; k < 3; ++k) state.force[k] = row.real(i++);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) state.stiffness(r, c) = row.real(i++);
+  state.energy = row.real(i++);
+  state.spacing = row.real(i++);
+  const std::optional<SolveStatus> status = solve_status(row.text(i++));
+  if (!status)
+    throw InputError({.file = where},
+                     fmt::format("a state has the unknown status '{:.20}'", row.text(i - 1)));
+  state.status = *status;
+  state.multivalued = row.integer(i++) != 0;
+  state.iterations = static_cast<int>(row.integer(i++));
+  state.residual = row.real(i++);
+  state.seconds = row.real(i++);
+  state.min_jacobian = row.real(i++);
+  for (int k = 0; k < 3; ++k) state.parent[k] = row.real(i++);
+  if (const std::string_view bytes = row.bytes(i); !bytes.empty()) {
+    if (bytes.size() % (3 * sizeof(double)) != 0)
+      throw InputError({.file = where}, "a state's displacements are cut short");
+    std::vector<double> displacements(bytes.size() / sizeof(double));
+    std::memcpy(displacements.data(), bytes.data(), bytes.size());
+    state.displacements = std::make_shared<const std::vector<double>>(std::move(displacements));
+  }
+  if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
+    throw InputError({.file = where}, "a state has a position or force that is not finite");
+  static constexpr double largest_number = 1e100;  // squares must not overflow
+  const auto too_large = [](const auto& values) { return (values.array().abs() > largest_number).any(); };
+  if (too_large(state.at) || too_large(state.force) || too_large(state.stiffness))
+    throw InputError({.file = where},
+                     fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
+                                 largest_number));
+  return state;
+}
+
+// Checksum of all values of a row as they are read back: every NaN is one value, and so are 0 and -0. Each
+// step is a bijection of the sum so far, so a change of any single value changes the result.
+std::int64_t checksum_of(const State& state) {
+  std::uint64_t sum = 0x46465331;
+  const auto take = [&](std::uint64_t word) {
+    sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
+    sum ^= sum >> 32;
+  };
+  const auto number = [&](double value) {
+    take(std::isnan(value) ? 0x7ff8000000000000u : value == 0 ? 0 : std::bit_cast<std::uint64_t>(value));
+  };
+  for (int k = 0; k < 3; ++k) number(state.at[k]);
+  for (int k = 0; k < 3; ++k) number(state.force[k]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) number(state.stiffness(r, c));
+  for (const double value : {state.energy, state.spacing, state.residual, state.seconds, state.min_jacobian})
+    number(value);
+  for (int k = 0; k < 3; ++k) number(state.parent[k]);
+  for (const char letter : name(state.status)) take(static_cast<unsigned char>(letter));
+  take(state.multivalued ? 2 : 1);
+  take(static_cast<std::uint64_t>(state.iterations));
+  if (state.displacements && !state.displacements->empty()) {
+    take(state.displacements->size());
+    for (const double value : *state.displacements) take(std::bit_cast<std::uint64_t>(value));
+  }
+  return static_cast<std::int64_t>(sum);
+}
+
+void bind_row(Statement& insert, const State& state) {
+  int i = 1;
+  for (int k = 0; k < 3; ++k) insert.bind(i++, state.at[k]);
+  for (int k = 0; k < 3; ++k) insert.bind(i++, state.force[k]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) insert.bind(i++, state.stiffness(r, c));
+  insert.bind(i++, state.energy);
+  insert.bind(i++, state.spacing);
+  insert.bind(i++, name(state.status));
+  insert.bind(i++, state.multivalued ? 1 : 0);
+  insert.bind(i++, state.iterations);
+  insert.bind(i++, state.residual);
+  insert.bind(i++, state.seconds);
+  insert.bind(i++, state.min_jacobian);
+  for (int k = 0; k < 3; ++k) insert.bind(i++, state.parent[k]);
+  if (state.displacements)
+    insert.bind_bytes(i, state.displacements->data(), state.displacements->size() * sizeof(double));
+  else
+    insert.bind_null(i);
+  insert.bind(++i, checksum_of(state));
+}
+
+}  // namespace
+
+void create_tables(sqlite3* database, const std::string& where, const StateFileHeader& header) {
+  execute(database, where,
+          fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; BEGIN", application_id,
+                      schema_version)
+              .c_str());
+  execute(database, where, schema);
+  write_header(database, where, header);
+  execute(database, where, "COMMIT");
+}
+
+void check_schema(sqlite3* database, const std::string& where) {
+  Statement id(database, where, "PRAGMA application_id");
+  if (!id.step() || id.integer(0) != application_id)
+    throw InputError({.file = where}, "is a database, but not a state file");
+  Statement version(database, where, "PRAGMA user_version");
+  if (!version.step() || version.integer(0) != schema_version)
+    throw InputError({.file = where},
+                     fmt::format("has schema version {}, expected {}", version.integer(0), schema_version));
+  Statement probe(database, where, fmt::format("SELECT {} FROM states LIMIT 0", columns).c_str());
+  probe.step();
+}
+
+StateFileHeader read_header(sqlite3* database, const std::string& where) {
+  StateFileHeader header;
+  for (auto [table, target] : {std::pair("identity", &header.identity), std::pair("notes", &header.notes)}) {
+    Statement rows(database, where, fmt::format("SELECT key, value FROM {}", table).c_str());
+    while (rows.step()) (*target)[std::string(rows.text(0))] = std::string(rows.text(1));
+  }
+  Statement numbers(database, where, "SELECT key, value FROM header");
+  while (numbers.step()) {
+    if (numbers.text(0) == "spacing") header.spacing = numbers.real(1);
+    for (Eigen::Index i = 0; i < 6; ++i)
+      if (numbers.text(0) == box_keys[static_cast<std::size_t>(i)])
+        (i < 3 ? header.box.low[i] : header.box.high[i - 3]) = numbers.real(1);
+  }
+  return header;
+}
+
+void write_header(sqlite3* database, const std::string& where, const StateFileHeader& header) {
+  for (auto [table, source] : {std::pair("identity", &header.identity), std::pair("notes", &header.notes)}) {
+    Statement insert(database, where, fmt::format("INSERT INTO {} VALUES (?, ?)", table).c_str());
+    for (const auto& [key, value] : *source) {
+      insert.bind(1, std::string_view(key)), insert.bind(2, std::string_view(value));
+      insert.step(), insert.reset();
+    }
+  }
+  Statement insert(database, where, "INSERT INTO header VALUES (?, ?)");
+  const auto put = [&](std::string_view key, double value) {
+    insert.bind(1, key), insert.bind(2, value);
+    insert.step(), insert.reset();
+  };
+  put("spacing", header.spacing);
+  for (Eigen::Index i = 0; i < 6; ++i)
+    put(box_keys[static_cast<std::size_t>(i)], i < 3 ? header.box.low[i] : header.box.high[i - 3]);
+}
+
+bool has_checksums(sqlite3* database, const std::string& where) {
+  Statement columns_of(database, where, "SELECT 1 FROM pragma_table_info('states') WHERE name = 'checksum'");
+  return columns_of.step();
+}
+
+void insert_states(sqlite3* database, const std::string& where, std::span<const State> states) {
+  Statement insert(
+      database, where,
+      fmt::format("INSERT INTO states ({}, checksum) VALUES ({})", columns, insert_values).c_str());
+  for (const State& state : states) {
+    bind_row(insert, state);
+    insert.step(), insert.reset();
+  }
+}
+
+namespace {
+constexpr int checksum_column = 27, id_column = 28;
+}
+
+StateRows::StateRows(sqlite3* database, const std::string& where, bool checksums)
+    : where_(where),
+      rows_(database, where,
+            fmt::format("SELECT {}, {}, id FROM states ORDER BY id", columns, checksums ? "checksum" : "NULL")
+                .c_str()) {}
+
+bool StateRows::next() {
+  return rows_.step();
+}
+
+std::optional<State> StateRows::read() {
+  if (rows_.is_null(checksum_column)) return read_row(rows_, where_);  // of an older file
+  std::optional<State> state;
+  try {
+    state = read_row(rows_, where_);
+  } catch (const InputError&) {  // so damaged that it is no state
+  }
+  if (state && checksum_of(*state) != rows_.integer(checksum_column)) state.reset();
+  return state;
+}
+
+std::int64_t StateRows::id() {
+  return rows_.integer(id_column);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,101 @@
+// The rows of a CSV file, and the readers of columns of numbers and of text that stand on them.
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "geometry/common/csv_rows.hpp"
+#include "geometry/common/csv_table.hpp"
+#include "geometry/common/csv_text.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace forefeel {
+namespace {
+
+template <class Work>
+std::string message_of(Work&& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("Rows are cut at commas; blank lines, comments and a byte order mark are skipped", "[csv]") {
+  const std::string content = "\xef\xbb\xbf# note\r\n\n a , \"b c\",\r\n1,\t2 ,3";
+  CsvRows rows(content, "x.csv");
+  REQUIRE(rows.next());
+  CHECK(rows.line() == 3);
+  REQUIRE(rows.cells().size() == 3);
+  CHECK(rows.cells()[0] == "a");
+  CHECK(rows.cells()[1] == "b c");
+  CHECK(rows.cells()[2].empty());
+  rows.again();
+  REQUIRE(rows.next());
+  CHECK(rows.line() == 3);
+  REQUIRE(rows.next());
+  CHECK(rows.cells()[1] == "2");
+  CHECK(rows.where() == InputPlace{.file = "x.csv", .line = 4});
+  CHECK_FALSE(rows.next());
+}
+
+TEST_CASE("Columns of numbers are found by name or, without a header, by position", "[csv]") {
+  const test::TemporaryFolder folder;
+  constexpr std::string_view columns[] = {"t", "x"};
+  const CsvTable named = read_csv(folder.write("a.csv", "x,note,t\n1,one,0.5\n\n+2,,1e-3\n"), columns);
+  REQUIRE(named.rows() == 2);
+  CHECK(named.at(0, 0) == 0.5);
+  CHECK(named.at(0, 1) == 1);
+  CHECK(named.at(1, 0) == 1e-3);
+  CHECK(named.at(1, 1) == 2);
+  CHECK(named.lines == std::vector<std::size_t>{2, 4});
+  const CsvTable plain = read_csv(folder.write("b.csv", "0,1,9\n2,3\n"), columns);
+  CHECK(plain.values == std::vector<double>{0, 1, 2, 3});
+  const CsvTable some = read_csv(folder.write("c.csv", "x,t,s\n1,,on\n"), columns,
+                                 {.allow_empty_cells = true, .text_column = "s"});
+  CHECK(std::isnan(some.at(0, 0)));
+  CHECK(some.texts == std::vector<std::string>{"on"});
+}
+
+TEST_CASE("What is wrong with columns of numbers is said with file and line", "[csv]") {
+  const test::TemporaryFolder folder;
+  constexpr std::string_view columns[] = {"t", "x"};
+  const auto said = [&](std::string_view content) {
+    const auto file = folder.write("a.csv", content);
+    const std::string text = message_of([&] { read_csv(file, columns); });
+    return text.starts_with(file.string()) ? text.substr(file.string().size()) : text;
+  };
+  CHECK(said("") == ": holds no rows, expected t,x");
+  CHECK(said("t,x\n") == ": holds no rows, expected t,x");
+  CHECK(said("t,y\n1,2\n") == ":1: column x is missing, expected a header t,x");
+  CHECK(said("t,x\n1,2\n1\n") == ":3: a row of 1 values, expected t,x");
+  CHECK(said("t,x\n1,two\n") == ":2: x is 'two', expected a finite number");
+  CHECK(said("t,x\n1,nan\n") == ":2: x is 'nan', expected a finite number");
+  CHECK(message_of([&] { read_csv(folder / "none.csv", columns); }) ==
+        (folder / "none.csv").string() + ": cannot be read, expected a CSV file");
+}
+
+TEST_CASE("Columns of text are read by name, and numbers where a cell is one", "[csv]") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](std::string_view content) {
+    return CsvText::read(folder.write("a.csv", content), "a file of a run");
+  };
+  const CsvText table = read("t,label,e\r\n0,safe,\n1,gap,0.5\n");
+  CHECK(table.rows() == 2);
+  CHECK(table.line(1) == 3);
+  CHECK(table.text(1, "label") == "gap");
+  CHECK(table.number(1, "e") == 0.5);
+  CHECK(std::isnan(table.number(0, "e")));
+  CHECK(std::isnan(table.number(0, "absent")));
+  CHECK_FALSE(table.has("absent"));
+  const std::string file = (folder / "a.csv").string();
+  CHECK(message_of([&] { read("a,b\n1\n"); }) == file + ":2: has 1 cells, expected 2");
+  CHECK(message_of([&] { read(""); }) == file + ": is empty, expected a header line");
+  CHECK(message_of([&] { CsvText::read(folder / "none", "a file of a run"); }) ==
+        (folder / "none").string() + ": cannot be read, expected a file of a run");
+}
+
+}  // namespace forefeel
