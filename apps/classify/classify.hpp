@@ -37,7 +37,8 @@ struct Classified {
   std::unique_ptr<OctreeIndex> octree;    // index octree
   std::vector<std::array<Vec3, 3>> body;  // outline, where a scene is given
   RegionSummary regions;
-  double fill_distance = unknown, fill_bound = unknown;  // reached somewhere, and exceeded nowhere [m]
+  double fill_distance = unknown,
+         fill_bound = unknown;  // largest distance to a state: found, upper bound [m]
   std::optional<LargestHole> hole;
   std::shared_ptr<const AdaptiveLattice> lattice;  // where the states have spacings of their own
 
@@ -47,8 +48,8 @@ struct Classified {
 
 constexpr double largest_spacing = 1e6;  // [m]; squares of more would overflow somewhere
 
-// What a set of states brings along: its spacing [m], NaN if it does not say, a box where the states do not span it, and
-// the body they belong to.
+// What a set of states says of itself: its spacing [m], NaN if unknown; a box, if it is not just the extent
+// of the states; the body they belong to.
 struct OwnFrame {
   double spacing = unknown;
   std::optional<Box> box = std::nullopt;

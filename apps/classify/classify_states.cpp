@@ -56,7 +56,7 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   }
 }
 
-// Neighbours in space become neighbours in time: insertion walks a cell or two instead of across the set.
+// States in Morton order: consecutive ones are close, so that an insertion walks a cell or two.
 std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const Box& box, double spacing) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> code(states.size());
   for (std::uint32_t i = 0; i < states.size(); ++i) {
@@ -74,7 +74,7 @@ std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const 
   return order;
 }
 
-// Regions are made of cubes of h/4: a box that holds absurdly many is refused before any memory is taken.
+// Regions are made of cubes of h/4. A box with too many of them is refused before memory is allocated.
 void check_extent(const Classified& set, const std::string& where) {
   double voxels = 1, points = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,7 +87,7 @@ void check_extent(const Classified& set, const std::string& where) {
         fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
                     "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
                     set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
-  // States closer than 1e-9 h are one; doubles must be able to tell.
+  // States closer than 1e-9 h are one state; doubles must resolve that distance.
   if (!(points <= 1e6 * set.spacing))
     throw InputError(
         where,
@@ -103,7 +103,7 @@ std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyAr
   return octree;
 }
 
-// As Regions do it for the triangulation: what each gap bridges, seen from its inner place.
+// The sides of each gap, seen from its innermost place; the same rule as in Regions.
 void find_sides(const OctreeIndex& octree, const Classified& set, const CoverageOptions& coverage,
                 std::vector<RegionComponent>& components) {
   std::size_t done = 0;
@@ -134,7 +134,7 @@ std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArgu
   return space;
 }
 
-// Facts about the states and the box, whatever the index that labels them.
+// Fill distance and largest hole depend on states and box, not on the index.
 void measure_holes(Classified& result, const StateSpace& space) {
   result.fill_distance = space.regions().fill_distance();
   result.fill_bound = result.fill_distance + 1e-3 * result.spacing;

@@ -1,5 +1,5 @@
 #pragma once
-// States that stand where another one stands: all but one of them are passed over.
+// Duplicate positions among states. Only the first state of a position is used.
 
 #include <span>
 
@@ -7,8 +7,8 @@
 
 namespace forefeel {
 
-// Two usable states of one position whose forces differ by more than 1e-6 of the larger one, which is more than two
-// solves of one state leave.
+// Two usable states at one position contradict each other if their forces differ by more than 1e-6 of the
+// larger one. Two tight solves of one state differ by less.
 bool contradict(const State& a, const State& b);
 
 struct RepeatedStates {

@@ -260,7 +260,7 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 
-// Options that would have no effect are mistakes.
+// An option without effect is refused.
 void check_effect(const Globals& globals, const ClassifyArguments& arguments, bool run) {
   const std::string extension = fs::path(arguments.output).extension();
   if (!run && (!arguments.known.empty() || arguments.snapshots))
@@ -338,8 +338,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
     print_json(document_of(set, arguments, found, agreement, seconds));
     return 0;
   }
-  if (fs::path(arguments.output).extension() != ".csv")
-    print_points(points, found, globals);  // that holds them better
+  if (fs::path(arguments.output).extension() != ".csv") print_points(points, found, globals);
   print_summary(set, seconds, globals);
   if (agreement) print_agreement(globals, *agreement);
   return 0;
@@ -349,7 +348,9 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
 
 void add_classify(CommandLine& line) {
   const auto arguments = std::make_shared<ClassifyArguments>();
-  Command sub = line.add("classify", "Where states make the force known: safe, sparse, gap, blank");
+  Command sub = line.add("classify",
+                         "Where states make the force known: safe (densely), sparse, gap (a bridge between "
+                         "known regions), blank");
   sub.runs([arguments](const Globals& globals) { return run_classify(globals, *arguments); });
   sub.option("states", arguments->states,
              ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
@@ -383,7 +384,7 @@ void add_classify(CommandLine& line) {
   const auto threshold = [&](const char* option, double& value, const char* text) {
     sub.option(option, value, text).check(above_zero).group("Thresholds");
   };
-  // Beyond 90 degrees a cone says that the states lie on one side: nothing is enclosed.
+  // With an empty cone wider than 90 degrees all states lie on one side: nothing is enclosed.
   const auto angle = [&](const char* option, double& value, const char* text) {
     sub.option(option, value, text).check(above_zero).check(at_most_90).group("Thresholds");
   };

@@ -36,8 +36,9 @@ struct EvaluateArguments {
   std::string ridge = "0";
 };
 
-// What bounds a model: no force above `bound` [N]; outside the hull of its states it is the tangent beyond
-// `tangent` [m] and a held force `held` [m] from where the tangent is taken.
+// Limits of a model. Its force never exceeds `bound` [N]. Outside the hull of its states the model is
+// replaced by its tangent beyond `tangent` [m]; the force is held constant beyond `held` [m] from where the
+// tangent is taken.
 struct Reach {
   double bound, tangent, held;
 };
@@ -63,7 +64,8 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
       std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
   ModelOptions options;
   const bool offline =
-      arguments.method == "offline-rbf";  // of all states at once: on force unless asked otherwise
+      arguments.method ==
+      "offline-rbf";  // one model of all states: of forces alone unless --data says otherwise
   options.kernel = arguments.kernel == "linear"  ? Kernel::linear
                    : arguments.kernel == "cubic" ? Kernel::cubic
                    : !arguments.kernel.empty()   ? Kernel::quintic
@@ -97,8 +99,7 @@ double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Median time of one evaluation at x is taken over the points; each is repeated, so that the clock resolves
-// it.
+// One point. Its evaluation is repeated so that the clock resolves its time.
 template <class Field>
 void measure(const Field& field, const Vec3& x, Evaluation& result) {
   result.forces.push_back(field.force(x));
@@ -109,7 +110,7 @@ void measure(const Field& field, const Vec3& x, Evaluation& result) {
   result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
 }
 
-// The kernel, or what took its place where the states do not determine its polynomial (rbf_fit.hpp).
+// The kernel used. A simpler one takes over where the states do not determine the polynomial (rbf_fit.hpp).
 std::string_view kernel_of(const Model& model) {
   if (model.is_tangent()) return "tangent";
   return model.degree() == 0 ? "linear with constant" : name(model.kernel());
@@ -175,18 +176,19 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
   out.commit();
 }
 
-// Lattices, curves and lines are what they are; what is asked of them in vain is said.
-void warn_in_vain(const Globals& globals, const EvaluateArguments& arguments) {
+// The older methods ignore some options; a warning says which.
+void warn_of_unused(const Globals& globals, const EvaluateArguments& arguments) {
   if (arguments.method == "rbf") return;
   const bool offline = arguments.method == "offline-rbf";
-  std::vector<std::string> vain;
-  if (arguments.select != "label") vain.push_back("--select");
-  if (!arguments.kernel.empty() && !offline) vain.push_back("--kernel");
-  if (!arguments.data.empty() && !offline) vain.push_back("--data");
-  if (arguments.neighbours && arguments.method != "rbf-network") vain.push_back("--neighbours");
-  if (arguments.ridge != "0" && !offline) vain.push_back("--ridge");
-  if (!vain.empty())
-    warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(vain, ", "), arguments.method));
+  std::vector<std::string> unused;
+  if (arguments.select != "label") unused.push_back("--select");
+  if (!arguments.kernel.empty() && !offline) unused.push_back("--kernel");
+  if (!arguments.data.empty() && !offline) unused.push_back("--data");
+  if (arguments.neighbours && arguments.method != "rbf-network") unused.push_back("--neighbours");
+  if (arguments.ridge != "0" && !offline) unused.push_back("--ridge");
+  if (!unused.empty())
+    warn(globals,
+         fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), arguments.method));
 }
 
 // A model that does not fit into memory is refused as a session refuses it.
@@ -216,7 +218,7 @@ std::vector<State> read_known(const Globals& globals, const EvaluateArguments& a
   return std::move(loaded.states);
 }
 
-// The first state of a position counts.
+// Of states at the same position the first is kept.
 StateSpace space_of(const Globals& globals, const EvaluateArguments& arguments,
                     const std::vector<State>& states, double spacing) {
   if (!(spacing > 0)) spacing = estimate_spacing(usable_states(states));
@@ -231,7 +233,7 @@ StateSpace space_of(const Globals& globals, const EvaluateArguments& arguments,
     warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
                               contradicting == 1 ? "1 state contradicts"
                                                  : fmt::format("{} states contradict", contradicting),
-                              method_of(arguments.method) == Method::rbf ? "; the first one counts" : ""));
+                              method_of(arguments.method) == Method::rbf ? "; the first is kept" : ""));
   return space;
 }
 
@@ -347,7 +349,7 @@ void tell(const Globals& globals, const EvaluateResult& result, bool with_forces
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
-  warn_in_vain(globals, arguments);
+  warn_of_unused(globals, arguments);
   if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
   const EvaluateResult result = evaluate(globals, arguments);
   if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.made);
@@ -375,9 +377,9 @@ void add_evaluate(CommandLine& line) {
       .one_of({"force", "force+stiffness"});
   sub.option(
          "--neighbours", arguments->neighbours,
-         "States in a model (default 25 with stiffness, else 100; without it no fewer than 20); outside safe "
-         "regions no fewer than 16, without stiffness 20, and up to 32 more between two sides. Not of 1, nor "
-         "with --select nearest. Centres of rbf-network")
+         "Neighbours: states in a model. Default 25, or 100 for sets without stiffness. By label a model has "
+         "at least 16 outside safe regions (20 without stiffness, everywhere), and up to 32 more in a gap; "
+         "1 stays 1. For rbf-network: the number of centres")
       .check(above_zero)
       .check([](const std::string& text) {
         const double n = std::strtod(text.c_str(), nullptr);

@@ -1,5 +1,4 @@
-// forefeel generate SCENE -o S.states: fills the lattice outward from rest. What was solved is kept through a kill,
-// and the next call goes on from there.
+// forefeel generate SCENE -o S.states: fills the lattice outward from rest. Safe to kill; a rerun resumes.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -142,8 +141,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
-  const bool held =
-      !scene.chosen_spacing || scene.chosen_spacing->holds;  // where not, a warning of the scene says so
+  const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // else the scene holds a warning
   const std::vector<State> known = file.read_all();
   if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
   file.drop_damaged();
@@ -155,7 +153,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
   if (result.interrupted) {
-    warn(globals, "interrupted; the same command goes on from here");
+    warn(globals, "interrupted; rerun the same command to resume");
     return 1;
   }
   if (result.failed == 0) return held ? 0 : 1;
@@ -170,7 +168,7 @@ void add_generate(CommandLine& line) {
   Command sub = line.add("generate", "Fill the lattice of a scene, outward from rest; resumes");
   sub.runs([arguments](const Globals& globals) { return run_generate(globals, *arguments); });
   sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
-  sub.option("-o,--output", arguments->output, "State file; gone on with where it exists")
+  sub.option("-o,--output", arguments->output, "State file; resumed if it exists")
       .required()
       .shows("S.states");
   sub.option("--error", arguments->error,

@@ -95,8 +95,8 @@ ReproduceOptions checked(const ReproduceArguments& arguments) {
   return options;
 }
 
-// What an option is for; `all` runs everything.
-void refuse_in_vain(const std::string& what, const Command& sub) {
+// Which experiments read which option; `all` runs every experiment.
+void refuse_unused(const std::string& what, const Command& sub) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> uses{
       {"--depth", {"extrapolation", "damping"}},
       {"--gap", {"extrapolation"}},
@@ -116,7 +116,7 @@ void refuse_in_vain(const std::string& what, const Command& sub) {
 
 int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const Command& sub) {
   const std::vector<Experiment> wanted = chosen(arguments.what);
-  refuse_in_vain(arguments.what, sub);
+  refuse_unused(arguments.what, sub);
   const ReproduceOptions options = checked(arguments);
   if (wanted.back().name == "speed") check_speed_overrides(globals);
   Laboratory laboratory(globals, arguments.scene);

@@ -74,7 +74,8 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
   return options;
 }
 
-// A motion that ends is run to its end where it was asked for here, and no longer than the scene says elsewhere.
+// A motion that ends is run to its end if it was asked for on the command line. One from the scene runs no
+// longer than the scene says.
 double whole_motion(double duration, const SessionOptions& options, bool asked) {
   if (!std::isfinite(duration)) return options.clock.seconds;
   const double all = duration + options.clock.frame;  // the last row is a frame of its own
@@ -106,7 +107,7 @@ void take_states(const Scene& scene, const SessionArguments& given, const Global
   states.drop_damaged();
 }
 
-// Options that say what is solved, by whom and when.
+// Options that choose what is solved, by which workers and when.
 std::vector<std::string> scheduling_options(const SessionArguments& given) {
   std::vector<std::string> options;
   if (given.policy) options.push_back("--policy");
@@ -117,8 +118,9 @@ std::vector<std::string> scheduling_options(const SessionArguments& given) {
   return options;
 }
 
-// A replay takes motion and arrivals from its run; what is asked of a planner then is said to be in vain.
-void warn_in_vain(const Globals& globals, const Scene& scene, const SessionArguments& given) {
+// A replay takes its motion and its arrivals from the run. Options of motion and planning are ignored; a
+// warning says which.
+void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArguments& given) {
   if (!given.replay) return;
   std::vector<std::string> vain = scheduling_options(given);
   if (given.device) vain.insert(vain.begin(), "--device");
@@ -127,7 +129,7 @@ void warn_in_vain(const Globals& globals, const Scene& scene, const SessionArgum
   if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));
 }
 
-// Nothing is solved where states arrive at given times: what is said of solving is in vain.
+// Nothing is solved where states arrive at given times. Options of solving are ignored; a warning says which.
 void warn_of_solving(const Globals& globals, const Scene& scene, const SessionArguments& given) {
   if (given.replay || (!given.arrivals && scene.arrivals_place.empty())) return;
   const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place.text();
@@ -139,14 +141,14 @@ void warn_of_solving(const Globals& globals, const Scene& scene, const SessionAr
                               fmt::join(options, ", "), arrivals));
 }
 
-// A run is not written over the one that it replays.
+// The run that is replayed must not be overwritten.
 void keep_replayed(const SessionOptions& options, const fs::path& run) {
   std::error_code error;
   if (options.motion.replay && fs::equivalent(*options.motion.replay, run, error))
     throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
 }
 
-// What an earlier run into this folder solved is kept beside, as session-1.states, session-2.states, …
+// States of an earlier run into this folder are renamed to session-1.states, session-2.states, … and kept.
 void set_aside_states_of_last_run(const Globals& globals, const SessionInput& input, const fs::path& run) {
   const fs::path file = run / "session.states";
   if (input.files.states != file || !fs::exists(file)) return;
@@ -168,7 +170,7 @@ std::string text_for(const SessionProgress& p) {
                      name(p.label));
 }
 
-// What each predictor would have missed on this motion, against horizon; worked out while the motion comes.
+// The error that each predictor would have made on this motion, by horizon; summed up while the session runs.
 class PredictionScores {
  public:
   explicit PredictionScores(double frame) {
@@ -221,7 +223,7 @@ void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) 
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
-// What is drawn and written of the states, on threads of their own while errors are worked out.
+// The slices and the states' file are made on threads of their own while the errors are computed.
 struct Meanwhile {
   std::future<void> states;  // in their file
   Picture slices;
@@ -247,7 +249,8 @@ void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, S
   options.workers.mpi = mpi;
 }
 
-// What is wrong with the device, the cost or the box was said by the scene unless it was given here: names file, line and key.
+// An error in the device, the cost or the box names the scene's file, line and key, unless the command line
+// gave it.
 InputError at_its_place(const InputError& error, const Scene& scene, const SessionArguments& given,
                         const Globals& globals) {
   if (!error.place().file.empty()) return error;
@@ -304,7 +307,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   keep_replayed(options, run);
   prepare_run_folder(run);
   set_aside_states_of_last_run(globals, input, run);
-  warn_in_vain(globals, scene, given);
+  warn_of_replay(globals, scene, given);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
 
@@ -352,7 +355,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   return 1;
 }
 
-// All ranks read the same input, so bad input ends them all; rank 0 says why.
+// All ranks read the same input, so bad input ends all of them. Rank 0 reports it.
 int run_with_mpi(const Globals& globals, const SessionArguments& given) {
   if (!MpiGroup::built())
     throw InputError("--mpi", "this build has no MPI, expected one made after `bash apps/setup.sh mpi`");
@@ -387,8 +390,8 @@ void add_session(CommandLine& line) {
   sub.flag("--mpi", given->mpi,
            "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
   sub.option("--policy", given->policy,
-             "What is solved next; clairvoyant rehearses the session under up to seven schedules first, "
-             "and takes as many times longer");
+             "Rule that chooses what is solved next. clairvoyant is an upper bound: it simulates all seven "
+             "schedules, then runs the best; it takes about seven times as long");
   sub.option("--predictor", given->predictor, "kalman or constant-velocity");
   sub.option("--switch", given->switching, "paper, smooth or none");
   sub.option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");

@@ -68,7 +68,7 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
   return outcomes;
 }
 
-// What the mesh itself gets wrong, estimated by one refinement of its elements: |f - f_quadratic| / |f_quadratic|.
+// Error of the mesh itself, estimated by quadratic elements on it: |f - f_quadratic| / |f_quadratic|.
 std::vector<double> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
   auto refined = std::make_shared<Body>(*scene.body);
   refined->element = Element::quadratic;
@@ -180,16 +180,18 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
 
 void add_solve(CommandLine& line) {
   const auto arguments = std::make_shared<SolveArguments>();
-  Command sub = line.add("solve", "Tight solves on the reference branch: force, stiffness, energy");
+  Command sub =
+      line.add("solve", "Tight solves on the reference branch (the equilibrium reached straight from rest)");
   sub.runs([arguments](const Globals& globals) { return run_solve(globals, *arguments); });
   sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
   const Option at =
-      sub.option("--at", arguments->at, "Position of the HIP from rest [m]; may be repeated: --at=X,Y,Z")
+      sub.option("--at", arguments->at,
+                 "Position of the HIP (haptic interaction point, the tip) from rest [m]; may be repeated")
           .takes_one()
           .shows("X,Y,Z");
   sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").shows("F.csv").excludes(at);
   sub.flag("--discretisation-error", arguments->discretisation_error,
-           "Estimate what the mesh gets wrong by quadratic elements on it");
+           "Estimate the error of the mesh by quadratic elements on it");
   sub.option("-o,--output", arguments->output, "States as CSV").shows("OUT.csv");
 }
 

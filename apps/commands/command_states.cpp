@@ -37,7 +37,7 @@ Box box_of(const std::vector<State>& states) {
   return box;
 }
 
-// Imported files may be imported again; states that were solved are not thrown away.
+// An imported file may be imported again. A file with solved states is never overwritten.
 void refuse_solved(const std::string& output) {
   std::error_code error;
   if (!std::filesystem::exists(output, error) || std::filesystem::file_size(output, error) == 0) return;
@@ -64,8 +64,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   const std::size_t repeated = repeated_states(states).repeated;
   const auto with_stiffness = std::ranges::count_if(states, &State::has_stiffness);
   if (repeated > 0)
-    warn(globals, fmt::format("{}: {} states stand at the position of another; the first one counts",
-                              arguments.input, repeated));
+    warn(globals, fmt::format("{}: {} duplicate positions; the first is kept", arguments.input, repeated));
   if (globals.json)
     print_json({{"states", states.size()},
                 {"with_stiffness", with_stiffness},
@@ -137,7 +136,7 @@ int info_states(const Globals& globals, const std::string& file) {
   const Box extent = box_of(loaded.states);
   const std::size_t contradicting = repeated_states(loaded.states).contradicting;
   if (contradicting > 0)
-    warn(globals, fmt::format("{}: {} another at the same position; the first one counts", file,
+    warn(globals, fmt::format("{}: {} another at the same position; the first is kept", file,
                               contradicting == 1 ? "1 state contradicts"
                                                  : fmt::format("{} states contradict", contradicting)));
   if (globals.json) {

@@ -65,8 +65,8 @@ std::string in_words(const PlacementProgress& p) {
                                    : states;
 }
 
-// The share done: of the logarithm of the error, which falls about by halves, or of the states that there may be, whichever
-// is more; it never goes back.
+// Progress in [0, 1], which never falls: the larger of two shares. One is of the logarithm of the error,
+// which about halves from round to round; the other is of the largest number of states allowed.
 class Share {
  public:
   explicit Share(double error) : error_(error) {}
@@ -83,11 +83,11 @@ class Share {
   double error_, first_ = 0, most_ = 0;
 };
 
-// Why the answer is incomplete; empty where it is not.
+// Why the answer is incomplete; empty if it is complete.
 std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
-  if (report.stopped) return "interrupted; the same command goes on from here";
+  if (report.stopped) return "interrupted; rerun the same command to resume";
   if (!report.estimate_holds && report.states >= report.most_states) {
-    // Nine are tried on any lattice: rest and eight corners.
+    // Rest and the eight corners of the box are tried on any lattice.
     const std::size_t positions = lattice(space.box, space.spacing).size();
     const std::string why =
         positions >= report.most_states
@@ -98,8 +98,7 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
                           : positions == 1 ? "1 position"
                                            : fmt::format("{} positions", positions));
     return fmt::format(
-        "{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit, a smaller "
-        "one allows more",
+        "{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit; reduce it",
         report.states, why, report.estimate.held(), error);
   }
   if (!report.estimate_holds)
@@ -157,8 +156,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
             "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
             report.truth_samples, report.truth_on_surface, in_words(report.truth),
             report.truth_is_fresh ? "" : " (some of them became states)",
-            report.truth_unsolved > 0 ? fmt::format("; {} were not solved any more", report.truth_unsolved)
-                                      : ""));
+            report.truth_unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth_unsolved) : ""));
   const std::string why = complaint(report, error, scene.space);
   if (why.empty()) return 0;
   warn(globals, why);

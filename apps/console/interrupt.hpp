@@ -1,5 +1,5 @@
 #pragma once
-// A wish to stop, by Ctrl-C (SIGINT) or SIGTERM: what runs ends at its next step and writes what it has.
+// Ctrl-C (SIGINT) and SIGTERM ask a command to stop: it ends at its next step and writes what it has.
 
 #include <atomic>
 #include <stdexcept>
@@ -7,23 +7,25 @@
 
 namespace forefeel {
 
-// From now on signals are noted, as under a watch; for main, before commands that make a watch of their own.
+// From now on signals are noted, as under an InterruptWatch. Called by main before commands that make one
+// later.
 void watch_from_the_start();
-// A wish that was noted while there was nothing to keep: main says the text and ends with 1.
+// Interrupted before anything could be saved. main prints the text and exits with 1.
 class Interrupted : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-// Throws it once a wish was noted: "interrupted before <what>: nothing was written".
+// Throws Interrupted if a signal was noted: "interrupted before <what>: nothing was written".
 void end_if_interrupted(const std::string& what);
 const std::atomic<bool>& interrupt_flag();
 
-// While one lives, a first signal raises the flag, a second one the wish to hurry, and a third ends the program. What comes
-// within a quarter of a second is the same wish: timeout(1) signals its child and then its whole process group.
+// While one lives, the first signal raises flag(), the second hurry(), and the third ends the program.
+// Signals within a quarter of a second count as one: timeout(1) signals its child and then its whole process
+// group.
 class InterruptWatch {
  public:
   InterruptWatch();   // lowers the flag, unless the signals were noted from the start
-  ~InterruptWatch();  // the signals end the program again
+  ~InterruptWatch();  // from then on a signal ends the program
   InterruptWatch(const InterruptWatch&) = delete;
   InterruptWatch& operator=(const InterruptWatch&) = delete;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What made a result: command line, version, commit, libraries, machine.
+// Provenance of a result: command line, version, commit, libraries, machine.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// Meshes of phantoms, kept in the cache folder: making one takes a tenth of a second, a tenth of a short session. A file
-// is of one revision of what makes meshes (sources, compiler, machine), and a damaged one is made anew.
+// Meshes of phantoms (synthetic bodies), kept in the cache folder; making one takes a tenth of a second. A
+// file is valid for one revision of the meshing sources, compiler and machine. A damaged file is replaced.
 
 #include <cstddef>
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace forefeel {
 
-// phantom(name, elements), the same bits from the file or made.
+// phantom(name, elements), from the cache if it is there; the same bits either way.
 TetMesh cached_phantom(std::string_view name, std::size_t elements);
 
-// The whole mesh as bytes that end in their own SHA-256, and back; nothing where the bytes are not of one.
+// The mesh as bytes that end in their own SHA-256, and back; nothing if the sum does not match.
 std::string mesh_bytes(const TetMesh& mesh);
 std::optional<TetMesh> mesh_of_bytes(std::string_view bytes);
 

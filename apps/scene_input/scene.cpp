@@ -17,8 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double most_positions =
-    2e7;  // of a lattice: beyond it a slip of the spacing is likelier than an intent
+constexpr double most_positions = 2e7;  // of a lattice; more come from a mistyped spacing
 
 void check_positions(const StateSpaceOptions& space, const InputPlace& place) {
   const double positions = ((space.box.size() / space.spacing).array().floor() + 1).prod();

@@ -24,23 +24,23 @@ struct Scene {
   BodyIdentity identity;             // mesh, material, clamp, contact -> hash
   StateSpaceOptions space;
   bool displacements = false;
-  double tolerance = 0.07;  // of the error where a place is safe [1]; what spacing = "auto" goes by
-  std::optional<SpacingChoice> chosen_spacing;  // where the scene says spacing = "auto"
+  double tolerance = 0.07;  // of the relative error where the label is safe [1]; spacing = "auto" meets it
+  std::optional<SpacingChoice> chosen_spacing;  // with spacing = "auto" only
   ModelOptions model;
-  SessionOptions session;        // .model is the same as above
+  SessionOptions session;        // .model.fit equals model
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   std::string hash;              // of the scene as overridden, without comments
   // Where the scene gives these keys: liver.toml:30: session.device. Arrivals: empty where it gives none.
   InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
-  // Of scheduling_keys() those that are written, not defaulted, each with its place.
+  // The scheduling_keys() that the scene writes, each with its place.
   std::vector<std::pair<std::string, InputPlace>> scheduling;
   std::vector<std::string> warnings;
   std::string body_source;  // the sections that make the body, as text
 };
 
 // overrides: "key.path=value" as given to --set; value is TOML, or a bare string.
-// like: another variant of the same file; where the sections that make the body are the same, its body is shared
-// instead of meshed anew.
+// like: another variant of the same file. If both describe the same body, the body is shared instead of
+// meshed again.
 Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
                  const Scene* like = nullptr);
 

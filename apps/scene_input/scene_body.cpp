@@ -130,7 +130,7 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
   return patch;
 }
 
-// What is said of a section as a whole is said at the key that made it.
+// An error about a whole section is reported at the key that gave it.
 InputError at_key(const InputError& error, const BodySections& sections, const std::string& file) {
   const std::string& problem = error.problem();
   const InputPlace& place = error.place();
@@ -148,7 +148,7 @@ InputError at_key(const InputError& error, const BodySections& sections, const s
 }
 
 constexpr double shortest = 1e-6,
-                 longest = 1e6;  // bodies [m]; beyond them sums of squares leave what a double holds
+                 longest = 1e6;  // bodies [m]; beyond them sums of squares over- or underflow
 
 Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file,
                std::vector<std::string>& warnings) {

@@ -17,7 +17,8 @@ struct BodySections {
 Body read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
                std::vector<std::string>& warnings);
 
-// Against the mean outward normal of the contact patch (area-weighted): the way a finger would press.
+// Opposite to the area-weighted mean outward normal of the contact (the grasped patch): the direction of
+// pressing.
 Vec3 inward_direction(const Body& body);
 
 // Where states are placed when a scene gives no box: per axis a sixth of the body's longest side, at most 0.4

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t rule = 2;  // of choosing; a new number makes what was kept before count for nothing
+constexpr std::int64_t rule = 2;  // version of the choosing rule; a new number invalidates kept choices
 
 fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options, const fs::path& folder) {
   if (folder.empty()) return {};
@@ -54,13 +54,14 @@ std::string sum_of(const Json& kept) {
   return Sha256().add(kept.dump()).hex();
 }
 
-// Nothing where the file is missing, torn, of another form, or not what was written: then one line says so.
+// False if the file is missing, incomplete or of another form. If its checksum does not match, a warning says
+// so.
 bool read_kept(const fs::path& file, SpacingChoice& choice) {
   std::ifstream in(file);
   if (file.empty() || !in) return false;
   Json kept = Json::parse(in, nullptr, false);
   if (!kept.is_object()) return false;
-  if (kept.contains("sha256")) {  // files of before have none
+  if (kept.contains("sha256")) {  // older files have none
     const Json sum = kept["sha256"];
     kept.erase("sha256");
     if (sum != sum_of(kept)) {
@@ -125,7 +126,7 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
     OutputFile out(file);
     out.write(kept.dump(2) + "\n");
     out.commit();
-  } catch (const InputError&) {  // it is worked out again next time
+  } catch (const InputError&) {  // it is computed again next time
   }
   return choice;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// `spacing = "auto"` of a scene: scheduling/placement/auto_spacing.hpp, worked out once per body, box, model and
-// tolerance and kept in the cache folder.
+// `spacing = "auto"` of a scene (scheduling/placement/auto_spacing.hpp), computed once per body, box, model
+// and tolerance and kept in the cache folder.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>

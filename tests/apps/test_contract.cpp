@@ -339,7 +339,7 @@ TEST_CASE("what a session cannot run with is named with its place", "[contract]"
                                 {"model.neighbours: is 100000", "GB"});
 }
 
-TEST_CASE("what is said of solving is said to be in vain where states arrive at given times", "[contract]") {
+TEST_CASE("options of solving are reported as ignored where states arrive at given times", "[contract]") {
   const Workshop shop;
   int runs = 0;
   const auto said = [&](std::string command, const std::vector<std::string>& parts) {
@@ -464,7 +464,7 @@ TEST_CASE("a fill that is interrupted says so, with what it has", "[contract]") 
       "-s s.states-wal", 0.3);
   CHECK(outcome.json()["solved"].get<int>() > 0);
   CHECK(outcome.json()["solved"].get<int>() < 68921);
-  CHECK_THAT(outcome.err, Catch::Contains("the same command goes on from here"));
+  CHECK_THAT(outcome.err, Catch::Contains("rerun the same command to resume"));
 }
 
 TEST_CASE("a session that is interrupted while it rehearses says so and writes what it has", "[contract]") {

@@ -168,7 +168,7 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
              Catch::Contains("--select: without effect"));
 }
 
-TEST_CASE("evaluate and info say that states contradict each other, and the first one counts", "[evaluate]") {
+TEST_CASE("evaluate and info say that states contradict each other, and the first is kept", "[evaluate]") {
   const Workshop shop;
   const std::string first = "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,1,0,0\n0,0.01,0,0,1,0\n0,0,0.01,0,0,1\n";
   shop.write("points.csv", "x,y,z\n0.01,0,0\n");
@@ -182,7 +182,7 @@ TEST_CASE("evaluate and info say that states contradict each other, and the firs
       INFO(command << "\n" << outcome.err);
       REQUIRE(outcome.code == 0);
       const std::string warning =
-          states + ": 2 states contradict another at the same position; the first one counts\n";
+          states + ": 2 states contradict another at the same position; the first is kept\n";
       const auto at = outcome.err.find("warning: ");
       if (states == "other.csv")
         CHECK(outcome.err.substr(std::min(at, outcome.err.size())).starts_with("warning: " + warning));
@@ -197,7 +197,7 @@ TEST_CASE("evaluate and info say that states contradict each other, and the firs
   shop.write("single.csv", first + "0,0.01,0,0,2,0\n");
   for (const std::string command : {"evaluate single.csv --points points.csv", "info single.csv"})
     CHECK_THAT(shop.forefeel(command).err,
-               Catch::Contains("1 state contradicts another at the same position; the first one counts"));
+               Catch::Contains("1 state contradicts another at the same position; the first is kept"));
 }
 
 TEST_CASE("the time of a fit is that of models that were made, and their number is told", "[evaluate]") {
