@@ -39,8 +39,9 @@ constexpr LawEntry entry_of() {
 }  // namespace
 }  // namespace forefeel
 
-#define FOREFEEL_DEFINE_LAW(law, L)       \
-  namespace forefeel::FOREFEEL_ISA {      \
-  extern const LawEntry law;              \
-  constexpr LawEntry law = entry_of<L>(); \
+#define FOREFEEL_DEFINE_LAW(law, L)                                                            \
+  static_assert(static_cast<int>(forefeel::Law::law) >= 0, "the law has no line in list.hpp"); \
+  namespace forefeel::FOREFEEL_ISA {                                                           \
+  extern const LawEntry law;                                                                   \
+  constexpr LawEntry law = entry_of<L>();                                                      \
   }
