@@ -1,5 +1,6 @@
 #pragma once
-// The four benches of `forefeel bench`: each prints its rows and returns the exit code. scene "": the built-in one.
+// The four benches of `forefeel bench`: each prints its rows and returns the exit code. scene "": the
+// built-in one.
 
 #include <cstddef>
 #include <string>

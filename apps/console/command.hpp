@@ -1,6 +1,6 @@
 #pragma once
-// The command line: `forefeel <command> …`. A command is a name, its options and what runs; each stands in a file
-// of its own (apps/commands). The parser, CLI11, is known to command.cpp alone.
+// The command line: `forefeel <command> …`. A command is a name, its options and what runs; each stands in a
+// file of its own (apps/commands). The parser, CLI11, is known to command.cpp alone.
 //
 //   Command solve = line.add("solve", "Tight solves …");
 //   solve.option("SCENE", arguments->scene, "Scene (TOML)").required();
@@ -78,8 +78,8 @@ class CommandLine {
 
   // A new subcommand, with the options that all commands share.
   Command add(const std::string& name, const std::string& description);
-  // Parses, runs the chosen command and returns its exit code; --help and --version print and return 0. InputError
-  // for whatever is wrong on the command line: one line, with a suggestion for a mistyped word.
+  // Parses, runs the chosen command and returns its exit code; --help and --version print and return 0.
+  // InputError for whatever is wrong on the command line: one line, with a suggestion for a mistyped word.
   int run(int argc, const char* const* argv);
 
  private:

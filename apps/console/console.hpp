@@ -1,6 +1,6 @@
 #pragma once
-// What every command shares with the terminal: the options that all commands take, lines for people, warnings,
-// and one progress line.
+// What every command shares with the terminal: the options that all commands take, lines for people,
+// warnings, and one progress line.
 
 #include <cstdint>
 #include <string>
@@ -20,8 +20,8 @@ struct Globals {
 void say(const Globals& globals, const std::string& line);
 // A result for people: as say(), but --quiet shows it too.
 void answer(const Globals& globals, const std::string& line);
-// "forefeel: warning: …" on stderr. A warning waits until the command shows something else or ends well, so that
-// an input error that follows is the only line on stderr.
+// "forefeel: warning: …" on stderr. A warning waits until the command shows something else or ends well, so
+// that an input error that follows is the only line on stderr.
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
 

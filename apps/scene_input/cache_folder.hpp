@@ -1,6 +1,6 @@
 #pragma once
-// Where results that are expensive to make again are kept between runs: meshes of phantoms, reference states, chosen
-// spacings.
+// Where results that are expensive to make again are kept between runs: meshes of phantoms, reference states,
+// chosen spacings.
 
 #include <filesystem>
 

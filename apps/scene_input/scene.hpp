@@ -1,6 +1,6 @@
 #pragma once
-// A scene (TOML): body, material, clamp, contact, state space, model, session. Unknown keys are errors that suggest
-// the nearest known one; every error names file, key and what was expected.
+// A scene (TOML): body, material, clamp, contact, state space, model, session. Unknown keys are errors that
+// suggest the nearest known one; every error names file, key and what was expected.
 
 #include <filesystem>
 #include <memory>
@@ -44,13 +44,13 @@ struct Scene {
 Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
                  const Scene* like = nullptr);
 
-// The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch of 2 cm,
-// neo-Hookean, spacing 6 mm.
+// The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch
+// of 2 cm, neo-Hookean, spacing 6 mm.
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
 
-// The scene's state space on a lattice of another spacing [m]. The box changes with it where the scene gives none.
-// InputError where the lattice has too many positions.
+// The scene's state space on a lattice of another spacing [m]. The box changes with it where the scene gives
+// none. InputError where the lattice has too many positions.
 StateSpaceOptions space_at(const Scene& scene, double spacing);
 
 }  // namespace forefeel

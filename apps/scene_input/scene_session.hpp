@@ -6,8 +6,8 @@
 
 namespace forefeel {
 
-// The scene's body, box and spacing; no known states, no state file; references are kept in the cache folder, and files
-// that the scene names are sought beside it.
+// The scene's body, box and spacing; no known states, no state file; references are kept in the cache folder,
+// and files that the scene names are sought beside it.
 SessionInput session_input(const Scene& scene);
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 #pragma once
-// A scene file as parsed, and its tables: typed reading with one-line errors that name file, line, key and what was
-// expected. The parser, toml++, is known to scene_table.cpp alone.
+// A scene file as parsed, and its tables: typed reading with one-line errors that name file, line, key and
+// what was expected. The parser, toml++, is known to scene_table.cpp alone.
 
 #include <cstdint>
 #include <filesystem>
@@ -38,8 +38,8 @@ class SceneTable {
   std::optional<Vec3> vector(const std::string& key) const;
   std::optional<std::vector<std::int64_t>> integers(const std::string& key) const;
   std::optional<Box> box(const std::string& key) const;
-  // A table in this one; where it is absent all its keys are unset. InputError where the key is no table, or the table
-  // has a key that is not in `known`.
+  // A table in this one; where it is absent all its keys are unset. InputError where the key is no table, or
+  // the table has a key that is not in `known`.
   SceneTable sub(const std::string& key, std::vector<std::string> known) const;
   // Throws unless exactly one of the keys is set; returns it.
   std::string exactly_one_of(const std::vector<std::string>& keys) const;
@@ -64,8 +64,8 @@ class SceneTable {
 // A scene file with its overrides. Its tables point into it: they are read while it lives.
 class SceneDocument {
  public:
-  // overrides: "key.path=value" as given to --set; value is TOML, or a bare string. InputError for a file that is missing
-  // or no TOML, and for an override without key or value.
+  // overrides: "key.path=value" as given to --set; value is TOML, or a bare string. InputError for a file
+  // that is missing or no TOML, and for an override without key or value.
   static SceneDocument read(const std::filesystem::path& file, std::span<const std::string> overrides);
   // name: what messages call the text, in place of a file.
   static SceneDocument parse(std::string_view text, const std::string& name,
@@ -74,7 +74,8 @@ class SceneDocument {
   ~SceneDocument();
 
   SceneTable root(const std::vector<std::string>& known) const;
-  // As TOML, as overridden: keys sorted, without comments. The second of one section; nothing where it is absent.
+  // As TOML, as overridden: keys sorted, without comments. The second of one section; nothing where it is
+  // absent.
   std::string text() const;
   std::optional<std::string> section_text(const std::string& section) const;
 

@@ -9,8 +9,8 @@
 
 namespace forefeel {
 
-// [m]; `unknown` with fewer than two positions. Of more than 20 000 states every k-th is measured, 20 000 at most; all
-// count as neighbours. States at one position count once. O(n log n).
+// [m]; `unknown` with fewer than two positions. Of more than 20 000 states every k-th is measured, 20 000 at
+// most; all count as neighbours. States at one position count once. O(n log n).
 double estimate_spacing(std::span<const State> states);
 
 }  // namespace forefeel
