@@ -1,5 +1,5 @@
-// A policy of one's own, to copy: linked with the command line into `forefeel_example`, where sessions and studies know
-// it as "ahead". It solves what lies ahead of the hand within a cone of 60 degrees, the nearest first, then the rest.
+// A policy for the command itself, to copy. It is linked with the command into `forefeel_example`.
+// Sessions and studies know it as "ahead". What lies ahead of the hand, within 60 degrees, comes first.
 
 #include "scheduling/policy/policy.hpp"
 

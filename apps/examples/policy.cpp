@@ -1,4 +1,4 @@
-// A policy of your own, registered under a name and compared with a built-in one: what lies ahead comes first.
+// A policy of your own, registered under a name and compared with a built-in one.
 
 #include <fmt/format.h>
 #include <forefeel/forefeel.hpp>

@@ -15,7 +15,7 @@ int main() {
   const Box reach{Vec3::Constant(-0.012), Vec3::Constant(0.012)};
   const SessionInput input{.touched = {.body = body, .space = {.spacing = 0.004, .box = reach}}};
 
-  // 2. How the hand moves, who solves, and on which clock. The virtual clock gives the same result on every machine.
+  // 2. How the hand moves, who solves, and on which clock: the virtual one repeats on every machine.
   SessionOptions options;
   options.clock = {.kind = Clock::virtual_time, .seconds = 2};
   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.04};  // [m/s]

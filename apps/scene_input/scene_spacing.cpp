@@ -9,9 +9,9 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "geometry/common/sha256.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/sha256.hpp"
 #include "solver/kernels/revision.hpp"
 
 namespace forefeel {

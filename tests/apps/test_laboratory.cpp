@@ -9,8 +9,8 @@
 #include <map>
 #include <sstream>
 
-#include "scheduling/calibration/calibration.hpp"
 #include "apps/laboratory/laboratory.hpp"
+#include "scheduling/calibration/calibration.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
-#include "apps/console/command.hpp"
-#include "apps/console/json.hpp"
 #include <nlohmann/json.hpp>
 #include <random>
+#include "apps/console/command.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/console/values.hpp"
 #include "apps/picture/plot.hpp"

@@ -1,4 +1,4 @@
-// The installed library: a clean prefix, `find_package(forefeel)`, and every example built and run against it.
+// The installed library: every example is built against it in a clean prefix, and run.
 
 #include <catch2/catch.hpp>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// The main of every test executable. Each run has its own TMPDIR and XDG_CACHE_HOME, removed at the end: runs side
-// by side share no file.
+// The main of every test executable. Each run has its own TMPDIR and XDG_CACHE_HOME, removed at the end.
+// Runs side by side share no file.
 
 #define CATCH_CONFIG_RUNNER
 #include <stdlib.h>

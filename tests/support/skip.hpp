@@ -1,6 +1,6 @@
 #pragma once
-// Tests that need a tool which is not installed. A run in which every check passed but a test was skipped ends
-// with exit code 77, which ctest reports as "Skipped" together with the reasons. A failed check comes first.
+// Tests that need a tool which is not installed. A run that skipped a test, and whose checks all pass, ends with
+// exit code 77. ctest reports it as skipped.
 //
 //   if (!has_command("ccx")) return skip("ccx is not installed");
 
