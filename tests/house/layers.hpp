@@ -1,8 +1,8 @@
 #pragma once
 // The rooms of the sources and the arrows between them: the table rooms.txt against the includes as they are.
 //
-// A unit is a header with the source file of the same stem. An arrow a -> b says: a file of a includes a header
-// of b.
+// A unit is a header with the source file of the same stem.
+// An arrow a -> b says: a file of a includes a header of b.
 
 #include <filesystem>
 #include <map>

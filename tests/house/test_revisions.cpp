@@ -1,5 +1,6 @@
-// Digests of the sources. What is kept on disk is trusted for one revision of what made it: see forefeel_revision
-// in the top CMakeLists.txt. A digest whose patterns match nothing would never change, so configuring must fail.
+// Digests of the sources: what is kept on disk is trusted for one revision of what made it.
+// A digest whose patterns match nothing would never change, so configuring must fail (forefeel_revision in the
+// top CMakeLists.txt).
 
 #include <catch2/catch.hpp>
 #include <fstream>

@@ -1,6 +1,6 @@
 #pragma once
-// Where the sources and the build are. Only paths.cpp has these folders on its command line, so that a compiler
-// cache serves every other test file in any folder.
+// Where the sources and the build are. Only paths.cpp has these folders on its command line: a compiler cache
+// serves every other test file in any folder.
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// Tests that need a tool which is not installed. A run that skipped a test, and whose checks all pass, ends with
-// exit code 77. ctest reports it as skipped.
+// Tests that need a tool which is not installed. A run that skipped a test, and whose checks all pass, ends
+// with exit code 77. ctest reports it as skipped.
 //
 //   if (!has_command("ccx")) return skip("ccx is not installed");
 
