@@ -1,6 +1,6 @@
 #pragma once
-// Jumps of a force along a way: of the steepest steps what is left when they are halved again and again. A jump
-// stays, what is continuous vanishes.
+// Finds jumps of a force along a path: the steepest steps are halved again and again. The change of a
+// continuous force tends to zero; a jump remains.
 
 #include <algorithm>
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace forefeel::testing {
 
-// |f(b) - f(a)| when a and b have moved together up to rounding, always the steeper half being kept.
+// |f(b) - f(a)| after bisection down to rounding, always keeping the steeper half.
 double left_of(const auto& force, Vec3& a, Vec3& b) {
   Vec3 fa = force(a), fb = force(b);
   for (int halving = 0; halving < 40; ++halving) {

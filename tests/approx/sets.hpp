@@ -1,6 +1,6 @@
 #pragma once
-// Fields and sets of states that the tests of approx share, and a judge: the saddle system of paper Eq. 2 in
-// long double, by an LU with complete pivoting.
+// Fields and sets of states that the tests of approx share, and an oracle: the saddle system of paper Eq. 2,
+// solved in long double by an LU with complete pivoting.
 
 #include <Eigen/LU>
 #include <random>
@@ -80,7 +80,7 @@ inline std::vector<Vec3> hard_set(const std::string& kind, std::size_t count, un
 using Real = long double;
 using RealMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
-// The interpolant of the states in long double; level as the model that is judged chose it.
+// The interpolant of the states in long double, with the kernel and degree of the model under test.
 class Judge {
  public:
   Judge(const std::vector<State>& states, int power, int degree, bool hermite)

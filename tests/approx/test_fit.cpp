@@ -115,8 +115,8 @@ TEST_CASE("Kernel and degree step down by rank") {
     }
 }
 
-// What is right on a plane or a line: the interpolant of the level that the set determines, by an LU with complete
-// pivoting in long double, on the set's own plane or line; beside it a force that grows no faster than the bound.
+// On the plane or line of the set: the interpolant of the level that the set determines, by an LU with
+// complete pivoting in long double. Away from it: a force within the bound.
 TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their level") {
   std::mt19937 random(12);
   std::uniform_real_distribution<double> unit(-0.03, 0.03);

@@ -1,4 +1,4 @@
-// Evaluation and switch allocate nothing and lock nothing; updates allocate nothing once everything is made.
+// Evaluation and switch do not allocate or lock; updates do not allocate after construction.
 // malloc and pthread_mutex_lock of this executable count their calls (not under a sanitizer, which brings its
 // own).
 

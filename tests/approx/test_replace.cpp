@@ -1,4 +1,4 @@
-// The factor that is kept alive: after any number of replacements as good as a fresh one.
+// The kept factor: after any number of replacements it is as accurate as a fresh one.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -102,7 +102,7 @@ Errors errors_of(const Model& model, const Judge& judge, const std::vector<State
 
 }  // namespace
 
-// The largest errors of the last sets, so that no single rounding decides.
+// The largest errors over the last sets, so that no single rounding error decides.
 TEST_CASE("10,000 replacements without refactorisation stay within five times a fresh solve", "[replace]") {
   for (const char* kind : {"lattice", "near-duplicate", "coplanar", "collinear", "clustered"})
     for (const auto& [kernel, data] : cases)
@@ -125,8 +125,8 @@ TEST_CASE("10,000 replacements without refactorisation stay within five times a 
           a.take(errors_of(updated, judge, states, 11));
           b.take(errors_of(fresh, judge, states, 11));
         }
-        // A set whose rank differs needs another kernel, hence another factor, and so does one with
-        // functionals that rounding drowns; none else is made anew.
+        // Only a set of another rank (which needs another kernel) or with functionals below rounding is
+        // factorised anew.
         if (kernel != Kernel::quintic) CHECK(churn.refits == 0);
         CAPTURE(1e14 * a.residual, 1e14 * b.residual, 1e14 * a.prediction, 1e14 * b.prediction);
         CHECK(a.residual <= 5 * std::max(b.residual, 5e-14));

@@ -1,4 +1,4 @@
-// Against an implementation that is not ours: scipy.interpolate.RBFInterpolator.
+// Comparison with an independent implementation: scipy.interpolate.RBFInterpolator.
 
 #include <unistd.h>
 

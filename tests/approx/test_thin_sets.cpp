@@ -1,5 +1,5 @@
-// Label sets on states that hardly determine a field: planes, a line, a lone state beside them. One state
-// more or less decides there about a polynomial term, a hull or a side.
+// Sets by label on states that hardly determine a field: planes, a line, a lone state beside them. There a
+// single state more or less determines a polynomial term, a hull or a side.
 
 #include <algorithm>
 #include <catch2/catch.hpp>

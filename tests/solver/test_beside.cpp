@@ -22,7 +22,7 @@ std::vector<Vec3> neighbours(const Vec3& x) {
 
 }  // namespace
 
-TEST_CASE("states beside a known one equal tight solves on the straight way, every law and element") {
+TEST_CASE("states beside a known one equal tight solves along the straight path, every law and element") {
   for (const Law law : all_laws())
     for (const Element element : {Element::linear, Element::quadratic}) {
       INFO(name(law) << " " << name(element));
@@ -75,8 +75,7 @@ TEST_CASE("states beside one whose factor was lost, beside rest, none, and after
     CHECK(outcome.state.status == SolveStatus::cancelled);
 }
 
-TEST_CASE(
-    "a solve that is broken off leaves where it stood, and goes on from there to the same equilibrium") {
+TEST_CASE("a cancelled solve keeps its last iterate; a solve from there reaches the same equilibrium") {
   Solver solver(block_body(Law::neo_hookean, 0.45, 3)), judge(block_body(Law::neo_hookean, 0.45, 3));
   SolveOptions options;
   const Vec3 x(-0.02, 0.012, 0.004);

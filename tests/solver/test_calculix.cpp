@@ -1,5 +1,5 @@
-// CalculiX as an oracle: the same block in an input deck of our making; *ELASTIC is the linear law, and with NLGEOM it
-// is St. Venant-Kirchhoff. Compared within the digits that CalculiX prints.
+// CalculiX as an oracle: the same block as an input deck. *ELASTIC is the linear law, with NLGEOM it is
+// St. Venant-Kirchhoff. The comparison is as exact as the digits that CalculiX prints.
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -122,7 +122,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the Hessian is the gradient's derivative and eight lanes do what one does") {
+TEST_CASE("the Hessian is the gradient's derivative, and eight lanes equal one") {
   for (const Law law : all_laws())
     for (const Element element : {Element::linear, Element::quadratic}) {
       const FreeBody b(law, 0.4, 1, element);

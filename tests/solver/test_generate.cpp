@@ -64,7 +64,7 @@ TEST_CASE("fast states are within 1e-6 of tight ones, all laws; stiffness and en
   }
 }
 
-TEST_CASE("St. Venant-Kirchhoff with elements turned inside out: what is not marked is what solve says") {
+TEST_CASE("St. Venant-Kirchhoff with inverted elements: states that are not marked equal those of solve") {
   const auto body = block_body(Law::st_venant_kirchhoff, 0.4);
   GenerateOptions options;
   options.box = {Vec3(-0.042, -0.036, -0.012), Vec3(0.006, 0.012, 0.012)};
@@ -98,7 +98,7 @@ TEST_CASE("the states are the same whatever the thread count, bit for bit") {
 }
 
 TEST_CASE(
-    "a lattice left half done is gone on with and ends with the same states; failed ones are not tried "
+    "an interrupted lattice resumes and ends with the same states; failed ones are not tried "
     "again") {
   const auto body = block_body(Law::neo_hookean);
   const auto whole = generate(body, small_box(2));
@@ -114,7 +114,7 @@ TEST_CASE(
   for (const auto& [k, state] : rest) CHECK(same_bits(state, whole.at(k)));
 }
 
-TEST_CASE("a stopped lattice hands over only finished states, and what it did is kept") {
+TEST_CASE("a stopped lattice hands over only finished states, which are kept") {
   const auto body = block_body(Law::neo_hookean);
   std::stop_source stop;
   GenerateOptions options = small_box(2);

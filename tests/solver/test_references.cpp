@@ -1,4 +1,4 @@
-// References that others computed: FEniCSx on a beam, where the folder with them exists.
+// References computed with FEniCSx on a beam; skipped if the folder with them is missing.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
