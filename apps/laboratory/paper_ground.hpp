@@ -1,10 +1,10 @@
 #pragma once
 // The ground of the paper's Figs. 1 to 3: a lattice of states around a path that leaves a fully known slab
-// and goes into the body, and what of it each situation knows (geometry/coverage/setups.hpp). The path runs along the
-// lattice axis nearest to the inward direction of the contact,
+// and goes into the body, and what of it each situation knows (geometry/coverage/setups.hpp). The path runs
+// along the lattice axis nearest to the inward direction of the contact,
 //   x(s) = s a,  0 <= s <= depth,   a a signed unit axis
-// with the slab at s <= 0 and, in the situation `gap`, another one from its width (8 h) on. Nothing lies beyond the end
-// of the path.
+// The known slab lies at s <= 0; in the situation `gap` another one begins beyond the gap (8 h). Nothing is
+// known beyond the end of the path.
 
 #include <string>
 #include <string_view>

@@ -114,7 +114,6 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
 }
 
 // ---- what is read off
-// ----------------------------------------------------------------------------------------------
 
 struct Judge {
   double share, absolute;  // of the JND
@@ -212,7 +211,6 @@ nlohmann::ordered_json to_json(const Run& run, const Reading& reading) {
 }
 
 // ---- files
-// ---------------------------------------------------------------------------------------------------------
 
 // Every 50th frame, and every one of the second that follows a group.
 bool is_kept(std::size_t k, double t, const Script& script) {

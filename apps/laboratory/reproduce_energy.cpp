@@ -1,9 +1,9 @@
 // Energy around closed loops (approx/judge/loop_energy.hpp) in the scene's own state space, per method:
 //   fixed    one set of states: the nearest to the middle of the loop, or what an older method takes
 //   moving   the set follows the HIP, a new model every quarter spacing, used at once
-//   smooth   the same, through the default switch; left out where no model differs from the one before by more
-//            than the switch passes on in one frame, so that nothing is damped and the forces are the same
-// Moving loops are run twice and the second turn counts, so that the first model's fading in does not.
+//   smooth   the same, through the default switch. Left out where no model differs from the one before by more
+//            than the switch passes on in one frame: then nothing is damped and the forces are the same.
+// Moving loops are run twice and only the second turn counts, without the fading in of the first model.
 
 #include <fmt/format.h>
 
@@ -248,112 +248,150 @@ Picture picture(const std::vector<Row>& rows) {
           960, 90 + 36 * static_cast<int>(names.size()), script};
 }
 
+// ---- what is shown
+
+struct EnergyFindings {
+  StateSpaceOptions space = {};
+  std::size_t states = 0;
+  std::vector<Row> rows = {};
+  std::vector<std::string> notes = {};
+  Damping damping = {};
+
+  // Of the net over gross energies of a row; unknown where there is no such row.
+  double median(std::string_view method, std::string_view set) const {
+    for (const Row& row : rows)
+      if (row.method == method && row.set == set) return quantile_of(row.ratios, 0.5);
+    return unknown;
+  }
+};
+
+// Loops with a part beyond the box.
+std::size_t loops_beyond(const StateSpaceOptions& space) {
+  std::size_t beyond = 0;
+  for (const double radius : {small, large})
+    for (const auto& loop : loops(space, radius)) {
+      const bool inside = std::ranges::all_of(loop, [&](const Vec3& x) {
+        return ((x - space.box.low).array() >= -1e-12).all() &&
+               ((space.box.high - x).array() >= -1e-12).all();
+      });
+      beyond += inside ? 0 : 1;
+    }
+  return beyond;
+}
+
+std::string csv_of(const EnergyFindings& found) {
+  std::string csv = "method,set,half_axis,loops,net_over_gross_p50,net_over_gross_max\n";
+  for (const Row& row : found.rows)
+    csv += fmt::format("\"{}\",\"{}\",{:.6g},{},{:.4g},{:.4g}\n", row.method, row.set,
+                       row.half_axis * found.space.spacing, row.ratios.size(), quantile_of(row.ratios, 0.5),
+                       quantile_of(row.ratios, 1));
+  return csv;
+}
+
+std::string table_of(const EnergyFindings& found) {
+  std::vector<std::vector<std::string>> cells{
+      {"method", "set", "half axes of the loops", "net / gross, median", "most"}};
+  const double h = found.space.spacing;
+  for (const Row& row : found.rows)
+    cells.push_back({row.method, row.set,
+                     fmt::format("{:.3g}, {:.3g} mm", 1e3 * row.half_axis * h, 800 * row.half_axis * h),
+                     fmt::format("{:.2g}", quantile_of(row.ratios, 0.5)),
+                     fmt::format("{:.2g}", quantile_of(row.ratios, 1))});
+  return html_table(cells);
+}
+
+nlohmann::ordered_json summary_of(const EnergyFindings& found) {
+  const double h = found.space.spacing;
+  const auto axes_of = [&](double radius) { return nlohmann::ordered_json{radius * h, 0.8 * radius * h}; };
+  nlohmann::ordered_json summary;
+  summary["loops"] = {{"points", points},
+                      {"half_axes_small", axes_of(small)},
+                      {"half_axes_large", axes_of(large)},
+                      {"planes", {"x, y", "y, z", "(1, 1, 0), (1, -1, 1)"}},
+                      {"beyond_the_box", loops_beyond(found.space)},
+                      {"centres", nlohmann::ordered_json::array()}};
+  for (const Vec3& c : centres(found.space)) summary["loops"]["centres"].push_back(vector3(c));
+  summary["notes"] = found.notes;
+  summary["states"] = found.states;
+  summary["switch"] = {{"frames", found.damping.frames},
+                       {"damped", found.damping.damped},
+                       {"largest_jump_over_bound", number(found.damping.largest)}};
+  summary["rows"] = nlohmann::ordered_json::array();
+  for (const Row& row : found.rows)
+    summary["rows"].push_back({{"method", row.method},
+                               {"set", row.set},
+                               {"loops", row.ratios.size()},
+                               {"half_axes", axes_of(row.half_axis)},
+                               {"p50", number(quantile_of(row.ratios, 0.5))},
+                               {"max", number(quantile_of(row.ratios, 1))}});
+  return summary;
+}
+
+std::string through_the_switch(const EnergyFindings& found) {
+  const Damping& damping = found.damping;
+  if (damping.damped == 0)
+    return fmt::format(
+        "through the smooth switch the same, force by force: no two models that follow each other differ by "
+        "more than {:.2g} % of what it lets pass in one frame, so that it had nothing to damp.",
+        100 * damping.largest);
+  const char* const set = "moving, smooth switch";
+  return fmt::format(
+      "through the smooth switch, which damped {:.2g} % of the frames, {:.1g}, {:.1g} and {:.1g}.",
+      100 * static_cast<double>(damping.damped) / static_cast<double>(damping.frames),
+      found.median("Hermite r5, n 25", set), found.median("r3, n 100", set), found.median("r, n 100", set));
+}
+
+std::string what_we_found(const EnergyFindings& found) {
+  const double h = found.space.spacing;
+  std::string where;
+  for (const Vec3& c : centres(found.space))
+    where += fmt::format("{}({:.3g}, {:.3g}, {:.3g})", where.empty() ? "" : ", ", 1e3 * c[0], 1e3 * c[1],
+                         1e3 * c[2]);
+  const std::size_t beyond = loops_beyond(found.space);
+  std::string text = fmt::format(
+      "Net over gross energy, medians. {} loops each, ellipses in three planes about ({}) mm{}: half axes "
+      "{:.3g} and {:.3g} mm for models of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the "
+      "older "
+      "methods, which know all states. On a fixed set: an interpolant of the energy {:.1g}, Hermite r5 "
+      "{:.1g}, "
+      "r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of all states {:.1g}. With a "
+      "set that moves with the HIP and models used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
+      3 * places, where, beyond > 0 ? fmt::format(" ({} of {} go beyond the box)", beyond, 6 * places) : "",
+      1e3 * small * h, 800 * small * h, 1e3 * large * h, 800 * large * h,
+      found.median("energy interpolant, n 25", "fixed"), found.median("Hermite r5, n 25", "fixed"),
+      found.median("r3, n 100", "fixed"), found.median("r, n 100", "fixed"),
+      found.median("trilinear", "fixed"), found.median("offline-rbf", "fixed"),
+      found.median("Hermite r5, n 25", "moving"), found.median("r3, n 100", "moving"),
+      found.median("r, n 100", "moving"), through_the_switch(found));
+  for (const std::string& note : found.notes) text += " " + note + ".";
+  return text;
+}
+
 }  // namespace
 
 Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
                           const std::filesystem::path& folder, const ShowShare& show) {
-  const StateSpaceOptions& options = laboratory.scene().space;
-  const std::vector<State> states = laboratory.lattice_states(
-      options.box, options.spacing, [&](double share, const std::string& text) { show(0.5 * share, text); });
-  StateSpace space(options);
+  EnergyFindings found{.space = laboratory.scene().space};
+  const std::vector<State> states =
+      laboratory.lattice_states(found.space.box, found.space.spacing,
+                                [&](double share, const std::string& text) { show(0.5 * share, text); });
+  found.states = states.size();
+  StateSpace space(found.space);
   for (const State& state : states) space.insert(state);
-  std::vector<Row> rows;
   show(0.5, "fixed sets");
-  std::vector<std::string> notes;
-  fixed_rows(space, states, rows, notes);
+  fixed_rows(space, states, found.rows, found.notes);
   show(0.7, "moving sets");
-  const Damping damping = moving_rows(space, rows);
+  found.damping = moving_rows(space, found.rows);
+  write_text(folder / "energy.csv", csv_of(found));
 
-  Findings findings;
-  const double h = options.spacing;
-  const auto axes_of = [&](double radius) { return nlohmann::ordered_json{radius * h, 0.8 * radius * h}; };
-  std::string csv = "method,set,half_axis,loops,net_over_gross_p50,net_over_gross_max\n";
-  std::vector<std::vector<std::string>> cells{
-      {"method", "set", "half axes of the loops", "net / gross, median", "most"}};
-  std::size_t outside = 0;  // loops with a part beyond the box
-  for (const double radius : {small, large})
-    for (const auto& loop : loops(options, radius))
-      outside += std::ranges::all_of(loop,
-                                     [&](const Vec3& x) {
-                                       return ((x - options.box.low).array() >= -1e-12).all() &&
-                                              ((options.box.high - x).array() >= -1e-12).all();
-                                     })
-                     ? 0
-                     : 1;
-  findings.summary["loops"] = {{"points", points},
-                               {"half_axes_small", axes_of(small)},
-                               {"half_axes_large", axes_of(large)},
-                               {"planes", {"x, y", "y, z", "(1, 1, 0), (1, -1, 1)"}},
-                               {"beyond_the_box", outside},
-                               {"centres", nlohmann::ordered_json::array()}};
-  std::string where;
-  for (const Vec3& c : centres(options)) {
-    findings.summary["loops"]["centres"].push_back(vector3(c));
-    where += fmt::format("{}({:.3g}, {:.3g}, {:.3g})", where.empty() ? "" : ", ", 1e3 * c[0], 1e3 * c[1],
-                         1e3 * c[2]);
-  }
-  findings.summary["notes"] = notes;
-  findings.summary["states"] = states.size();
-  findings.summary["switch"] = {{"frames", damping.frames},
-                                {"damped", damping.damped},
-                                {"largest_jump_over_bound", number(damping.largest)}};
-  findings.summary["rows"] = nlohmann::ordered_json::array();
-  const auto median_of = [&](std::string_view method, std::string_view set) {
-    for (const Row& row : rows)
-      if (row.method == method && row.set == set) return quantile_of(row.ratios, 0.5);
-    return unknown;
-  };
-  for (const Row& row : rows) {
-    const double p50 = quantile_of(row.ratios, 0.5), most = quantile_of(row.ratios, 1);
-    csv += fmt::format("\"{}\",\"{}\",{:.6g},{},{:.4g},{:.4g}\n", row.method, row.set, row.half_axis * h,
-                       row.ratios.size(), p50, most);
-    cells.push_back({row.method, row.set,
-                     fmt::format("{:.3g}, {:.3g} mm", 1e3 * row.half_axis * h, 800 * row.half_axis * h),
-                     fmt::format("{:.2g}", p50), fmt::format("{:.2g}", most)});
-    findings.summary["rows"].push_back({{"method", row.method},
-                                        {"set", row.set},
-                                        {"loops", row.ratios.size()},
-                                        {"half_axes", axes_of(row.half_axis)},
-                                        {"p50", number(p50)},
-                                        {"max", number(most)}});
-  }
-  write_text(folder / "energy.csv", csv);
-  const std::string through =
-      damping.damped > 0
-          ? fmt::format(
-                "through the smooth switch, which damped {:.2g} % of the frames, {:.1g}, {:.1g} and {:.1g}.",
-                100 * static_cast<double>(damping.damped) / static_cast<double>(damping.frames),
-                median_of("Hermite r5, n 25", "moving, smooth switch"),
-                median_of("r3, n 100", "moving, smooth switch"),
-                median_of("r, n 100", "moving, smooth switch"))
-          : fmt::format(
-                "through the smooth switch the same, force by force: no two models that follow each "
-                "other differ by more than {:.2g} % of what it lets pass in one frame, so that it had "
-                "nothing to damp.",
-                100 * damping.largest);
-  std::string found = fmt::format(
-      "Net over gross energy, medians. {} loops each, ellipses in three planes about ({}) mm{}: half axes "
-      "{:.3g} and {:.3g} mm for models "
-      "of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the older methods, which know all "
-      "states. On a fixed set: an "
-      "interpolant of the energy {:.1g}, Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; older methods: trilinear "
-      "cells {:.1g}, one r3 model of "
-      "all states {:.1g}. With a set that "
-      "moves with the HIP and models used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
-      3 * places, where, outside > 0 ? fmt::format(" ({} of {} go beyond the box)", outside, 6 * places) : "",
-      1e3 * small * h, 800 * small * h, 1e3 * large * h, 800 * large * h,
-      median_of("energy interpolant, n 25", "fixed"), median_of("Hermite r5, n 25", "fixed"),
-      median_of("r3, n 100", "fixed"), median_of("r, n 100", "fixed"), median_of("trilinear", "fixed"),
-      median_of("offline-rbf", "fixed"), median_of("Hermite r5, n 25", "moving"),
-      median_of("r3, n 100", "moving"), median_of("r, n 100", "moving"), through);
-  for (const std::string& note : notes) found += " " + note + ".";
-  findings.html = paragraph("The question",
-                            "The paper does not look at energy. A body at rest gives back what was put in, "
-                            "so that a force field that gains energy around a "
-                            "closed loop can drive a hand; what matters is not only the kernel but also the "
-                            "set that moves with the hand.") +
-                  paragraph("We found", found) + draw_into(folder, picture(rows)) + html_table(cells);
-  findings.lines = {found};
+  Findings findings{.summary = summary_of(found), .html = {}, .lines = {what_we_found(found)}};
+  findings.html =
+      paragraph("The question",
+                "The paper does not look at energy. A body at rest gives back what was put in, so a "
+                "force field that gains energy around a closed loop can drive a hand. Not only the "
+                "kernel matters but also the set of states, which moves with the hand.") +
+      paragraph("We found", findings.lines.front()) + draw_into(folder, picture(found.rows)) +
+      table_of(found);
   return findings;
 }
 

@@ -1,7 +1,5 @@
-// The paper's Fig. 2: a 6 cm path out of what is known, in its three situations. Error against the complete
-// state space (the same method with all states known), as in the paper, and against tight solves; and what
-// the force does where the neighbour set changes:
-//   jump at x_i = |M_i(x_i) - M_{i-1}(x_i)|,  M_i the model of the set that belongs to x_i.
+// The paper's Fig. 2: a 6 cm path out of what is known, in its three situations. extrapolation_path.hpp walks
+// it; here is what is read off and shown.
 
 #include <fmt/format.h>
 
@@ -11,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/json.hpp"
-#include "apps/laboratory/paper_ground.hpp"
+#include "apps/laboratory/extrapolation_path.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/quantiles.hpp"
@@ -19,160 +17,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double step = 1.0 / 60;  // of the path, in spacings (0.1 mm at 6 mm)
-constexpr int steps_per_reference = 20;
-
-struct PathPoint {
-  double s = 0;  // [m]
-  Vec3 force = Vec3::Zero(), complete = Vec3::Zero();
-  Label label = Label::blank;
-  double jump = 0;                          // [N]
-  std::size_t near_side = 0, far_side = 0;  // states of the set before the path's middle, and beyond
-  double error_complete = unknown, error_tight = unknown;
-};
-
-struct Curve {
-  std::string setup;
-  PathMethod method;
-  std::vector<PathPoint> points;
-};
-
-struct Judge {
-  double floor, share, absolute;  // f0 [N]; of the JND
-  double relative(const Vec3& force, const Vec3& truth) const {
-    return (force - truth).norm() / std::max(truth.norm(), floor);
-  }
-  double in_jnd(double jump, const Vec3& force) const {
-    return jump / std::max(share * force.norm(), absolute);
-  }
-};
-
-// The force along the path as the method gives it, set by set.
-std::vector<PathPoint> walk(const PaperGround& ground, const StateSpace& space, const PathMethod& method,
-                            const std::vector<double>& stations) {
-  ModelUpdater updater(space, method.model);
-  Model now, before;
-  std::vector<PathPoint> points;
-  for (const double s : stations) {
-    const Vec3 x = ground.at(s);
-    UpdateReport report;
-    if (!method.ours) updater.forget();  // the paper's rule knows no earlier set
-    updater.update(x, now, &report);
-    PathPoint point{.s = s, .force = now.force(x)};
-    point.label = report.label;
-    if (!points.empty()) point.jump = (point.force - before.force(x)).norm();
-    for (const StateId id : now.states())
-      ++(ground.along(space[id].at) > 0.5 * ground.far_side() ? point.far_side : point.near_side);
-    points.push_back(point);
-    std::swap(now, before);
-  }
-  return points;
-}
-
-struct Fig2 {
-  std::vector<Curve> curves;
-  std::size_t asked = 0;  // positions of tight solves; those that have a solution follow
-  std::vector<double> tight_s;
-  std::vector<Vec3> tight;
-};
-
-Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& judge, const ShowShare& show) {
-  std::vector<double> stations;
-  const auto last = static_cast<int>(std::lround(ground.depth() / ground.spacing() / step));
-  for (int i = 0; i <= last; ++i) stations.push_back(ground.depth() * i / last);
-  Fig2 fig;
-  std::vector<Vec3> wanted;
-  std::vector<std::size_t> station_of;
-  for (std::size_t i = 0; i < stations.size(); i += steps_per_reference) {
-    wanted.push_back(ground.at(stations[i]));
-    station_of.push_back(i);
-  }
-  const std::vector<State> references =
-      laboratory.references(wanted, [&](double share, const std::string& text) { show(0.5 * share, text); });
-  const StateSpace complete = ground.space(ground.complete());
-  double walked = 0;
-  const auto next_walk = [&](const PathMethod& method, const char* setup) {
-    show(0.5 + 0.5 * walked++ / double(4 * paper_methods().size()),
-         fmt::format("{}: {}", method.name, setup));
-  };
-  for (const PathMethod& method : paper_methods()) {
-    next_walk(method, "all states known");
-    const std::vector<PathPoint> full = walk(ground, complete, method, stations);
-    for (const char* setup : {"blank", "gap", "sparse"}) {
-      next_walk(method, setup);
-      const StateSpace space = ground.space(ground.known(setup));
-      Curve curve{setup, method, walk(ground, space, method, stations)};
-      for (std::size_t i = 0; i < stations.size(); ++i) {
-        curve.points[i].complete = full[i].force;
-        curve.points[i].error_complete = judge.relative(curve.points[i].force, full[i].force);
-      }
-      for (std::size_t k = 0; k < references.size(); ++k)
-        if (references[k].usable())
-          curve.points[station_of[k]].error_tight =
-              judge.relative(curve.points[station_of[k]].force, references[k].force);
-      fig.curves.push_back(std::move(curve));
-    }
-  }
-  fig.asked = references.size();
-  for (const State& state : references)
-    if (state.usable()) {
-      fig.tight_s.push_back(ground.along(state.at));
-      fig.tight.push_back(state.force);
-    }
-  return fig;
-}
-
-// ---- what is read off
-// ----------------------------------------------------------------------------------------------
-
-struct Jump {
-  double s = unknown, size = 0, jnd = 0;  // [m], [N], in JND
-};
-
-Jump jump_at(const Curve& curve, std::size_t i, const Judge& judge) {
-  const PathPoint& p = curve.points[i];
-  return {p.s, p.jump, judge.in_jnd(p.jump, p.force)};
-}
-
-// The largest by force and the largest in JND, which need not be the same, with low < s <= high.
-struct Largest {
-  Jump newton, jnd;
-};
-
-Largest largest(const Curve& curve, const Judge& judge, double low = 0, double high = INFINITY) {
-  Largest most;
-  for (std::size_t i = 1; i < curve.points.size(); ++i) {
-    if (const double s = curve.points[i].s; !(s > low) || s > high * (1 + 1e-9)) continue;
-    const Jump jump = jump_at(curve, i, judge);
-    if (std::isnan(most.jnd.s) || jump.jnd > most.jnd.jnd) most.jnd = jump;
-    if (std::isnan(most.newton.s) || jump.size > most.newton.size) most.newton = jump;
-  }
-  return most;
-}
-
-// Where the first states of the far side come in, and where the last of the near side go.
-std::array<Jump, 2> entering_and_leaving(const Curve& curve, const Judge& judge) {
-  std::array<Jump, 2> events;
-  for (std::size_t i = 1; i < curve.points.size(); ++i) {
-    const PathPoint &a = curve.points[i - 1], &b = curve.points[i];
-    if (a.far_side == 0 && b.far_side > 0 && std::isnan(events[0].s)) events[0] = jump_at(curve, i, judge);
-    if (a.near_side > 0 && b.near_side == 0) events[1] = jump_at(curve, i, judge);
-  }
-  return events;
-}
-
-std::vector<double> errors(const Curve& curve, bool tight, double high = INFINITY) {
-  std::vector<double> values;
-  for (const PathPoint& p : curve.points)
-    if (p.s <= high * (1 + 1e-9)) values.push_back(tight ? p.error_tight : p.error_complete);
-  return values;
-}
-
-double at_end(const std::vector<double>& values) {
-  for (auto v = values.rbegin(); v != values.rend(); ++v)
-    if (std::isfinite(*v)) return *v;
-  return unknown;
-}
+using namespace fig2;
 
 nlohmann::ordered_json to_json(const Jump& jump) {
   return {{"s", number(jump.s)}, {"newton", number(jump.size)}, {"jnd", number(jump.jnd)}};
@@ -193,15 +38,14 @@ nlohmann::ordered_json to_json(const Curve& curve, const Judge& judge, double ga
     row["in_gap"] = {{"largest_jump", to_json(inside.jnd)},
                      {"largest_jump_newton", to_json(inside.newton)},
                      {"error_tight", quantiles_json(errors(curve, true, gap_end))}};
-    const auto events = entering_and_leaving(curve, judge);
-    row["far_side_enters"] = to_json(events[0]);
-    row["near_side_leaves"] = to_json(events[1]);
+    const auto [enters, leaves] = crossing(curve, judge);
+    row["far_side_enters"] = to_json(enters);
+    row["near_side_leaves"] = to_json(leaves);
   }
   return row;
 }
 
 // ---- files
-// ---------------------------------------------------------------------------------------------------------
 
 std::string csv(const Fig2& fig, const Judge& judge) {
   std::string text =
@@ -216,9 +60,44 @@ std::string csv(const Fig2& fig, const Judge& judge) {
   return text;
 }
 
+// One situation: the force along the path, or the error against the complete state space.
+std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, bool force, double most) {
+  const std::array<const char*, 3> setups{"blank", "gap", "sparse"};
+  const double top = 0.965 - 0.315 * static_cast<double>(row), bottom = top - 0.235;
+  std::string script = fmt::format("set size 0.405,0.235\nset origin {},{}\n", force ? 0.075 : 0.58, bottom);
+  script += fmt::format(
+      "set title '{}' offset 0,-0.6\nset xlabel '{}' offset 0,0.5\n",
+      fmt::format("{}: {}", setups[row], force ? "force" : "error against the complete state space"),
+      row == 2 ? "displacement of the HIP [mm]" : "");
+  script += force
+                ? fmt::format(
+                      "set ylabel 'force [N]' offset 1,0\nunset logscale y\nset yrange [0:{:.4g}]\nset ytics "
+                      "auto\nset format y '%g'\n",
+                      1.6 * most)
+                : std::string(
+                      "set ylabel 'relative error [%]' offset 1,0\nset logscale y\nset yrange "
+                      "[1e-4:1000]\nset format y '10^{%T}'\n");
+  script += row == 0 && force ? "set key left top reverse Left samplen 2 font ',11'\n" : "unset key\n";
+  script += "unset arrow\n";
+  if (setups[row] == std::string_view("gap"))
+    script += fmt::format(
+        "set arrow from first {0:.6g}, graph 0 to first {0:.6g}, graph 1 nohead lw 1 dt 3 lc rgb '#8a8a8a'\n",
+        1e3 * ground.far_side());
+  std::string plot = "plot ";
+  if (force)
+    plot += "$tight using 1:2 with points pt 6 ps 0.6 lw 1.2 lc rgb '#1b1b1b' title 'tight solves', ";
+  else
+    plot += "7 with lines lw 1 dt 2 lc rgb '#6a6a6a' notitle, ";
+  for (std::size_t m = 0; m < 3; ++m)
+    plot += fmt::format("{}$c{} using 1:{} with lines lw {} lc rgb '{}' title '{}'", m > 0 ? ", " : "",
+                        3 * m + row, force ? 2 : 3, m == 2 ? 2.2 : 1.6, line_colour(m),
+                        fig.curves[3 * m].method.name);
+  return script + plot + "\n";
+}
+
 // Three situations below each other; force and error beside each other, as in the paper.
 Picture picture(const Fig2& fig, const PaperGround& ground) {
-  std::string script, plots;
+  std::string script;
   double most = 0;
   std::string tight;
   for (std::size_t i = 0; i < fig.tight.size(); ++i) {
@@ -237,41 +116,8 @@ Picture picture(const Fig2& fig, const PaperGround& ground) {
   script += fmt::format(
       "set multiplot\nset xrange [0:{:.6g}]\nset lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\n",
       1e3 * ground.depth());
-  const std::array<const char*, 3> setups{"blank", "gap", "sparse"};
-  for (std::size_t row = 0; row < setups.size(); ++row) {
-    const double top = 0.965 - 0.315 * static_cast<double>(row), bottom = top - 0.235;
-    for (const bool force : {true, false}) {
-      script += fmt::format("set size 0.405,0.235\nset origin {},{}\n", force ? 0.075 : 0.58, bottom);
-      script += fmt::format(
-          "set title '{}' offset 0,-0.6\nset xlabel '{}' offset 0,0.5\n",
-          fmt::format("{}: {}", setups[row], force ? "force" : "error against the complete state space"),
-          row == 2 ? "displacement of the HIP [mm]" : "");
-      script += force ? fmt::format(
-                            "set ylabel 'force [N]' offset 1,0\nunset logscale y\nset yrange [0:{:.4g}]\nset "
-                            "ytics auto\nset format y '%g'\n",
-                            1.6 * most)
-                      : std::string(
-                            "set ylabel 'relative error [%]' offset 1,0\nset logscale y\nset yrange "
-                            "[1e-4:1000]\nset format y '10^{%T}'\n");
-      script += row == 0 && force ? "set key left top reverse Left samplen 2 font ',11'\n" : "unset key\n";
-      script += "unset arrow\n";
-      if (setups[row] == std::string_view("gap"))
-        script += fmt::format(
-            "set arrow from first {0:.6g}, graph 0 to first {0:.6g}, graph 1 nohead lw 1 dt 3 lc rgb "
-            "'#8a8a8a'\n",
-            1e3 * ground.far_side());
-      std::string plot = "plot ";
-      if (force)
-        plot += "$tight using 1:2 with points pt 6 ps 0.6 lw 1.2 lc rgb '#1b1b1b' title 'tight solves', ";
-      else
-        plot += "7 with lines lw 1 dt 2 lc rgb '#6a6a6a' notitle, ";
-      for (std::size_t m = 0; m < 3; ++m)
-        plot += fmt::format("{}$c{} using 1:{} with lines lw {} lc rgb '{}' title '{}'", m > 0 ? ", " : "",
-                            3 * m + row, force ? 2 : 3, m == 2 ? 2.2 : 1.6, line_colour(m),
-                            fig.curves[3 * m].method.name);
-      script += plot + "\n";
-    }
-  }
+  for (std::size_t row = 0; row < 3; ++row)
+    for (const bool force : {true, false}) script += panel(fig, ground, row, force, most);
   script += "unset multiplot\n";
   return {"extrapolation",
           "After the paper's Fig. 2. Left: force along the path, circles are tight solves; right: error "
@@ -300,7 +146,7 @@ std::string table(const Fig2& fig, const Judge& judge, const PaperGround& ground
                                               "max", "largest jump", "in the gap alone", "far side enters",
                                               "near side leaves"}};
   for (const Curve& curve : fig.curves) {
-    const auto events = entering_and_leaving(curve, judge);
+    const auto [enters, leaves] = crossing(curve, judge);
     const bool gap = curve.setup == "gap";
     rows.push_back(
         {curve.setup, curve.method.name, percent(at_end(errors(curve, true))),
@@ -308,7 +154,7 @@ std::string table(const Fig2& fig, const Judge& judge, const PaperGround& ground
          percent(quantile_of(errors(curve, true), 1)), percent(quantile_of(errors(curve, false), 0.5)),
          percent(quantile_of(errors(curve, false), 0.95)), percent(quantile_of(errors(curve, false), 1)),
          shown(largest(curve, judge)), gap ? shown(largest(curve, judge, 0, ground.far_side())) : "",
-         gap ? shown(events[0]) : "", gap ? shown(events[1]) : ""});
+         gap ? shown(enters) : "", gap ? shown(leaves) : ""});
   }
   return html_table(rows);
 }
@@ -324,8 +170,8 @@ std::string p50_p95_max(const std::vector<double>& values) {
                      100 * quantile_of(values, 0.95), 100 * quantile_of(values, 1));
 }
 
-std::string crossing(const Curve& gap, const Judge& judge) {
-  const auto [enters, leaves] = entering_and_leaving(gap, judge);
+std::string crossing_in_words(const Curve& gap, const Judge& judge) {
+  const auto [enters, leaves] = crossing(gap, judge);
   const bool at_once = gap.points.front().far_side > 0, for_good = gap.points.back().near_side == 0;
   const std::string in = at_once ? "the far side is in the set from the beginning"
                          : std::isnan(enters.s)
@@ -363,7 +209,7 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
         p50_p95_max(errors(blank, true)), percent(at_end(errors(blank, true))),
         p50_p95_max(errors(sparse, true)), percent(at_end(errors(sparse, true))),
         p50_p95_max(errors(gap, true)), p50_p95_max(errors(gap, true, ground.far_side())),
-        crossing(gap, judge), shown(largest(gap, judge, 0, ground.far_side())));
+        crossing_in_words(gap, judge), shown(largest(gap, judge, 0, ground.far_side())));
   }
   return text + " No switch takes part: a jump is what two models that follow each other differ by.";
 }

@@ -1,7 +1,7 @@
-// Sustained HIP speed against workers: the highest speed at which 95 % of the frames that visit a cell of 6 mm for the
-// first time are within 7 % of the reference. Each run starts empty and follows lines that cross the whole box and a
-// little more, layer by layer. One row for each step of speed_steps.hpp; the cells are those of a study, so that an
-// interrupted run resumes.
+// Sustained HIP speed against workers: the highest speed at which 95 % of the frames that visit a cell of 6
+// mm for the first time are within 7 % of the reference. Each run starts empty and follows lines that cross
+// the whole box and a little more, layer by layer. One row for each step of speed_steps.hpp; the cells are
+// those of a study, so that an interrupted run resumes.
 
 #include <fmt/format.h>
 

@@ -11,8 +11,8 @@ namespace forefeel {
 
 struct Findings;  // reproduce.hpp
 
-// What the damped switch alone leaves, whoever schedules (scheduling/study/speed_bound.hpp); means over the seeds,
-// geometric ones of the speeds.
+// What the damped switch alone leaves, whoever schedules (scheduling/study/speed_bound.hpp); means over the
+// seeds, geometric ones of the speeds.
 struct SpeedBounds {
   double guessed = 1, without = 1;  // with the first guess and without it [m/s]
   double known = 0;                 // from when on the force is known [s]

@@ -97,8 +97,8 @@ const std::vector<SpeedStep>& speed_steps() {
          s.options.switching.rule = SwitchRule::smooth;
          s.options.planning.rest_known = true;
        }},
-      // The others with our start too: the guess, and rest, which is the nearest state to them anyway, at the cost of a
-      // factorisation.
+      // The others with our start too: the guess, and rest, which is the nearest state to them anyway, at the
+      // cost of a factorisation.
       {"seed paper, 6 mm + our start", Role::seed_paper_start, false, be_seed_paper_with_our_start},
       {"seed paper, 12 mm + our start", Role::seed_paper_best_start, false, [](S& s) { s.spacing = 0.012; }},
       {"predecessor, tricubic 12 mm + our start", Role::predecessor_start, false,

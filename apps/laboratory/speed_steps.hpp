@@ -1,7 +1,7 @@
 #pragma once
-// The rows of `reproduce speed`: from the paper's predecessor (nearest states first, polynomials on the lattice, at the
-// spacings that suit them) through the seed paper to our default, one change at a time; then our default with single
-// changes, and the others with our start.
+// The rows of `reproduce speed`: from the paper's predecessor (nearest states first, polynomials on the
+// lattice, at the spacings that suit them) through the seed paper to our default, one change at a time; then
+// our default with single changes, and the others with our start.
 
 #include <string>
 #include <utility>

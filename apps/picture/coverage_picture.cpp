@@ -185,7 +185,8 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<title>{2}</title>\n<defs>\n",
       width, height, escaped(picture.title));
-  // Hatching repeats what the colour says: gap diagonal lines, sparse level ones. Dots are states, and nothing else.
+  // Hatching repeats what the colour says: gap diagonal lines, sparse level ones. Dots are states, and
+  // nothing else.
   out += fmt::format(
       "<pattern id=\"sparse\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" "
       "height=\"8\" fill=\"{0}\"/>"

@@ -1,6 +1,7 @@
 #pragma once
-// Slices through labelled regions in three directions, with states, the outline of a body and a legend. Four colours
-// that differ in luminance as well, and hatching on top, so that grey print and colour blindness lose nothing.
+// Slices through labelled regions in three directions, with states, the outline of a body and a legend. Four
+// colours that differ in luminance as well, and hatching on top, so that grey print and colour blindness lose
+// nothing.
 
 #include <array>
 #include <filesystem>

@@ -10,8 +10,8 @@
 
 namespace forefeel {
 
-// Dark blue, light blue, amber, near-white: told apart by every kind of colour vision, and darker is surer in
-// grey.
+// Dark blue, light blue, amber, near-white: told apart by every kind of colour vision. In grey, darker is
+// safer.
 std::string_view colour(Label label);
 
 namespace ink {  // curves, by meaning

@@ -12,6 +12,7 @@
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/report_figures.hpp"
+#include "apps/picture/slice_figure.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"

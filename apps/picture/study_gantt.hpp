@@ -9,7 +9,7 @@
 
 namespace forefeel {
 
-// Bars of cancelled solves are thin, those whose state no model ever took half as high; below, the label at
+// Bars of cancelled solves are thin, bars of states that no model took are half as high. Below: the label at
 // the HIP.
 Figure gantt_figure(const SessionResult& result, double seconds, int workers);
 

@@ -30,7 +30,6 @@ constexpr const char* share_intervals =
     "plain Student intervals.";
 
 // ---- numbers
-// -------------------------------------------------------------------------------------------------------
 
 double back(const StudyMetric& metric, double value) {
   return metric.scale * (metric.ratio ? std::exp(value) : value);
@@ -77,7 +76,6 @@ std::string head(std::initializer_list<std::string> titles) {
 }
 
 // ---- pictures
-// ------------------------------------------------------------------------------------------------------
 
 // Text in a gnuplot string in single quotes; '_' and the like are no markup there.
 std::string label_text(const std::string& text) {
@@ -176,7 +174,6 @@ std::string curves_picture(const Study& study, const std::vector<StudyCellResult
 }
 
 // ---- sections
-// ------------------------------------------------------------------------------------------------------
 
 std::string ranking_section(const Study& study, const AxisRanking& entry, std::size_t id) {
   const StudyAxis& axis = study.axes[entry.axis];

@@ -83,7 +83,8 @@ InputPlace place_of(const StudyFile& study, const Scene& scene, const std::strin
   return nowhere;
 }
 
-// What is wrong with a motion may come from the speed that the study gives, or from the body and the box that it changes.
+// What is wrong with a motion may come from the speed that the study gives, or from the body and the box that
+// it changes.
 InputPlace place_of_device(const StudyFile& study, const Scene& scene, const std::string& problem) {
   if (problem.starts_with("speed "))
     for (const StudyFileAxis& axis : study.axes)
@@ -115,8 +116,8 @@ InputError placed(const StudyFile& study, const Scene& scene, const SessionOptio
   return {place_of_device(study, scene, problem), whole};
 }
 
-// Where states arrive at given times nothing is solved, so that a study of how to solve compares nothing. Keys that the
-// scene has for its other runs are ignored with a warning where the study brings the arrivals.
+// Where states arrive at given times nothing is solved, so that a study of how to solve compares nothing.
+// Keys that the scene has for its other runs are ignored with a warning where the study brings the arrivals.
 void check_arrivals(const StudyFile& study, const Scene& scene, const SessionOptions& options,
                     std::vector<std::string>& warnings) {
   if (!options.planning.arrivals) return;

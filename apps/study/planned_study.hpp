@@ -20,8 +20,8 @@ struct PlannedStudy {
 // InputError names the place in the study for whatever a cell could not run with.
 PlannedStudy plan_study(StudyFile file);
 
-// What a cell's result is kept under: the SHA-256 of everything that it depends on. content: what tells the session's
-// body and options apart, as a scene's hash does.
+// What a cell's result is kept under: the SHA-256 of everything that it depends on. content: what tells the
+// session's body and options apart, as a scene's hash does.
 std::string cell_key(const std::string& content, const StudyCell& cell, const SessionInput& input,
                      const std::optional<SustainedOptions>& sustained);
 

@@ -26,7 +26,6 @@ const std::vector<std::string> scene_sections{"body",        "material", "clamp"
                                               "state_space", "model",    "session"};
 
 // ---- text
-// ----------------------------------------------------------------------------------------------------------
 
 std::string read_text(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -179,7 +178,6 @@ void Reader::read_seeds() {
 }
 
 // ---- keys: each given once, in one way
-// ---------------------------------------------------------------------------------
 
 std::string Reader::scene_key(const std::string& written, const InputPlace& place,
                               bool pseudo_allowed) const {
@@ -265,7 +263,6 @@ std::string Reader::identity(const std::string& key, const toml::node& node) con
 }
 
 // ---- what is fixed, stepped, varied
-// --------------------------------------------------------------------------------------
 
 void Reader::read_set(std::span<const std::string> set) {
   for (const std::string& text : set) {

@@ -21,8 +21,8 @@
 //
 //   [sustained]                     # each cell searches the highest speed that it sustains (sustained_speed.hpp)
 //
-// The clock is virtual whatever the scene says: cells must not depend on wall time. A key may appear once, be it
-// varied, stepped, fixed or given by --set.
+// The clock is virtual whatever the scene says: cells must not depend on wall time. A key may appear once, be
+// it varied, stepped, fixed or given by --set.
 
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #pragma once
-// The tables of a run: frames.csv, dispatch.csv and switches.csv. They hold no wall time under the virtual clock, so
-// that a virtual run gives the same bytes each time; real runs append cost_us and lateness_us.
+// The tables of a run: frames.csv, dispatch.csv and switches.csv. They hold no wall time under the virtual
+// clock, so that a virtual run gives the same bytes each time; real runs append cost_us and lateness_us.
 
 #include <filesystem>
 

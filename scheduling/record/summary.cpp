@@ -129,8 +129,8 @@ SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule r
   return found;
 }
 
-// States needed per second of motion, those known at the start left out, over states solved per second while every
-// worker is busy. A job takes its worker the solves and a message each way.
+// States needed per second of motion, those known at the start left out, over states solved per second while
+// every worker is busy. A job takes its worker the solves and a message each way.
 double load_of(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
   const double h = visit_cell(options.judging, input.touched.space.spacing);
   NeededStates needed(input.touched.space.box, h);

@@ -1,6 +1,6 @@
 #pragma once
-// What a session amounts to: every number that summary.json holds, as a type. Times are in s and forces in N unless the
-// name says otherwise, shares in [0, 1]. NaN means unknown: nothing was measured.
+// What a session amounts to: every number that summary.json holds, as a type. Times are in s and forces in N
+// unless the name says otherwise, shares in [0, 1]. NaN means unknown: nothing was measured.
 
 #include <array>
 #include <cstddef>
@@ -39,8 +39,8 @@ struct SessionSummary {
     double age_at_use_ms_p50 = unknown,
            age_at_use_ms_p99 = unknown;  // from the end of the solve to its first use
   };
-  // Of the change of models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window of 50, 100 or
-  // 300 ms.
+  // Of the change of models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window of
+  // 50, 100 or 300 ms.
   struct Switching {
     std::size_t count = 0;
     SwitchRule rule = SwitchRule::smooth;
@@ -56,7 +56,8 @@ struct SessionSummary {
   struct Parts {
     double approximation = unknown, switching = unknown, staleness = unknown;
   };
-  // samples: positions at equal distances along the path. first_visit: the first frames in their lattice cells.
+  // samples: positions at equal distances along the path. first_visit: the first frames in their lattice
+  // cells.
   struct Error {
     Errors samples;
     Parts parts_p95, parts_p50;

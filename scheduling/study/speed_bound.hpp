@@ -1,7 +1,8 @@
 #pragma once
-// The highest speed at which a cell of a sustained study could hold if its models were exact from the first moment on at
-// which anything can be solved (record/exact_rendering.hpp): what the damped switch alone leaves of the motion. It
-// depends neither on the scheduler nor on the number of workers. It is no bound for models that are wrong.
+// The highest speed at which a cell of a sustained study could hold if its models were exact from the first
+// moment on at which anything can be solved (record/exact_rendering.hpp): what the damped switch alone leaves
+// of the motion. It depends neither on the scheduler nor on the number of workers. It is no bound for models
+// that are wrong.
 
 #include "scheduling/study/study_plan.hpp"
 #include "scheduling/workers/reference_service.hpp"

@@ -1,22 +1,24 @@
 #pragma once
-// Means with confidence intervals over traces and seeds, paired differences, and rankings from them.
+// Means with confidence intervals over traces and seeds, paired differences, and rankings made from them.
 //
-// y_gi is the value of replicate i (a seed) in group g (a trace); groups weigh the same whatever their size:
+// y_gi is the value of replicate i (a seed) in group g (a trace). Every group weighs the same, whatever its
+// size:
 //   m_g = mean_i y_gi,   m = mean_g m_g
 // Two intervals for m, because neither is enough alone:
-//   Student    m +- t_{G-1} s_m / sqrt(G), s_m the deviation of the m_g over G groups (over the replicates
-//   where
-//              G = 1): what other traces of this kind would give; honest but wide with few traces
-//   bootstrap  two-stage percentile: groups drawn with replacement, then replicates within each (Davison,
-//   Hinkley,
-//              Bootstrap Methods and their Application, 1997, 3.8); assumes no distribution, too narrow below
-//              about 5 groups
-// Of shares, values in [0, 1], Student's interval is made on the logit scale and taken back, so that it stays
-// between 0 and 1 (Brown, Cai, DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science
-// 16, 2001: logit interval; with a variance between groups: svyciprop, method xlogit, Lumley, Complex Surveys,
-// 2010):
+//   Student    m +- t_{G-1} s_m / sqrt(G), s_m the deviation of the m_g over G groups (of the replicates where
+//              G = 1). It says what other traces of this kind would give; honest, but wide with few traces.
+//   bootstrap  two-stage percentile: groups are drawn with replacement, then replicates within each (Davison,
+//              Hinkley, Bootstrap Methods and their Application, 1997, 3.8). It assumes no distribution, and is
+//              too narrow below about 5 groups.
+//
+// For shares, values in [0, 1], Student's interval is made on the logit scale and taken back, so that it
+// stays between 0 and 1:
 //   logit m +- t_{G-1} (s_m / sqrt(G)) / (m (1 - m)),   logit m = ln(m / (1 - m))
-// The bootstrap of shares stays there by itself. Differences of shares may be negative and are no shares.
+// (the logit interval of Brown, Cai, DasGupta, Interval Estimation for a Binomial Proportion, Statistical
+// Science 16, 2001, with the variance between groups as in svyciprop, method xlogit, Lumley, Complex Surveys,
+// 2010). The bootstrap of shares stays there by itself. Differences of shares may be negative and are not
+// treated as shares.
+//
 // A comparison pairs the same trace, seed and remaining settings: y = y_a - y_b.
 
 #include <cstdint>
@@ -57,8 +59,8 @@ struct Comparison {
 // Of the values themselves: `a - b` already taken, one value a pair.
 Comparison compare(const GroupedValues& differences, const BootstrapOptions& options = {});
 
-// One observation: the value of contender `level` in block `block`, which belongs to trace `group`. A block
-// is what all contenders share: trace, seed and every other setting.
+// The value of contender `level` in block `block`, which belongs to trace `group`. A block is what all
+// contenders share: trace, seed and every other setting.
 struct Observation {
   std::size_t level = 0, block = 0, group = 0;
   double value = 0;

@@ -26,9 +26,9 @@ struct StudyValue {
   std::optional<double> number = {};  // of the axes `target_load` and `speed`
 };
 
-// Three columns mean something to the study itself: `target_load` [1] sets the cost of solves, `speed` [m/s] that of a
-// path device, and `step` says that each value adds to the one before. What the others change is up to whoever makes
-// the sessions (StudySessions in study_plan.hpp).
+// Three columns mean something to the study itself: `target_load` [1] sets the cost of solves, `speed` [m/s]
+// that of a path device, and `step` says that each value adds to the one before. What the others change is up
+// to whoever makes the sessions (StudySessions in study_plan.hpp).
 struct StudyAxis {
   std::string column;
   std::vector<StudyValue> values;
@@ -64,7 +64,8 @@ std::optional<double> number_at(const Study& study, const std::vector<std::size_
 // Whether the axis holds traces, the unit of evidence: `device`.
 bool is_trace_axis(const StudyAxis& axis);
 
-// Block of each cell: cells that differ in nothing but one axis share a block. Numbered from 0 in order of appearance.
+// Block of each cell: cells that differ in nothing but one axis share a block. Numbered from 0 in order of
+// appearance.
 std::vector<std::size_t> blocks_without(const Study& study, std::size_t axis);
 
 }  // namespace forefeel

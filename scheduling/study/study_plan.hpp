@@ -1,6 +1,6 @@
 #pragma once
-// The cells of a study, worked out and checked before anything runs. Where a cell cannot run the InputError names
-// `study.speed`, `study.target_load`, `study.sustained`, or what check_session() names.
+// The cells of a study, worked out and checked before anything runs. Where a cell cannot run the InputError
+// names `study.speed`, `study.target_load`, `study.sustained`, or what check_session() names.
 
 #include <functional>
 #include <span>
@@ -25,8 +25,8 @@ struct StudyCell {
   std::uint64_t seed = 0;
   std::size_t input = 0;   // into StudyPlan::inputs
   SessionOptions options;  // one thread; virtual clock
-  // Only with target_load and a hand, whose motion answers the force: the load that run_study() finds the cost for
-  // (0: none), and the states per second that the motion would need if nothing held the hand back.
+  // Only with target_load and a hand, whose motion answers the force: the load that run_study() finds the
+  // cost for (0: none), and the states per second that the motion would need if nothing held the hand back.
   double load_to_find = 0, free_demand = 0;
   // Names the content of the cell, so that a result kept on disk is found again; empty: nothing is kept.
   std::string key = {};
@@ -49,12 +49,13 @@ void check_cell(const Study& study, const StudyCell& cell, const SessionInput& i
 // 3. The cost of its solves where the study varies target_load.
 void set_cost(const Study& study, const SessionInput& input, StudyCell& cell);
 
-// Lattice states that a motion needs per second: the corners, in the box, of every lattice cell that it passes. Rest is
-// left out where it is known from the start. This is the numerator of the summary's `load`. Where visit_cell is set its
-// cells count, so that methods on lattices of different spacing bear the same load.
+// Lattice states that a motion needs per second: the corners, in the box, of every lattice cell that it
+// passes. Rest is left out where it is known from the start. This is the numerator of the summary's `load`.
+// Where visit_cell is set its cells count, so that methods on lattices of different spacing bear the same
+// load.
 double states_needed_per_second(const SessionInput& input, const SessionOptions& options);
-// Cost model under which `load` holds: log-normal with the spread of the paper's times and mean c [s], where a worker
-// gives b states (the batch) in the time of their solves and a message each way:
+// Cost model under which `load` holds: log-normal with the spread of the paper's times and mean c [s], where
+// a worker gives b states (the batch) in the time of their solves and a message each way:
 //   load = demand / (workers b / (c (1 + (b - 1) batch_share) + 2 latency))
 // InputError where c is not above 0 (the messages alone are more than the load) or is more than 1e6 s.
 std::string cost_for_load(double load, const SessionOptions& options, double demand);

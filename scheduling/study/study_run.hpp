@@ -1,6 +1,6 @@
 #pragma once
-// Runs the cells of a study in parallel. A result is the same however many threads run it and however often it is
-// resumed.
+// Runs the cells of a study in parallel. A result is the same however many threads run it and however often
+// it is resumed.
 
 #include <atomic>
 #include <functional>
@@ -28,8 +28,8 @@ struct StudyProgress {
 struct StudyRunOptions {
   int threads = 0;  // 0: all cores
   StudyStore store = {};
-  // Once interrupted is true the cells under way are left out and the run ends; once hurried is true it does not even
-  // wait for reference solves.
+  // Once interrupted is true the cells under way are left out and the run ends; once hurried is true it does
+  // not even wait for reference solves.
   const std::atomic<bool>* interrupted = nullptr;
   const std::atomic<bool>* hurried = nullptr;
   std::function<void(const StudyProgress&)> progress = {};
@@ -47,9 +47,10 @@ struct StudyResult {
 // Throws what a session throws; results of cells that are done are kept.
 StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options);
 
-// The cell with the cost that its load takes. Where a body holds a hand back, the hand needs fewer states than it would
-// alone; how many shows only in the session. The session is simulated and the cost corrected until the load is within
-// 2.5 % of the one asked for; the nearest of at most 12 tries counts. Other cells come back as they are.
+// The cell with the cost that its load takes. Where a body holds a hand back, the hand needs fewer states
+// than it would alone; how many shows only in the session. The session is simulated and the cost corrected
+// until the load is within 2.5 % of the one asked for; the nearest of at most 12 tries counts. Other cells
+// come back as they are.
 StudyCell with_load_found(const StudyCell& cell, const SessionInput& input);
 // One line where cells with a hand miss their load by more than 5 % all the same; else nothing.
 std::optional<std::string> loads_missed(const StudyPlan& plan, const std::vector<StudyCellResult>& cells);
