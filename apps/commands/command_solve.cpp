@@ -184,11 +184,11 @@ void add_solve(CommandLine& line) {
       line.add("solve", "Tight solves on the reference branch (the equilibrium reached straight from rest)");
   sub.runs([arguments](const Globals& globals) { return run_solve(globals, *arguments); });
   sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
-  const Option at =
-      sub.option("--at", arguments->at,
-                 "Position of the HIP (haptic interaction point, the tip) from rest [m]; may be repeated")
-          .takes_one()
-          .shows("X,Y,Z");
+  const Option at = sub.option("--at", arguments->at,
+                               "Position of the HIP (haptic interaction point, the tip) from rest [m]; may "
+                               "be repeated: --at=X,Y,Z")
+                        .takes_one()
+                        .shows("X,Y,Z");
   sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").shows("F.csv").excludes(at);
   sub.flag("--discretisation-error", arguments->discretisation_error,
            "Estimate the error of the mesh by quadratic elements on it");
