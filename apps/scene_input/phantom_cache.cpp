@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "apps/scene_input/cache_folder.hpp"
-#include "apps/scene_input/scene.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/sha256.hpp"
 #include "geometry/meshing/phantom.hpp"
