@@ -73,10 +73,10 @@ Stream make_stream(const StateSpaceOptions& options, const std::vector<State>& s
                            .neighbours = states_per_model,
                            .select = Select::nearest};
   for (std::size_t k = 0; k < frames; k = k == 0 ? lead : k + every) {
-    const std::uint64_t draw = mix(seed + 7, stream.models.size());
+    const std::uint64_t draw = random::mix(seed + 7, stream.models.size());
     std::vector<State> known;
     for (std::size_t i = 0; i < states_per_model && !states.empty(); ++i)
-      known.push_back(states[mix(draw, i) % states.size()]);
+      known.push_back(states[random::mix(draw, i) % states.size()]);
     std::ranges::sort(known, [](const State& a, const State& b) {
       return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
     });

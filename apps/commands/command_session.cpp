@@ -17,9 +17,11 @@
 #include "apps/console/summary_json.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/scene_input/scene_session.hpp"
+#include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/workers/mpi_workers.hpp"
@@ -31,7 +33,8 @@ namespace fs = std::filesystem;
 
 struct SessionArguments {
   std::string scene, states, output;
-  std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor;
+  std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor,
+      workers_kind;
   std::optional<double> seconds, latency;
   std::optional<int> workers;
   bool mpi = false;
@@ -55,10 +58,12 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
       throw InputError("--clock", fmt::format("is '{}', expected real or virtual", *given.clock));
     options.clock.kind = *given.clock == "real" ? Clock::real : Clock::virtual_time;
   }
-  options.motion.device = given.device.value_or(options.motion.device);
-  options.planning.policy = given.policy.value_or(options.planning.policy);
-  options.motion.predictor = given.predictor.value_or(options.motion.predictor);
-  options.workers.cost = given.cost.value_or(options.workers.cost);
+  if (!given.replay)
+    options.motion.device = given.device ? device_from_text(*given.device) : device_of(scene);
+  options.workers.cost = given.cost ? cost_from_text(*given.cost) : cost_of(scene);
+  if (given.policy) options.planning.policy = part_from_text("policy", *given.policy);
+  if (given.predictor) options.motion.predictor = part_from_text("predictor", *given.predictor);
+  if (given.workers_kind) options.workers.kind = part_from_text("workers", *given.workers_kind);
   options.clock.seconds = given.seconds.value_or(options.clock.seconds);
   options.workers.latency = given.latency.value_or(options.workers.latency);
   options.workers.count = given.workers.value_or(options.workers.count);
@@ -113,6 +118,7 @@ std::vector<std::string> scheduling_options(const SessionArguments& given) {
   if (given.policy) options.push_back("--policy");
   if (given.predictor) options.push_back("--predictor");
   if (given.workers) options.push_back("--workers");
+  if (given.workers_kind) options.push_back("--workers-kind");
   if (given.cost) options.push_back("--cost");
   if (given.latency) options.push_back("--latency");
   return options;
@@ -283,7 +289,13 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
 int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<MpiGroup>& mpi) {
   const Scene scene = load_scene(given.scene, globals.set);
-  SessionOptions options = options_of(scene, given, globals);
+  SessionOptions options = [&] {
+    try {
+      return options_of(scene, given, globals);
+    } catch (const InputError& error) {
+      throw at_its_place(error, scene, given, globals);
+    }
+  }();
   warn_of_solving(globals, scene, given);
   if (mpi) join(mpi, given, options);
   SessionInput input = session_input(scene);
@@ -387,6 +399,7 @@ void add_session(CommandLine& line) {
   sub.option("--clock", given->clock, "real or virtual");
   sub.option("--seconds", given->seconds, "Length [s]");
   sub.option("--workers", given->workers, "Workers that solve");
+  sub.option("--workers-kind", given->workers_kind, "threads, or a kind that this program registers");
   sub.flag("--mpi", given->mpi,
            "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
   sub.option("--policy", given->policy,

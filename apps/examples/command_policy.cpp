@@ -20,6 +20,6 @@ class Ahead final : public Policy {
 };
 
 const bool known =
-    (register_policy("ahead", [](const PolicyOptions&) { return std::make_unique<Ahead>(); }), true);
+    (register_policy("ahead", [](FactoryContext&) { return std::make_unique<Ahead>(); }), true);
 
 }  // namespace

@@ -94,13 +94,13 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
     SessionOptions options = laboratory.scene().session;
     options.clock.kind = Clock::virtual_time;
     options.clock.seconds = script.seconds;
-    options.motion.device = "trace:" + std::filesystem::absolute(folder / "damping-motion.csv").string();
+    options.motion.device = TraceMotion{.file = std::filesystem::absolute(folder / "damping-motion.csv")};
     options.planning.arrivals = folder / "damping-arrivals.csv";
     options.motion.replay.reset();
     options.model.fit = way.method.model;
     options.model.method = SessionMethod::rbf;
     options.switching.rule = way.rule;
-    options.workers.cost = "constant:0.01";
+    options.workers.cost = ConstantCost{};
     options.workers.threads = laboratory.globals().threads;
     options.judging.reference_step = 1;  // the HIP rests: one reference is enough, below
     const double done = static_cast<double>(runs.size()) / 4;

@@ -13,6 +13,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/laboratory/speed_report.hpp"
 #include "apps/laboratory/speed_steps.hpp"
+#include "apps/scene_input/scene_session.hpp"
 #include "apps/study/planned_study.hpp"
 #include "apps/study/study_folder.hpp"
 #include "geometry/common/error.hpp"
@@ -46,8 +47,9 @@ Study speed_study(const ReproduceOptions& runs) {
 SpeedSettings shared_settings(const Laboratory& laboratory) {
   SpeedSettings shared{.options = laboratory.scene().session, .spacing = laboratory.spacing()};
   const Globals& globals = laboratory.globals();
-  if (!is_set(globals, "session.device")) shared.options.motion.device = "path:raster";
-  if (!is_set(globals, "session.cost")) shared.options.workers.cost = "paper";
+  shared.options.motion.device = is_set(globals, "session.device") ? device_of(laboratory.scene())
+                                                                   : PathMotion{.path = PathName::raster};
+  shared.options.workers.cost = is_set(globals, "session.cost") ? cost_of(laboratory.scene()) : PaperCost{};
   if (!is_set(globals, "session.reference_step"))
     shared.options.judging.reference_step = 0.5;  // first visits count
   shared.options.judging.visit_cell = 0.006;
@@ -123,9 +125,9 @@ std::string study_text(const Laboratory& laboratory, const ReproduceOptions& run
   std::string text =
       fmt::format("scene = {}\nseeds = [{}]\n\n[session]\n", in_quotes(scene), fmt::join(study.seeds, ", "));
   if (!is_set(laboratory.globals(), "session.device"))
-    text += fmt::format("device = {}\n", in_quotes(shared.options.motion.device));
+    text += fmt::format("device = {}\n", in_quotes(to_text(shared.options.motion.device)));
   if (!is_set(laboratory.globals(), "session.cost"))
-    text += fmt::format("cost = {}\n", in_quotes(shared.options.workers.cost));
+    text += fmt::format("cost = {}\n", in_quotes(to_text(shared.options.workers.cost)));
   if (!is_set(laboratory.globals(), "session.reference_step"))
     text += fmt::format("reference_step = {}    # m; first visits are sampled anyway\n",
                         shared.options.judging.reference_step);

@@ -306,7 +306,8 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
   for (const State& state : states) space.insert(state);
   std::vector<Vec3> at;
   for (std::uint64_t i = 0; i < error_samples; ++i) {
-    const Vec3 share(uniform(mix(31, 3 * i)), uniform(mix(31, 3 * i + 1)), uniform(mix(31, 3 * i + 2)));
+    const Vec3 share(random::uniform(random::mix(31, 3 * i)), random::uniform(random::mix(31, 3 * i + 1)),
+                     random::uniform(random::mix(31, 3 * i + 2)));
     at.push_back(space_options.box.low + share.cwiseProduct(space_options.box.size()));
   }
   const std::vector<State> references = laboratory.references(

@@ -124,7 +124,7 @@ std::vector<std::pair<std::string, std::string>> scene_keys(const SpeedSettings&
   const SessionOptions& s = settings.options;
   const auto quoted = [](std::string_view text) { return fmt::format("\"{}\"", text); };
   const auto yes_no = [](bool value) { return std::string(value ? "true" : "false"); };
-  return {{"session.policy", quoted(s.planning.policy)},
+  return {{"session.policy", quoted(to_text(s.planning.policy))},
           {"session.select", word(select_words(), s.model.fit.select)},
           {"session.switch", word(switch_words(), s.switching.rule)},
           {"session.preempt", yes_no(s.planning.preempt)},
@@ -132,7 +132,7 @@ std::vector<std::pair<std::string, std::string>> scene_keys(const SpeedSettings&
           {"session.first_guess", yes_no(s.model.first_guess)},
           {"session.rest_known", yes_no(s.planning.rest_known)},
           {"session.method", word(method_words(), s.model.method)},
-          {"session.predictor", quoted(s.motion.predictor)},
+          {"session.predictor", quoted(to_text(s.motion.predictor))},
           {"session.placement", word(placement_words(), s.planning.placement)},
           {"model.kernel", quoted(name(s.model.fit.kernel))},
           {"model.data", quoted(name(s.model.fit.data))},

@@ -9,6 +9,7 @@
 #include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
+#include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
 
@@ -105,18 +106,23 @@ std::optional<fs::path> file_beside(const SceneTable& table, const std::string& 
   return path;
 }
 
+// A registered name, perhaps with settings: "mine:gain=2".
+std::optional<Registered> part_of(const SceneTable& table, const std::string& key,
+                                  const std::vector<std::string>& names) {
+  const std::optional<std::string> text = table.text(key);
+  if (!text) return {};
+  Registered part = part_from_text(key, *text);
+  chosen_word(table, key, part.name, names);
+  return part;
+}
+
 void read_session(const SceneTable& table, const fs::path& folder, SessionOptions& session) {
   session.clock.kind = table.word("clock", clock_words()).value_or(session.clock.kind);
   session.clock.seconds = table.number("seconds", positive()).value_or(session.clock.seconds);
-  session.motion.device = table.text("device").value_or(session.motion.device);
-  session.planning.policy = table.text("policy").value_or(session.planning.policy);
-  const std::vector<std::string> policies = policy_names();
-  if (std::ranges::find(policies, session.planning.policy) == policies.end())
-    throw table.wrong("policy", fmt::format("one of {} (nearest: '{}')", listed(policies),
-                                            nearest_word(session.planning.policy, policies)));
+  session.planning.policy = part_of(table, "policy", policy_names()).value_or(session.planning.policy);
   session.motion.predictor =
-      table.word<std::string>("predictor", {{"kalman", "kalman"}, {"constant-velocity", "constant-velocity"}})
-          .value_or(session.motion.predictor);
+      part_of(table, "predictor", predictor_names()).value_or(session.motion.predictor);
+  session.workers.kind = part_of(table, "workers_kind", workers_names()).value_or(session.workers.kind);
   session.model.method = table.word("method", method_words()).value_or(session.model.method);
   session.planning.placement =
       table.word("placement", placement_words()).value_or(session.planning.placement);
@@ -129,7 +135,6 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   read_switch(table, session.switching);
   session.model.update_travel =
       table.number("update_travel", positive()).value_or(session.model.update_travel);
-  session.workers.cost = table.text("cost").value_or(session.workers.cost);
   session.workers.latency = table.number("latency", not_negative()).value_or(session.workers.latency);
   session.planning.arrivals = file_beside(table, "arrivals", folder);
   session.planning.batch = static_cast<int>(table.integer("batch", 0, 8).value_or(session.planning.batch));
@@ -198,11 +203,11 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements", "tolerance"});
   const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
   const SceneTable session = root.sub(
-      "session",
-      {"device",      "clock",    "seconds",     "workers",        "policy",       "predictor",     "switch",
-       "select",      "method",   "placement",   "visit_cell",     "visit_stride", "update_travel", "cost",
-       "latency",     "arrivals", "preempt",     "rest_first",     "first_guess",  "rest_known",    "batch",
-       "batch_share", "seed",     "error_floor", "reference_step", "jnd",          "limits"});
+      "session", {"device",         "clock",      "seconds", "workers",     "policy",     "predictor",
+                  "switch",         "select",     "method",  "placement",   "visit_cell", "visit_stride",
+                  "update_travel",  "cost",       "latency", "arrivals",    "preempt",    "rest_first",
+                  "first_guess",    "rest_known", "batch",   "batch_share", "seed",       "error_floor",
+                  "reference_step", "jnd",        "limits",  "workers_kind"});
   const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),
                               root.sub("material", {"law", "young", "poisson"}),
                               root.sub("clamp", {"nodes", "group", "below"}),
@@ -214,6 +219,8 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     throw session.wrong("select", "only one of model.select and session.select");
   scene.model.select = session.word("select", select_words()).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
+  scene.device = session.text("device");
+  scene.cost = session.text("cost");
   scene.device_place = session.where("device");
   scene.cost_place = session.where("cost");
   scene.box_place = space.where("box");

@@ -27,9 +27,10 @@ struct Scene {
   double tolerance = 0.07;  // of the relative error where the label is safe [1]; spacing = "auto" meets it
   std::optional<SpacingChoice> chosen_spacing;  // with spacing = "auto" only
   ModelOptions model;
-  SessionOptions session;        // .model.fit equals model
-  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
-  std::string hash;              // of the scene as overridden, without comments
+  SessionOptions session;                   // .model.fit equals model; device and cost: scene_session.hpp
+  std::optional<std::string> device, cost;  // as written; nothing where the scene does not say it
+  Vec3 inward = -Vec3::UnitZ();             // from the contact into the body
+  std::string hash;                         // of the scene as overridden, without comments
   // Where the scene gives these keys: liver.toml:30: session.device. Arrivals: empty where it gives none.
   InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
   // The scheduling_keys() that the scene writes, each with its place.

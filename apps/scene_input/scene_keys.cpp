@@ -15,9 +15,9 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& alternative
 }
 
 const std::vector<std::string>& scheduling_keys() {
-  static const std::vector<std::string> keys{"policy",      "workers",   "cost",       "latency",
-                                             "preempt",     "placement", "predictor",  "rest_first",
-                                             "first_guess", "batch",     "batch_share"};
+  static const std::vector<std::string> keys{"policy",      "workers",   "cost",        "latency",
+                                             "preempt",     "placement", "predictor",   "rest_first",
+                                             "first_guess", "batch",     "batch_share", "workers_kind"};
   return keys;
 }
 

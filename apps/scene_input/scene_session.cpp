@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "apps/scene_input/cache_folder.hpp"
+#include "apps/scene_input/spec_text.hpp"
 
 namespace forefeel {
 
@@ -13,6 +14,21 @@ SessionInput session_input(const Scene& scene) {
                       .displacements = scene.displacements,
                       .inward = scene.inward},
           .files = {.cache = cache_folder(), .scene = std::filesystem::absolute(scene.file).parent_path()}};
+}
+
+SessionOptions session_options(const Scene& scene) {
+  SessionOptions options = scene.session;
+  options.motion.device = device_of(scene);
+  options.workers.cost = cost_of(scene);
+  return options;
+}
+
+DeviceSpec device_of(const Scene& scene) {
+  return scene.device ? device_from_text(*scene.device) : DeviceSpec();
+}
+
+CostSpec cost_of(const Scene& scene) {
+  return scene.cost ? cost_from_text(*scene.cost) : CostSpec();
 }
 
 }  // namespace forefeel

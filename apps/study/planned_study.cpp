@@ -11,7 +11,9 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/scene_input/scene_session.hpp"
 #include "geometry/common/sha256.hpp"
+#include "scheduling/motion/trace.hpp"
 
 namespace forefeel {
 namespace {
@@ -27,12 +29,10 @@ std::string contents(const fs::path& file) {
   return text.str();
 }
 
-// The file behind trace:FILE, found as the device finds it; empty for other devices.
-fs::path trace_file(const std::string& device, const fs::path& folder) {
-  if (!device.starts_with("trace:")) return {};
-  const fs::path name =
-      device.substr(6, device.find(',') == std::string::npos ? std::string::npos : device.find(',') - 6);
-  return fs::exists(folder / name) ? folder / name : name;
+// The file of a trace, found as the device finds it; empty for other devices.
+fs::path trace_file(const DeviceSpec& device, const fs::path& folder) {
+  const TraceMotion* trace = std::get_if<TraceMotion>(&device.motion());
+  return trace ? found_from(folder, trace->file) : fs::path();
 }
 
 // The scene says [model] select or [session] select, never both: an override takes the place the scene uses.
@@ -150,7 +150,7 @@ StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std
     }
   };
   StudyCell cell;
-  at_its_place([&] { cell = make_cell(study, combination, seed, scene.session); });
+  at_its_place([&] { cell = make_cell(study, combination, seed, session_options(scene)); });
   check_arrivals(file, scene, cell.options, warnings);
   at_its_place([&] {
     check_cell(study, cell, input);
@@ -170,8 +170,8 @@ std::string cell_key(const std::string& content, const StudyCell& cell, const Se
   hash.add(fmt::format("{}\n{}\n{}\n", format_version, made_by["version"].get<std::string>(),
                        made_by["commit"].get<std::string>()));
   hash.add(content + "\n");
-  hash.add(fmt::format("{}\n{}\n{}\n{}\n", options.motion.device, options.workers.cost, options.seed,
-                       options.clock.seconds));
+  hash.add(fmt::format("{}\n{}\n{}\n{}\n", to_text(options.motion.device), to_text(options.workers.cost),
+                       options.seed, options.clock.seconds));
   if (const fs::path trace = trace_file(options.motion.device, input.files.scene); !trace.empty())
     hash.add(contents(trace));
   if (options.planning.arrivals) hash.add(contents(*options.planning.arrivals));

@@ -41,8 +41,9 @@ std::optional<StudyCellResult> read_record(const fs::path& folder, const StudyCe
 }
 
 void write_record(const fs::path& folder, const StudyCell& cell, const StudyCellResult& result) {
-  nlohmann::ordered_json record{
-      {"key", cell.key}, {"device", cell.options.motion.device}, {"cost", cell.options.workers.cost}};
+  nlohmann::ordered_json record{{"key", cell.key},
+                                {"device", to_text(cell.options.motion.device)},
+                                {"cost", to_text(cell.options.workers.cost)}};
   for (const Column& column : result.columns()) record["columns"][column.name] = to_json(column.value);
   OutputFile out(record_file(folder, cell));
   out.write(record.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");

@@ -151,7 +151,7 @@ std::vector<KnownSet> calibration_sets(const std::vector<State>& pool, const Cal
     return side * (x - box.centre())[axis];
   };  // inward from the middle [m]
   const auto draw = [&](const Vec3& x, std::uint64_t salt) {
-    return uniform(mix(mix(options.seed, salt), position_key(x)));
+    return random::uniform(random::mix(random::mix(options.seed, salt), random::position_key(x)));
   };
   const double slit = std::min(4.5 * h, 0.35 * extent), hole = std::min(2.6 * h, 0.3 * box.size().minCoeff());
   const auto cut = [&](const char* name, const auto& keep) {
@@ -177,8 +177,9 @@ std::vector<KnownSet> calibration_sets(const std::vector<State>& pool, const Cal
 std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed) {
   std::vector<Vec3> at;
   for (std::uint64_t i = 0; i < count; ++i) {
-    const Vec3 share(uniform(mix(seed + 101, 3 * i)), uniform(mix(seed + 101, 3 * i + 1)),
-                     uniform(mix(seed + 101, 3 * i + 2)));
+    const Vec3 share(random::uniform(random::mix(seed + 101, 3 * i)),
+                     random::uniform(random::mix(seed + 101, 3 * i + 1)),
+                     random::uniform(random::mix(seed + 101, 3 * i + 2)));
     at.push_back(box.low + share.cwiseProduct(box.size()));
   }
   return at;

@@ -1,61 +1,66 @@
 #pragma once
-// Simulated haptic devices: where the HIP is at time t, and (for a hand) how it answers the force.
-//   path:NAME[,speed=0.06][,amplitude=A][,tremor=S][,noise=S]
-//     NAME: press line circle lissajous reach palpation tour mower. A path is a curve scaled to the box (or so that
-//     its farthest point is A [m] from rest), run at `speed` [m/s] with rounded corners, where it is slower, as a
-//     hand is; it starts at rest, x(0) = 0, and repeats for ever.
-//   trace:FILE[,scale=F][,offset=X/Y/Z]
-//     rows t,x,y,z; x(t) = F row + offset by cubic interpolation, held after the end.
-//   hand:PROFILE[,target=NAME][,grip=K][,speed=0.06][,amplitude=A][,tremor=S][,noise=S]
-//     PROFILE: touch premium omega falcon. A hand that follows path NAME (default press) through a grip of stiffness K
-//     [N/m], or light (100), medium (300, the default) or firm (800), and yields to the force: hand_device.hpp.
-// tremor [m RMS per axis, 8 to 12 Hz] and noise [m RMS per axis, white] are seeded.
+// A haptic device, real or simulated: where the HIP (the tip) is, and which force it was given.
+//
+// To write one: derive from Device, define position() and duration(), register it under a name.
+//
+//   struct Tap final : forefeel::Device {                    // into the body and back, `rate` times a second
+//     double rate; forefeel::Vec3 deepest;
+//     Tap(double r, const forefeel::Vec3& d) : rate(r), deepest(d) {}
+//     forefeel::Vec3 position(double t, const forefeel::Vec3&) noexcept override {
+//       return (0.5 - 0.5 * std::cos(6.2832 * rate * t)) * deepest;
+//     }
+//     double duration() const override { return std::numeric_limits<double>::infinity(); }
+//   };
+//   const bool known = (forefeel::register_device("tap", [](forefeel::FactoryContext& with) {
+//     return std::make_unique<Tap>(with.arguments.number("rate", 1, 0.01, 20), 0.01 * with.inward); }), true);
+//
+// Scenes, studies and --device then know it as "tap" and "tap:rate=2".
+//
+// Order of calls. The factory and limits() run before the session. A device that does not answer the force is then asked
+// for its whole motion, to check it; then it is asked frame by frame from t = 0 again. A device that answers the force is
+// asked in this order too, with force zero in the check.
+// Thread: the real-time loop under the real clock (1 kHz), the session's thread under the virtual clock; never two at once.
+// Forbidden in position(): memory allocation, locks, exceptions, files, waiting. Under the virtual clock the position must
+// be a function of t, the forces so far and the seed, so that a run repeats bit by bit.
 
-#include <cstdint>
-#include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "geometry/common/types.hpp"
+#include "scheduling/common/factory_context.hpp"
+#include "scheduling/motion/device_spec.hpp"
 
 namespace forefeel {
 
 struct DeviceLimits {
-  double force = std::numeric_limits<double>::infinity();      // [N]
+  double force = std::numeric_limits<double>::infinity();      // the session's force never exceeds it [N]
   double stiffness = std::numeric_limits<double>::infinity();  // highest that it renders [N/m]
 };
 
 class Device {
  public:
   virtual ~Device() = default;
-  // HIP position at frame time t [s]; force is what was rendered in the last frame. A time before the last one starts
-  // the motion anew. Real-time: no allocation, no lock.
+  // Position of the HIP at frame time t [s] from rest [m]; force is what was rendered in the last frame [N]. The motion
+  // starts at rest, 0. A time before the last one starts the motion anew.
   virtual Vec3 position(double t, const Vec3& force) noexcept = 0;
-  virtual double duration() const = 0;                  // [s]; infinite for endless paths
-  virtual bool answers_force() const { return false; }  // whether the motion depends on the force
+  virtual double duration() const = 0;  // of the motion [s]; infinite for a motion without end
+  // Whether the motion depends on the force; the policy clairvoyant, which needs the motion beforehand, then cannot run.
+  virtual bool answers_force() const { return false; }
   virtual DeviceLimits limits() const { return {}; }
 };
 
-struct DeviceContext {
-  Box box;                       // of the state space: paths are scaled to it
-  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
-  std::uint64_t seed = 0;
-  std::filesystem::path folder;  // relative trace files are looked up here, then in the working directory
-};
+using DeviceFactory = std::function<std::unique_ptr<Device>(FactoryContext&)>;
+// From any thread and also before main() begins. InputError for a name that is taken, those of built-in devices included.
+void register_device(const std::string& name, DeviceFactory factory);
+std::vector<std::string> registered_devices();  // sorted, without the built-in ones
 
-// spec as on the command line ("path:press,speed=0.06"). InputError on anything unknown.
-std::unique_ptr<Device> make_device(const std::string& spec, const DeviceContext& context);
-std::vector<std::string> path_names();
+// InputError for a value outside its range, a trace that cannot be read, a name that nobody registered.
+std::unique_ptr<Device> make_device(const DeviceSpec& device, const FactoryContext& context);
 
-// A motion given by samples: times growing, the first 0 [s]; positions [m]. Also what --replay runs.
-std::unique_ptr<Device> make_trace_device(std::vector<double> times, std::vector<Vec3> positions);
-// t,x,y,z; the first time becomes 0. InputError(file:line) for short rows, what is not finite, time going back, no rows.
-struct Trace {
-  std::vector<double> times;    // [s]
-  std::vector<Vec3> positions;  // [m]
-};
-Trace read_trace(const std::filesystem::path& file);
+// "path:NAME, trace:FILE or hand:PROFILE", and the registered ones: what is expected where a kind is unknown.
+std::string device_kinds();
 
 }  // namespace forefeel

@@ -2,14 +2,16 @@
 
 #include <cmath>
 
+#include "scheduling/motion/device.hpp"
+
 namespace forefeel {
 namespace {
 
 constexpr HandProfile profiles[] = {
-    {.name = "touch", .force_limit = 3.3, .stiffness = 700, .resolution = 55e-6},
-    {.name = "premium", .force_limit = 8.5, .stiffness = 3500, .resolution = 30e-6},
-    {.name = "omega", .force_limit = 12, .stiffness = 5000, .resolution = 10e-6},
-    {.name = "falcon", .force_limit = 8, .stiffness = 3000, .resolution = 63e-6},
+    {.name = HandName::touch, .force_limit = 3.3, .stiffness = 700, .resolution = 55e-6},
+    {.name = HandName::premium, .force_limit = 8.5, .stiffness = 3500, .resolution = 30e-6},
+    {.name = HandName::omega, .force_limit = 12, .stiffness = 5000, .resolution = 10e-6},
+    {.name = HandName::falcon, .force_limit = 8, .stiffness = 3000, .resolution = 63e-6},
 };
 
 class HandDevice final : public Device {
@@ -42,7 +44,7 @@ class HandDevice final : public Device {
     v_.setZero();
   }
 
-  // With y = x - x_t - F/k:  y'' + 2 zeta omega y' + omega^2 y = 0.
+  // With y = x - x_t - F / k the equation is y'' + 2 zeta omega y' + omega^2 y = 0, omega^2 = k / m.
   void step(double t, const Vec3& force) noexcept {
     const double dt = t - last_t_;
     const Vec3 next = target_->position(t, Vec3::Zero());
@@ -71,16 +73,10 @@ class HandDevice final : public Device {
 
 }  // namespace
 
-const HandProfile* find_hand_profile(const std::string& name) {
+const HandProfile& profile_of(HandName hand) {
   for (const HandProfile& profile : profiles)
-    if (name == profile.name) return &profile;
-  return nullptr;
-}
-
-std::vector<std::string> hand_profile_names() {
-  std::vector<std::string> names;
-  for (const HandProfile& profile : profiles) names.emplace_back(profile.name);
-  return names;
+    if (profile.name == hand) return profile;
+  return profiles[0];
 }
 
 std::unique_ptr<Device> make_hand_device(const HandProfile& profile, std::unique_ptr<Device> target,

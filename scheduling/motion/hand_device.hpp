@@ -1,30 +1,28 @@
 #pragma once
-// A simulated hand that holds a haptic device: it wants to follow a target and yields to the force it is given,
+// A simulated hand that holds a haptic device. It follows a target and yields to the force that it is given:
 //   m x'' = k (x_t - x) + b (x_t' - x') + F,   b = 2 zeta sqrt(k m)
-// m effective mass of hand and device [kg], k stiffness of the grip [N/m], x_t target [m], F rendered force [N]. Between
-// frames F is held and x_t is a straight line, for which the step is exact at any k and m; so the loop of device, body
-// and one frame's delay is as stable or unstable as the sampled system is, not as an integrator makes it.
-// Positions come in steps of the profile's resolution, as encoders give them.
+// m effective mass of hand and device [kg], k stiffness of the grip [N/m], zeta damping ratio, x_t target [m], F rendered
+// force [N]. From frame to frame F is constant and x_t a straight line; for these the step is exact at any k and m. So the
+// loop of device, body and one frame's delay is as stable as the sampled system, whatever the step.
+// Positions are rounded to the profile's resolution, as encoders give them.
 
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/device_spec.hpp"
 
 namespace forefeel {
 
+class Device;
+
 struct HandProfile {
-  const char* name;
+  HandName name;
   double force_limit;  // [N]
   double stiffness;    // highest that the device renders [N/m]
   double resolution;   // of position [m]
 };
-// Makers' data: touch (3D Systems Touch, formerly Omni), premium (Premium 1.5), omega (Force Dimension omega.3), falcon
-// (Novint). Null for other names.
-const HandProfile* find_hand_profile(const std::string& name);
-std::vector<std::string> hand_profile_names();
+// Data of the makers: touch (3D Systems Touch, formerly Omni), premium (Premium 1.5), omega (Force Dimension omega.3), falcon
+// (Novint).
+const HandProfile& profile_of(HandName hand);
 
 struct HandOptions {
   double grip = 300;           // k [N/m]

@@ -1,10 +1,9 @@
 #include "scheduling/motion/motion_options.hpp"
 
-#include "scheduling/motion/predictor.hpp"
-
 namespace forefeel {
 
 void check(const MotionOptions& options) {
+  if (!options.replay) check(options.device);
   make_predictor(options.predictor);  // unknown names are refused
 }
 

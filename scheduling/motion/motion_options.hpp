@@ -3,13 +3,15 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
+
+#include "scheduling/motion/device_spec.hpp"
+#include "scheduling/motion/predictor.hpp"
 
 namespace forefeel {
 
 struct MotionOptions {
-  std::string device = "path:press,speed=0.06";  // device.hpp
-  std::string predictor = "kalman";              // predictor.hpp
+  DeviceSpec device = {};  // path:press,speed=0.06
+  PredictorSpec predictor = "kalman";
   // The folder of a run whose motion and arrivals are repeated; `device` is ignored then.
   std::optional<std::filesystem::path> replay = {};
 };

@@ -1,14 +1,11 @@
 #include "scheduling/motion/path_shapes.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
@@ -16,7 +13,8 @@ namespace {
 
 constexpr double two_pi = 6.283185307179586476925286766559;
 
-// Distance from rest to the border of the box along a direction; a quarter of the box where rest lies outside.
+// Distance from rest to the border of the box along a direction [m]; a quarter of the box's largest side where rest is
+// outside.
 double reach(const Box& box, const Vec3& direction) {
   double distance = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
@@ -27,18 +25,19 @@ double reach(const Box& box, const Vec3& direction) {
   return distance > 0 && std::isfinite(distance) ? distance : 0.25 * size;
 }
 
-// Axes of the hand: w into the body, u and v along its surface, with the room the box leaves in each.
+// Axes of the hand: w into the body, u and v along its surface; and how far the box reaches along each [m].
 struct Frame {
   Vec3 u, v, w;
   double u_low, u_high, v_low, v_high, depth;
 
-  Vec3 at(double a, double b, double c) const {  // shares of the room: a, b in [-1, 1], c in [0, 1]
+  // Shares of these reaches: a along u and b along v in [-1, 1], c along w in [0, 1].
+  Vec3 at(double a, double b, double c) const {
     return (a < 0 ? -a * u_low : a * u_high) * (a < 0 ? Vec3(-u) : u) +
            (b < 0 ? -b * v_low : b * v_high) * (b < 0 ? Vec3(-v) : v) + c * depth * w;
   }
 };
 
-Frame frame_of(const DeviceContext& context) {
+Frame frame_of(const FactoryContext& context) {
   Frame f;
   f.w = context.inward.norm() > 0 ? Vec3(context.inward.normalized()) : Vec3(-Vec3::UnitZ());
   int axis = 0;
@@ -81,17 +80,17 @@ PathShape lissajous(const Frame& f) {
   return shape;
 }
 
-// From target to target, drawn in the reachable part of the box.
+// From target to target; 16 targets are drawn in the box.
 PathShape reach_targets(const Frame& f, std::uint64_t seed) {
   PathShape shape{{Vec3::Zero()}, {}};
   for (std::uint64_t i = 0; i < 16; ++i) {
-    const auto draw = [&](std::uint64_t k) { return uniform(mix(seed, 3 * i + k)); };
+    const auto draw = [&](std::uint64_t k) { return random::uniform(random::mix(seed, 3 * i + k)); };
     shape.loop.push_back(f.at(1.6 * draw(0) - 0.8, 1.6 * draw(1) - 0.8, 0.1 + 0.75 * draw(2)));
   }
   return shape;
 }
 
-// A grid of sites: to the next one at the surface, press in, come out.
+// Nine sites on a grid: at each, press in and come out, then move along the surface to the next.
 PathShape palpation(const Frame& f) {
   PathShape shape{{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.7), Vec3::Zero()}};
   for (int row = -1; row <= 1; ++row)
@@ -102,14 +101,14 @@ PathShape palpation(const Frame& f) {
   return shape;
 }
 
-// Presses in, slides sideways, leaves the box for a moment and returns, slides the other way, comes out.
+// Presses in, slides sideways out of the box and back, slides the other way, comes out.
 PathShape tour(const Frame& f) {
   return {{Vec3::Zero()},
           {Vec3::Zero(), f.at(0, 0, 0.65), f.at(0.6, 0.1, 0.6), f.at(1.2, 0.2, 0.55), f.at(0.6, 0.5, 0.5),
            f.at(-0.2, 0.7, 0.5), f.at(-0.7, 0.2, 0.65), f.at(-0.4, -0.6, 0.45), f.at(0.3, -0.5, 0.3)}};
 }
 
-// Lines side by side over the box and a little beyond, layer by layer into the body.
+// Parallel lines over the box and a little beyond, layer by layer into the body.
 PathShape mower(const Frame& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   const int lines = 6;
@@ -122,8 +121,8 @@ PathShape mower(const Frame& f) {
   return shape;
 }
 
-// Lines close together all over the box, layer by layer into the body: nearly every lattice cell is visited, most of
-// them once. About 5 m for a box of 7 cm.
+// Close parallel lines over the whole box, layer by layer into the body: nearly every lattice cell is visited, most of
+// them once. The way is about 5 m in a box of 7 cm.
 PathShape raster(const Frame& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   constexpr int lines = 12, layers = 5;
@@ -139,23 +138,29 @@ PathShape raster(const Frame& f) {
 
 }  // namespace
 
-std::vector<std::string> path_names() {
-  return {"press", "line", "circle", "lissajous", "reach", "palpation", "tour", "mower", "raster"};
-}
-
-PathShape path_shape(const std::string& name, const DeviceContext& context) {
+PathShape path_shape(PathName path, const FactoryContext& context) {
   const Frame f = frame_of(context);
-  if (name == "press") return press(f);
-  if (name == "line") return line(f);
-  if (name == "circle") return circle(f);
-  if (name == "lissajous") return lissajous(f);
-  if (name == "reach") return reach_targets(f, context.seed);
-  if (name == "palpation") return palpation(f);
-  if (name == "tour") return tour(f);
-  if (name == "mower") return mower(f);
-  if (name == "raster") return raster(f);
-  throw InputError("device",
-                   fmt::format("unknown path '{}', expected one of {}", name, fmt::join(path_names(), ", ")));
+  switch (path) {
+    case PathName::press:
+      return press(f);
+    case PathName::line:
+      return line(f);
+    case PathName::circle:
+      return circle(f);
+    case PathName::lissajous:
+      return lissajous(f);
+    case PathName::reach:
+      return reach_targets(f, context.seed);
+    case PathName::palpation:
+      return palpation(f);
+    case PathName::tour:
+      return tour(f);
+    case PathName::mower:
+      return mower(f);
+    case PathName::raster:
+      return raster(f);
+  }
+  return press(f);
 }
 
 }  // namespace forefeel

@@ -1,10 +1,10 @@
 #pragma once
-// The curves behind path:NAME, as polylines in metres.
+// The curves behind PathMotion (path:NAME), as polylines [m].
 
-#include <string>
 #include <vector>
 
-#include "scheduling/motion/device.hpp"
+#include "scheduling/common/factory_context.hpp"
+#include "scheduling/motion/device_spec.hpp"
 
 namespace forefeel {
 
@@ -13,7 +13,7 @@ struct PathShape {
   std::vector<Vec3> loop;  // repeated; closed from its last point to its first
 };
 
-// InputError lists the names.
-PathShape path_shape(const std::string& name, const DeviceContext& context);
+// Scaled to the box of the context; `reach` draws its targets from the seed.
+PathShape path_shape(PathName path, const FactoryContext& context);
 
 }  // namespace forefeel

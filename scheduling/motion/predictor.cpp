@@ -1,231 +1,29 @@
 #include "scheduling/motion/predictor.hpp"
 
-#include <fmt/format.h>
-
-#include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <deque>
-
-#include "geometry/common/error.hpp"
+#include "scheduling/common/registry.hpp"
+#include "scheduling/motion/predictors.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr double memory = 0.03;  // [s] over which the velocity is smoothed
-
-// Its deviation is measured: predictions over a probing horizon are kept until they can be compared, and their mean
-// square error gives the acceleration that a constant velocity misses.
-class ConstantVelocity final : public Predictor {
- public:
-  void observe(const HipSample& sample) override {
-    const double dt = sample.t - last_.t;
-    if (seen_ && dt > 0) {
-      velocity_ += (1 - std::exp(-dt / memory)) * ((sample.at - last_.at) / dt - velocity_);
-      while (!made_.empty() && made_.front().t <= sample.t) {
-        const double error2 = (made_.front().at - sample.at).squaredNorm() / 3;
-        made_.pop_front();
-        error2_ += (1 - std::exp(-dt / 0.5)) * (error2 - error2_);
-      }
-    }
-    last_ = sample;
-    seen_ = true;
-    made_.push_back({.t = sample.t + probe, .at = sample.at + probe * velocity_, .velocity = velocity_});
-  }
-
-  Prediction predict(double horizon) const override {
-    const double share = horizon / probe;
-    return {.horizon = horizon,
-            .at = last_.at + horizon * velocity_,
-            .deviation = std::hypot(0.0002, std::sqrt(error2_) * share * std::max(1.0, share))};
-  }
-
- private:
-  static constexpr double probe = 0.1;  // [s]
-  bool seen_ = false;
-  HipSample last_;
-  Vec3 velocity_ = Vec3::Zero();
-  std::deque<HipSample> made_;  // predictions, by the time they are for
-  double error2_ = 1e-6;        // mean square per axis over the probing horizon [m^2]
-};
-
-// One filter for the three axes: they share covariance and gain, which do not depend on the data. How long a velocity
-// lasts is learnt: of the way that it foretold over 0.4 s the share that was gone in the end. The deviation is the
-// filter's own times the ratio of measured to expected error over 0.1 s.
-class Kalman final : public Predictor {
- public:
-  void observe(const HipSample& sample) override {
-    if (!seen_) {
-      mean_.setZero();
-      mean_.row(0) = sample.at.transpose();
-      covariance_ = Eigen::Vector3d(noise * noise, 0.01, 0.25).asDiagonal();
-    } else if (sample.t > t_) {
-      const double dt = sample.t - t_;
-      if (dt != step_) {  // frames come evenly: the matrices are made once
-        step_ = dt;
-        transition_ = transition(dt, forever);
-        process_ = process(dt, forever);
-      }
-      mean_ = transition_ * mean_;
-      covariance_ = transition_ * covariance_ * transition_.transpose() + process_;
-      const Eigen::Vector3d gain = covariance_.col(0) / (covariance_(0, 0) + noise * noise);
-      mean_ += gain * (sample.at.transpose() - mean_.row(0));
-      covariance_ -= gain * covariance_.row(0).eval();
-      covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
-      compare(sample, dt);
-      persist(sample, dt);
-    }
-    t_ = sample.t;
-    seen_ = true;
-    const Prediction p = unscaled(probe);
-    made_.push_back({.t = sample.t + probe, .at = p.at, .deviation = p.deviation});
-    gone_.push_back({.t = sample.t + long_probe, .at = sample.at, .velocity = mean_.row(1).transpose()});
-  }
-
-  Prediction predict(double horizon) const override {
-    Prediction p = unscaled(horizon);
-    p.deviation *= std::sqrt(ratio2_);
-    return p;
-  }
-
- private:
-  static constexpr double noise = 5e-4;   // of a position [m]: tremor, which is no white noise
-  static constexpr double tau = 0.1;      // of the acceleration [s]: voluntary motion is below 2 Hz
-  static constexpr double spread = 0.25;  // standard deviation of the acceleration [m/s^2]
-  static constexpr double probe = 0.1, long_probe = 0.4;  // [s]
-  static constexpr double forever = 1e6;                  // [s]
-  struct Made {
-    double t;
-    Vec3 at;
-    double deviation;
-  };
-
-  // The predictions that were made for times up to this sample's, against it.
-  void compare(const HipSample& sample, double dt) {
-    for (; !made_.empty() && made_.front().t <= sample.t; made_.pop_front()) {
-      const double error2 = (made_.front().at - sample.at).squaredNorm() / 3;
-      const double seen2 = std::min(error2 / (made_.front().deviation * made_.front().deviation), 1e6);
-      ratio2_ = std::max(ratio2_ + (1 - std::exp(-dt / 0.5)) * (seen2 - ratio2_), 0.1);
-    }
-  }
-  // beta = way gone along v T / |v T| over T = 0.4 s, a mean over the last seconds; tau_v (1 - exp(-T / tau_v)) = beta T.
-  void persist(const HipSample& sample, double dt) {
-    constexpr double long_memory = 2;  // [s]
-    for (; !gone_.empty() && gone_.front().t <= sample.t; gone_.pop_front()) {
-      const Vec3 foretold = long_probe * gone_.front().velocity;
-      const double keep = std::exp(-dt / long_memory);
-      along_ = keep * along_ + (1 - keep) * foretold.dot(sample.at - gone_.front().at);
-      length2_ = keep * length2_ + (1 - keep) * foretold.squaredNorm();
-    }
-    const double beta = std::clamp(length2_ > 0 ? along_ / length2_ : 1.0, 0.05, 1.0);
-    if (beta > 1 - 1e-4) {
-      tau_v_ = forever;
-      return;
-    }
-    double u = beta < 0.5 ? 1 / beta : 4 * (1 - beta);  // T / tau_v: Newton's method from above, monotone
-    for (int i = 0; i < 8; ++i) {
-      const double e = std::exp(-u), next = u - (1 - e - beta * u) / (e - beta);
-      if (next == u) break;  // for good
-      u = next;
-    }
-    tau_v_ = long_probe / u;
-  }
-  Prediction unscaled(double horizon) const {
-    const Mat3 f = transition(horizon, tau_v_);
-    const Mat3 p = f * covariance_ * f.transpose() + process(horizon, tau_v_);
-    return {.horizon = horizon,
-            .at = (f.row(0) * mean_).transpose(),
-            .deviation = std::sqrt(std::max(p(0, 0), 0.0))};
-  }
-
-  // Of dx = v, dv = a - v / tau_v, da = -a / tau.
-  static Mat3 transition(double s, double tau_v) {
-    const double fast = std::exp(-s / tau), slow = std::exp(-s / tau_v),
-                 way = -tau_v * std::expm1(-s / tau_v);
-    const double both = 1 / (1 / tau_v - 1 / tau);
-    Mat3 f;
-    f << 1, way, both * (tau * (1 - fast) - way), 0, slow, both * (fast - slow), 0, 0, fast;
-    return f;
-  }
-  // Covariance of the driven state, by 4-point Gauss-Legendre quadrature of F(s) q F(s)^T over the step.
-  static Mat3 process(double s, double tau_v) {
-    constexpr double place[4] = {0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558};
-    constexpr double weight[4] = {0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
-    const double q = 2 * spread * spread / tau;
-    Mat3 sum = Mat3::Zero();
-    for (int i = 0; i < 4; ++i) {
-      const Eigen::Vector3d column = transition(place[i] * s, tau_v).col(2);
-      sum += weight[i] * s * q * column * column.transpose();
-    }
-    return sum;
-  }
-
-  bool seen_ = false;
-  double t_ = 0, step_ = 0;
-  Mat3 mean_ = Mat3::Zero();  // rows x, v, a; a column per axis
-  Mat3 covariance_ = Mat3::Zero(), transition_ = Mat3::Identity(), process_ = Mat3::Zero();
-  std::deque<Made> made_;       // predictions, by the time they are for
-  std::deque<HipSample> gone_;  // where it was and how fast, by the time at which to look how far it got
-  double ratio2_ = 1;           // mean square of measured over expected error
-  double along_ = 0, length2_ = 0, tau_v_ = forever;
-};
+Registry<PredictorFactory>& registry() {
+  static Registry<PredictorFactory> predictors(
+      "predictor", {{"constant-velocity", make_constant_velocity}, {"kalman", make_kalman}});
+  return predictors;
+}
 
 }  // namespace
 
+void register_predictor(const std::string& name, PredictorFactory factory) {
+  registry().add(name, std::move(factory));
+}
+
 std::vector<std::string> predictor_names() {
-  return {"constant-velocity", "kalman"};
+  return registry().names();
 }
 
-std::unique_ptr<Predictor> make_predictor(const std::string& name) {
-  if (name == "constant-velocity") return std::make_unique<ConstantVelocity>();
-  if (name == "kalman") return std::make_unique<Kalman>();
-  throw InputError("predictor", fmt::format("unknown predictor '{}', expected one of {}", name,
-                                            fmt::join(predictor_names(), ", ")));
-}
-
-PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<const double> horizons)
-    : predictor_(predictor), step_(step) {
-  for (const double horizon : horizons)
-    ahead_.push_back({.horizon = horizon,
-                      .steps = static_cast<std::size_t>(std::llround(horizon / step)),
-                      .made = {},
-                      .errors = {}});
-}
-
-void PredictionScore::add(const Vec3& at) {
-  predictor_.observe({.t = static_cast<double>(seen_) * step_, .at = at, .velocity = Vec3::Zero()});
-  for (Ahead& ahead : ahead_) {
-    ahead.made.push_back(predictor_.predict(ahead.horizon));
-    if (seen_ < ahead.steps) continue;
-    const Prediction& p = ahead.made.front();
-    ahead.errors.push_back((p.at - at).norm());
-    ahead.within += ((p.at - at).cwiseAbs().array() <= 2 * p.deviation).all();
-    ahead.made.pop_front();
-  }
-  ++seen_;
-}
-
-std::vector<PredictionError> PredictionScore::report() const {
-  std::vector<PredictionError> report;
-  for (const Ahead& ahead : ahead_) {
-    PredictionError e{.horizon = ahead.horizon};
-    std::vector<double> errors = ahead.errors;
-    if (!errors.empty()) {
-      std::sort(errors.begin(), errors.end());
-      e.p50 = errors[errors.size() / 2];
-      e.p95 = errors[errors.size() * 95 / 100];
-      e.within_deviation = static_cast<double>(ahead.within) / static_cast<double>(errors.size());
-    }
-    report.push_back(e);
-  }
-  return report;
-}
-
-std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
-                                              double step, std::span<const double> horizons) {
-  PredictionScore score(predictor, step, horizons);
-  for (const Vec3& at : motion) score.add(at);
-  return score.report();
+std::unique_ptr<Predictor> make_predictor(const PredictorSpec& predictor, const FactoryContext& context) {
+  return make_registered(registry().at(predictor.name), "predictor", predictor, context);
 }
 
 }  // namespace forefeel

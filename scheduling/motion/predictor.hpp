@@ -1,18 +1,31 @@
 #pragma once
-// Where the HIP will be. Per axis, after observing x at frame times:
-//   constant-velocity   x(t + s) = x + v s, v smoothed over 30 ms
-//   kalman              state (x, v, a) with a decaying over tau_a (Singer 1970): constant acceleration over short
-//                       horizons, no runaway over long ones. Predictions let v decay too, dv = a - v / tau_v, as
-//                       hands turn; tau_v is learnt from the motion, infinite as long as it is straight. The
-//                       deviation is the filter's own, scaled by what it was seen to miss.
+// Where the HIP will be, guessed from where it was.
+//
+// To write one: derive from Predictor, define observe() and predict(), register it under a name.
+//
+//   struct Still final : forefeel::Predictor {               // the hand stays where it is, give or take v * horizon
+//     forefeel::HipSample last;
+//     void observe(const forefeel::HipSample& sample) override { last = sample; }
+//     forefeel::Prediction predict(double horizon) const override {
+//       return {.horizon = horizon, .at = last.at, .deviation = 1e-3 + last.velocity.norm() * horizon};
+//     }
+//   };
+//   const bool known = (forefeel::register_predictor("still", [](forefeel::FactoryContext&) {
+//     return std::make_unique<Still>(); }), true);
+//
+// Scenes (session.predictor), studies and --predictor then know it.
+//
+// Order of calls: observe() for each new sample of the HIP, under the virtual clock each frame, under the real clock the
+// newest whenever the planner gets to it; then predict() for several horizons, at least once between two samples.
+// Thread: the planner's alone. It may allocate, but its time delays every decision: a few microseconds a call.
+// Under the virtual clock it must be a function of the samples and the seed, so that a run repeats bit by bit.
 
-#include <cstddef>
-#include <deque>
+#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "scheduling/common/factory_context.hpp"
 #include "scheduling/motion/hip_sample.hpp"
 
 namespace forefeel {
@@ -21,40 +34,17 @@ class Predictor {
  public:
   virtual ~Predictor() = default;
   virtual void observe(const HipSample& sample) = 0;     // times do not go back
-  virtual Prediction predict(double horizon) const = 0;  // from the last sample on
+  virtual Prediction predict(double horizon) const = 0;  // horizon seconds after the last sample, at least 0
 };
 
-std::unique_ptr<Predictor> make_predictor(const std::string& name);  // InputError lists the names
-std::vector<std::string> predictor_names();
+// The predictor of a session: a name and the settings behind it.
+using PredictorSpec = Registered;
+using PredictorFactory = std::function<std::unique_ptr<Predictor>(FactoryContext&)>;
 
-// Prediction error against horizon over a motion sampled every `step` seconds [m].
-struct PredictionError {
-  double horizon = 0;           // [s]
-  double p50 = 0, p95 = 0;      // |predicted - true|
-  double within_deviation = 0;  // share of true positions within twice the deviation per axis
-};
-// The same while the motion comes.
-class PredictionScore {
- public:
-  PredictionScore(Predictor& predictor, double step,
-                  std::span<const double> horizons);  // the predictor must outlive it
-  void add(const Vec3& at);                           // of the next step
-  std::vector<PredictionError> report() const;
-
- private:
-  struct Ahead {
-    double horizon;
-    std::size_t steps;
-    std::deque<Prediction> made;  // that no position was compared with yet
-    std::vector<double> errors;
-    std::size_t within = 0;
-  };
-  Predictor& predictor_;
-  double step_;
-  std::size_t seen_ = 0;
-  std::vector<Ahead> ahead_;
-};
-std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
-                                              double step, std::span<const double> horizons);
+// From any thread and also before main() begins. InputError for a name that is taken.
+void register_predictor(const std::string& name, PredictorFactory factory);
+std::vector<std::string> predictor_names();  // sorted
+// InputError lists the names.
+std::unique_ptr<Predictor> make_predictor(const PredictorSpec& predictor, const FactoryContext& context = {});
 
 }  // namespace forefeel

@@ -1,6 +1,8 @@
 #pragma once
-// Counter-based random numbers: a pure function of seed and counter, so that a draw depends neither on the order
-// of draws nor on threads. splitmix64 finaliser (Steele, Lea, Flood 2014).
+// Counter-based random numbers: each is a function of a key alone, so that a draw depends neither on the order of draws
+// nor on threads. Mixed by the finaliser of splitmix64 (Steele, Lea, Flood 2014).
+//
+//   random::uniform(random::mix(seed, i))    // the i-th number of a seed, in (0, 1)
 
 #include <cmath>
 #include <cstdint>
@@ -8,7 +10,7 @@
 
 #include "geometry/common/types.hpp"
 
-namespace forefeel {
+namespace forefeel::random {
 
 inline std::uint64_t mix(std::uint64_t z) noexcept {
   z += 0x9e3779b97f4a7c15ull;
@@ -38,4 +40,4 @@ inline std::uint64_t position_key(const Vec3& x) noexcept {
   return key;
 }
 
-}  // namespace forefeel
+}  // namespace forefeel::random

@@ -23,7 +23,8 @@ constexpr std::size_t most_draws = 20;  // of positions in the box, for each saf
 std::vector<Vec3> draws(const Box& box, std::size_t n) {
   std::vector<Vec3> points;
   for (std::uint64_t i = 0; i < n; ++i) {
-    const Vec3 share(uniform(mix(1934, 3 * i)), uniform(mix(1934, 3 * i + 1)), uniform(mix(1934, 3 * i + 2)));
+    const Vec3 share(random::uniform(random::mix(1934, 3 * i)), random::uniform(random::mix(1934, 3 * i + 1)),
+                     random::uniform(random::mix(1934, 3 * i + 2)));
     points.push_back(box.low + box.size().cwiseProduct(share));
   }
   return points;

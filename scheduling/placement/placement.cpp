@@ -229,10 +229,11 @@ class Placement {
   // made within extrapolates; those that are states already are left out there.
   std::vector<Vec3> truth_positions(std::size_t round) const {
     const Box& box = options_.space.box;
-    const std::uint64_t seed = mix(options_.seed, round);
+    const std::uint64_t seed = random::mix(options_.seed, round);
     const auto share = [&](std::uint64_t i) {
-      const std::uint64_t key = mix(seed, i);
-      return Vec3(uniform(mix(key, 1)), uniform(mix(key, 2)), uniform(mix(key, 3)));
+      const std::uint64_t key = random::mix(seed, i);
+      return Vec3(random::uniform(random::mix(key, 1)), random::uniform(random::mix(key, 2)),
+                  random::uniform(random::mix(key, 3)));
     };
     std::vector<Vec3> at;
     for (std::size_t i = 0; i < options_.truth_samples; ++i)

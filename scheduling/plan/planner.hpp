@@ -28,8 +28,8 @@ struct PlannerSetup {
   StateSpaceOptions space = {};
   std::span<const State> known = {};  // at the start; failed ones are not tried again
   std::size_t nodes = 0;              // of the body's mesh: bounds how many solutions are kept to start from
-  std::unique_ptr<Policy> policy = {};
-  std::unique_ptr<Predictor> predictor = {};
+  std::shared_ptr<Policy> policy = {};
+  std::shared_ptr<Predictor> predictor = {};
   Placement placement = Placement::lattice;
   int batch = 1;  // states of one job
   bool preempt = true, rest_first = true;

@@ -3,14 +3,13 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "scheduling/policy/candidates.hpp"
 
 namespace forefeel {
 
 struct PlanningOptions {
-  std::string policy = "coverage";           // policy.hpp
+  PolicySpec policy = "coverage";
   Placement placement = Placement::lattice;  // where states may be placed
   bool preempt = true;                       // a running solve is cancelled where another is worth far more
   // The first job of a session that knows nothing is the state at rest: its force is zero, its stiffness one

@@ -33,7 +33,7 @@ Candidates::Candidates(const StateSpace& space, std::span<const State> failed, P
   }
 }
 
-// Lattice points differ by a spacing, so rounding to a tenth of one tells them apart and forgives round-off.
+// Rounded to a tenth of the spacing: tells lattice points apart, which lie a spacing apart, and ignores round-off.
 std::uint64_t Candidates::key(const Vec3& x) const {
   std::uint64_t packed = 0;
   for (int i = 0; i < 3; ++i) {
@@ -43,7 +43,7 @@ std::uint64_t Candidates::key(const Vec3& x) const {
   return packed;
 }
 
-// Once for each place but those of a passing step.
+// A place that was a candidate before is skipped, unless it was a passing one.
 void Candidates::add(const Vec3& x, bool passing) {
   const std::uint32_t mine = order_++;
   const std::uint64_t where = key(x);
@@ -91,7 +91,7 @@ Candidate Candidates::remove(std::size_t i) {
 }
 
 std::optional<Candidate> Candidates::take_rest() {
-  add(Vec3::Zero(), false);  // where the placement has none; else nothing changes
+  add(Vec3::Zero(), false);  // where the placement has none; otherwise nothing changes
   const auto found = place_.find(key(Vec3::Zero()));
   if (found == place_.end()) return {};
   return take(found->second);
@@ -106,7 +106,7 @@ Candidate Candidates::take(std::size_t i) {
   return taken;
 }
 
-// Those of this step too near to `at` go, those of the lattice wait.
+// Of the candidates too near to `at`, passing ones are dropped and those of the lattice are held back.
 void Candidates::hold_back(const Vec3& at) {
   for (std::size_t i = open_.size(); i-- > 0;)
     if (too_near(open_[i].at, {&at, 1})) {
@@ -118,7 +118,7 @@ void Candidates::hold_back(const Vec3& at) {
     }
 }
 
-// What nothing holds back any more is open again; what a known state is near to is not needed.
+// Held ones that are near no solve any more are open again; those near a known state are dropped.
 void Candidates::release() {
   for (Candidate& candidate : std::exchange(held_, {})) {
     candidate = refreshed(candidate);
@@ -136,7 +136,7 @@ void Candidates::put_back(Candidate candidate) {
   gone_.erase(key(candidate.at));
   std::erase(under_way_, candidate.at);
   release();
-  if (candidate.passing || place_.contains(key(candidate.at))) return;  // the next step places anew
+  if (candidate.passing || place_.contains(key(candidate.at))) return;  // the next step places new ones
   open_one(refreshed(candidate));
 }
 

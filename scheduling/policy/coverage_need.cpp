@@ -10,15 +10,16 @@
 #include "geometry/common/simd.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/motion/random.hpp"
+#include "scheduling/policy/candidate_rows.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr double reach = 2;           // of a state, in spacings H
-constexpr double surely = 2;          // spacings: the path is as good as its deviation is below
-constexpr double least_need = 1e-15;  // less is none
+constexpr double reach = 2;   // of a state, in spacings H
+constexpr double surely = 2;  // deviation of a prediction at which half its weight goes to the box [spacings]
+constexpr double least_need = 1e-15;                        // a need below this counts as none
+constexpr std::uint32_t nobody = 0xffffffffu;               // no point, in PointOctree
 constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};  // H / h
-constexpr std::uint32_t nobody = 0xffffffffu;
 
 double lack(Label label, int scale) {
   switch (label) {
@@ -27,15 +28,15 @@ double lack(Label label, int scale) {
     case Label::gap:
       return 0.25;
     case Label::sparse:
-      return scale == 0 ? 0.0 : 0.1;  // at 4 h the spacings below say it better
+      return scale == 0 ? 0.0 : 0.1;  // at 4 h the finer spacings tell more
     case Label::safe:
       return 0;
   }
   return 0;
 }
 
-// A hand that leaves the box turns back, as often as it takes: what the motion straight on predicts outside is
-// expected folded into the box, face by face.
+// A hand that leaves the box turns back. A position predicted outside is mirrored at the faces of the box, as often as
+// needed to be inside.
 Vec3 folded(const Vec3& x, const Box& box) {
   Vec3 inside = box.low;
   for (int i = 0; i < 3; ++i) {
@@ -64,85 +65,6 @@ void add_worth(std::size_t first, std::size_t last, std::size_t count, const dou
   }
 }
 
-// Candidates in the order of the cubes they lie in, so that those within reach of a place are a few runs of them.
-class CandidateRows {
- public:
-  CandidateRows(std::span<const Candidate> candidates, double side)
-      : per_side_(1 / side), count_(candidates.size()) {
-    const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 high = -far;
-    low_ = far;
-    for (const Candidate& c : candidates) low_ = low_.cwiseMin(c.at), high = high.cwiseMax(c.at);
-    for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
-    while (cubes_[0] * cubes_[1] * cubes_[2] >
-           std::max<std::int64_t>(1, static_cast<std::int64_t>(count_ / 4))) {
-      per_side_ /= 2;
-      for (int k = 0; k < 3; ++k) cubes_[k] = cube(high[k], k, 1 << 20) + 1;
-    }
-    begin_.assign(static_cast<std::size_t>(cubes_[0] * cubes_[1] * cubes_[2]) + 1, 0);
-    std::vector<std::uint32_t> of(count_);
-    for (std::size_t i = 0; i < count_; ++i) ++begin_[(of[i] = row_of(candidates[i].at)) + 1];
-    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    order_.resize(count_);
-    xyz_.resize(3 * count_);
-    for (std::size_t i = 0; i < count_; ++i) {
-      const std::size_t place = next[of[i]]++;
-      order_[place] = static_cast<std::uint32_t>(i);
-      for (std::size_t k = 0; k < 3; ++k)
-        xyz_[k * count_ + place] = candidates[i].at[static_cast<Eigen::Index>(k)];
-    }
-  }
-  const double* xyz() const { return xyz_.data(); }
-  std::uint32_t candidate(std::size_t place) const { return order_[place]; }
-
-  // visit(first, last) for runs that hold all candidates within `radius` of q, and some others; disjoint.
-  template <class Visit>
-  void near(const Vec3& q, double radius, Visit&& visit) const {
-    std::array<std::int64_t, 3> from{}, until{};
-    for (int k = 0; k < 3; ++k) {
-      if (q[k] + radius < low_[k]) return;
-      from[static_cast<std::size_t>(k)] = cube(q[k] - radius, k, cubes_[k]);
-      until[static_cast<std::size_t>(k)] = cube(q[k] + radius, k, cubes_[k] - 1);
-    }
-    for (std::size_t k = 0; k < 3; ++k)
-      if (from[k] > until[k]) return;
-    const auto run = [&](std::int64_t i, std::int64_t j, std::int64_t i_last, std::int64_t j_last) {
-      const std::size_t
-          first = begin_[static_cast<std::size_t>((i * cubes_[1] + j) * cubes_[2] + from[2])],
-          last = begin_[static_cast<std::size_t>((i_last * cubes_[1] + j_last) * cubes_[2] + until[2]) + 1];
-      if (first < last) visit(first, last);
-    };
-    const auto whole = [&](std::size_t k) { return from[k] == 0 && until[k] == cubes_[k] - 1; };
-    if (whole(2) && whole(1)) return run(from[0], 0, until[0], until[1]);
-    for (std::int64_t i = from[0]; i <= until[0]; ++i) {
-      if (whole(2)) {
-        run(i, from[1], i, until[1]);
-        continue;
-      }
-      for (std::int64_t j = from[1]; j <= until[1]; ++j) run(i, j, i, j);
-    }
-  }
-
- private:
-  std::int64_t cube(double x, int axis, std::int64_t most) const {
-    return static_cast<std::int64_t>(
-        std::clamp((x - low_[axis]) * per_side_, 0.0, static_cast<double>(most)));
-  }
-  std::uint32_t row_of(const Vec3& x) const {
-    std::int64_t row = 0;
-    for (int k = 0; k < 3; ++k) row = row * cubes_[k] + cube(x[k], k, cubes_[k] - 1);
-    return static_cast<std::uint32_t>(row);
-  }
-
-  double per_side_;  // cubes a metre
-  std::size_t count_;
-  Vec3 low_;
-  std::int64_t cubes_[3]{};
-  std::vector<std::uint32_t> begin_, order_;  // first of each cube, and whose they are
-  std::vector<double> xyz_;                   // 3 x #candidates, in that order
-};
-
 }  // namespace
 
 struct CoverageNeed::Index {
@@ -159,16 +81,16 @@ struct CoverageNeed::Index {
     const StateId id{static_cast<std::uint32_t>(k)};
     if (delaunay.insert(id, at, {points.nearest(at).id}) == id) points.insert(id.value, at);
   }
-  // Of a blank place also the axis of an empty cone that proves it, zero where there is none.
+  // axis: of a blank place, the axis of an empty cone that proves the label; zero where none was found.
   Label label(const Vec3& q, std::size_t scale, Vec3* axis = nullptr) const {
     return label(q, scale, points.nearest(q, limits[scale].sparse_distance), axis);
   }
-  // nearest: the nearest state, where it is within the distance of this scale or one that is farther.
+  // nearest: the nearest state, searched for within the sparse distance of this scale or of a coarser one.
   Label label(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3* axis) const {
     const CoverageQuery query(points, delaunay);
     const Thresholds& limit = limits[scale];
     if (nearest.id != nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
-      return query.label(q, {nearest.id}, limit);  // safe lies within the distance, too
+      return query.label(q, {nearest.id}, limit);  // safe places lie within this distance, too
     if (points.size() == 0) return Label::blank;
     Vec3 witness = Vec3::Zero();
     const bool gap =
@@ -176,8 +98,8 @@ struct CoverageNeed::Index {
     if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
     return gap ? Label::gap : Label::blank;
   }
-  // Whether a state at p may change the label of a place: of a sparse one or a gap those within 2 H may, of a blank one
-  // those near enough to make it sparse, and those within 8 H that fall into its empty cone.
+  // Whether a state at p may change the label of the place q. A sparse place or a gap: if p is within 2 H. A blank place: if
+  // p is near enough to make it sparse, or within 8 H and inside the empty cone.
   bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale,
                   double h) const {
     const Vec3 to = p - q;
@@ -200,7 +122,7 @@ void CoverageNeed::begin(const StateSpace& space) {
   const StateSpaceOptions& options = space.options();
   const double h = options.spacing;
   index_ = std::make_unique<Index>(options);
-  // Cubes of about 2 h that fill the box; no more than some thousand of them.
+  // Cubes of 2 h that fill the box; larger ones where that gives more than 2000.
   const Vec3 size = options.box.size();
   double side = 2 * h;
   const auto cubes = [&] { return (size / side).array().ceil().max(1.0).eval(); };
@@ -218,7 +140,7 @@ void CoverageNeed::relabel(Place& place, std::size_t s) const {
   if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s, &place.axis[s]);
 }
 
-// Labels never get worse, so what is safe at a spacing is not asked again, nor what a state cannot change.
+// Labels never get worse: places that are safe at a spacing, and those that no new state can change, keep their label.
 void CoverageNeed::learn(const StateSpace& space, std::span<const float> surprises) {
   const double h = space.options().spacing;
   for (; known_ < space.size(); ++known_) {
@@ -235,7 +157,7 @@ void CoverageNeed::learn(const StateSpace& space, std::span<const float> surpris
       if (std::exchange(place.due[s], false)) relabel(place, s);
 }
 
-// The coarsest spacing at which the place lay in the blank or a gap before its state came.
+// Counts for the coarsest spacing at which the place was blank or a gap before its state came.
 void CoverageNeed::teach(const Vec3& at, double surprise) {
   for (std::size_t s = 0; s < scales; ++s) {
     const Label label = index_->label(at, s);
@@ -246,7 +168,8 @@ void CoverageNeed::teach(const Vec3& at, double surprise) {
   }
 }
 
-// Shares of misses by Laplace's rule with a prior; what a fine spacing misses a coarser one misses too.
+// Shares of misses by Laplace's rule with a prior. They do not fall towards coarser spacings: where a fine spacing misses,
+// a coarser one misses too.
 void CoverageNeed::weigh_scales(bool with_stiffness) {
   constexpr double strength = 4;  // states that the prior counts as
   const std::array<double, scales> prior =
@@ -257,17 +180,17 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
   }
 }
 
-// A state asked for now is there after T. Where the hand will be at about that time counts most; what it passes
-// before is helped less, what it reaches later can wait.
+// A state asked for now is there after T, the time of a solve. Places that the hand reaches at about that time count most;
+// those it passes earlier are helped less, those it reaches later can wait.
 double CoverageNeed::urgency(double t, double solve) {
   const double late = (solve - t) / solve;
   return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
 }
 
-// A prediction with deviation s says where the hand will be as far as s is small against 2 h: that share of its weight
-// is on the predicted point, the rest on the box around it as a Gaussian of width s. What is left of the weight goes to
-// the whole box by the time to reach each place. Before the hand has moved at all there is no path: the first states
-// spread over the box.
+// path_share of the weight is on the path. A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its weight on the
+// predicted point, and the rest on the places of the box around it, as a Gaussian of width s. The remaining weight is on
+// the whole box, by the time to reach each place. Before the hand has moved there is no path, and all weight is on the
+// box: the first states spread over it.
 void CoverageNeed::weigh(const PlannerView& view) {
   const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
   const Box& box = view.space.options().box;
@@ -285,7 +208,8 @@ void CoverageNeed::weigh(const PlannerView& view) {
     const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
     const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2)), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
-    const auto nearest = index_->points.nearest(place.at, index_->limits[0].sparse_distance);  // the largest
+    const auto nearest = index_->points.nearest(
+        place.at, index_->limits[0].sparse_distance);  // the coarsest scale's, the largest distance
     for (std::size_t s = 0; s < scales; ++s)
       place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
     places_.push_back(place);
@@ -304,9 +228,9 @@ void CoverageNeed::weigh(const PlannerView& view) {
 }
 
 void CoverageNeed::shuffle_labels() {
-  const std::uint64_t step = mix(options_.seed, known_);
+  const std::uint64_t step = random::mix(options_.seed, known_);
   for (std::size_t i = places_.size(); i > 1; --i) {
-    const std::size_t j = mix(step, i) % i;
+    const std::size_t j = random::mix(step, i) % i;
     std::swap(places_[i - 1].label, places_[j].label);
   }
 }
@@ -339,7 +263,7 @@ void CoverageNeed::gather_needs() {
   left_.begin(at, all, inverses);
 }
 
-// The path in steps of half a spacing, each stretch with the weight of the prediction it leads to.
+// Walks the path in steps of half a spacing; each stretch has the weight of the prediction at its end.
 void CoverageNeed::gather_corners(const PlannerView& view) {
   corners_.clear();
   if (!view.in_cells || view.predicted.empty()) return;
@@ -389,7 +313,7 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double
   for (std::size_t s = 0; s < scales; ++s) inverses[s] = 1 / std::pow(reach * multiples[s] * h, 2);
   for (std::size_t i = 0; i < left_.places(); ++i) {
     NeedLeft::Needs needs = left_.left(i);
-    double farthest = 0;  // that a state mends the place from
+    double farthest = 0;  // distance from which a state still mends the place
     for (std::size_t s = 0; s < scales; ++s) {
       if (!(needs[s] > least_need)) needs[s] = 0;
       if (needs[s] > 0) farthest = std::max(farthest, reach * multiples[s] * h);

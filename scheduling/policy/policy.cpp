@@ -1,32 +1,29 @@
 #include "scheduling/policy/policy.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
-#include <map>
 
-#include "geometry/common/error.hpp"
+#include "scheduling/common/registry.hpp"
 #include "scheduling/policy/policies.hpp"
 
 namespace forefeel {
 namespace {
 
-std::map<std::string, PolicyFactory>& registry() {
-  static std::map<std::string, PolicyFactory> policies{{"fifo", make_fifo},
-                                                       {"nearest", make_nearest},
-                                                       {"direction", make_direction},
-                                                       {"coverage", make_coverage},
-                                                       {"coarse-to-fine", make_coarse_to_fine},
-                                                       {"error", make_error},
-                                                       {"clairvoyant", make_clairvoyant},
-                                                       {"clairvoyant-greedy", make_clairvoyant},
-                                                       {"shuffled", make_shuffled},
-                                                       {"clairvoyant-shuffled", make_clairvoyant_shuffled}};
+Registry<PolicyFactory>& registry() {
+  static Registry<PolicyFactory> policies("policy", {{"fifo", make_fifo},
+                                                     {"nearest", make_nearest},
+                                                     {"direction", make_direction},
+                                                     {"coverage", make_coverage},
+                                                     {"coarse-to-fine", make_coarse_to_fine},
+                                                     {"error", make_error},
+                                                     {"clairvoyant", make_clairvoyant},
+                                                     {"clairvoyant-greedy", make_clairvoyant},
+                                                     {"shuffled", make_shuffled},
+                                                     {"clairvoyant-shuffled", make_clairvoyant_shuffled}});
   return policies;
 }
 
-// Nearest point of the segment a b to q, as the share of the way from a.
+// The point of the segment a b nearest to q, as its share of the way from a to b.
 double share_along(const Vec3& a, const Vec3& b, const Vec3& q) {
   const Vec3 step = b - a;
   const double length2 = step.squaredNorm();
@@ -44,31 +41,21 @@ void Policy::prioritise(std::span<const Candidate> candidates, const PlannerView
   for (std::size_t i = 0; i < candidates.size(); ++i) out[i] = priority(candidates[i], view);
 }
 
-void register_policy(std::string name, PolicyFactory factory) {
-  registry()[std::move(name)] = std::move(factory);
+void register_policy(const std::string& name, PolicyFactory factory) {
+  registry().add(name, std::move(factory));
 }
 
 std::vector<std::string> policy_names() {
-  std::vector<std::string> names;
-  for (const auto& entry : registry()) names.push_back(entry.first);
-  return names;
+  return registry().names();
 }
 
-std::unique_ptr<Policy> make_policy(const std::string& name, const PolicyOptions& options) {
-  const auto found = registry().find(name);
-  if (found == registry().end())
-    throw InputError("policy", fmt::format("unknown policy '{}', expected one of {}", name,
-                                           fmt::join(policy_names(), ", ")));
-  return found->second(options);
-}
-
-bool knows_the_future(const std::string& name) {
-  return name.starts_with("clairvoyant");
+std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryContext& context) {
+  return make_registered(registry().at(policy.name), "policy", policy, context);
 }
 
 double time_to_reach(const Vec3& at, const PlannerView& view) {
   constexpr double slowest = 0.01;  // [m/s]: a hand that holds still may move on
-  // Off the path the hand has to turn first: half its speed.
+  // Off the path the hand has to turn first and is half as fast.
   const double speed =
       0.5 * std::max(view.hip.velocity.allFinite() ? view.hip.velocity.norm() : 0.0, slowest);
   const auto path = view.predicted;

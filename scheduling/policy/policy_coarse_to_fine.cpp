@@ -1,10 +1,10 @@
-// Sparse-area precomputation, refined where the HIP goes: lattice points that are multiples of 4 h are wanted within
-// a wide distance d of the predicted path, those of 2 h within half of it, the rest near it: s / (s + d), s = 4 h,
-// 2 h or h by level.
+// Coarse lattice points far around the predicted path, fine ones near it. With d the distance to the path the priority is
+//   s / (s + d),    s = 4 h for lattice points that are multiples of 4 h, 2 h for those of 2 h, h for the rest
 
 #include <cmath>
 
 #include "scheduling/policy/policies.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 namespace {
@@ -29,7 +29,7 @@ class CoarseToFine final : public Policy {
 
 }  // namespace
 
-std::unique_ptr<Policy> make_coarse_to_fine(const PolicyOptions&) {
+std::unique_ptr<Policy> make_coarse_to_fine(FactoryContext&) {
   return std::make_unique<CoarseToFine>();
 }
 

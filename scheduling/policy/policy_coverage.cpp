@@ -1,25 +1,31 @@
-// Regions drive it: a state is worth what the labels of the places it reaches lack, weighted by how soon the hand may
-// be there (coverage_need.hpp), so that what is blank, gap or sparse on the predicted path turns safe soonest. Where
-// nothing is lacking any more: outward from the HIP.
-//   coverage      the path as predicted
-//   clairvoyant-greedy   the path as it will be; clairvoyant under the virtual clock rehearses besides (session.cpp)
-//   shuffled      the placebo: the same labels, permuted among the places; what it loses is what labels are worth
-//   clairvoyant-shuffled   the placebo of clairvoyant-greedy: what labels are worth where the motion is no guess
+// A state is worth what the labels of the places within its reach lack, weighted by how soon the hand may be at each
+// (coverage_need.hpp): blank, gap and sparse places on the predicted path turn safe soonest. Where nothing is lacking, the
+// order is outward from the HIP.
+//   coverage               the path as predicted
+//   clairvoyant-greedy     the path as it will be
+//   clairvoyant            the same; under the virtual clock the session rehearses all schedules first (rehearsal)
+//   shuffled               the placebo of coverage: the same labels, permuted among the places
+//   clairvoyant-shuffled   the placebo of clairvoyant-greedy
+// What a placebo loses is what the labels are worth.
 
 #include <algorithm>
 
 #include "scheduling/policy/coverage_need.hpp"
 #include "scheduling/policy/policies.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 namespace {
 
 class CoveragePolicy final : public Policy {
  public:
-  CoveragePolicy(std::string_view name, NeedOptions options) : name_(name), need_(options) {}
+  enum class Path { predicted, true_one };
+  CoveragePolicy(std::string_view name, Path path, NeedOptions options)
+      : name_(name), path_(path), need_(options) {}
   std::string_view name() const override { return name_; }
   bool reads_regions() const override { return false; }
   bool reads_surprises() const override { return true; }
+  bool reads_future() const override { return path_ == Path::true_one; }
   void look(const PlannerView& view) override { need_.look(view); }
   void pend(const PlannerView& view) override { need_.pend(view.pending); }
   double at_most(double priority) const override {
@@ -41,26 +47,31 @@ class CoveragePolicy final : public Policy {
  private:
   static constexpr double nothing = 1e-9;  // worth below which the distance decides
   std::string_view name_;
+  Path path_;
   CoverageNeed need_;
 };
 
+using Path = CoveragePolicy::Path;
+
 }  // namespace
 
-std::unique_ptr<Policy> make_coverage(const PolicyOptions&) {
-  return std::make_unique<CoveragePolicy>("coverage", NeedOptions{});
+std::unique_ptr<Policy> make_coverage(FactoryContext&) {
+  return std::make_unique<CoveragePolicy>("coverage", Path::predicted, NeedOptions{});
 }
 
-std::unique_ptr<Policy> make_clairvoyant(const PolicyOptions&) {
-  return std::make_unique<CoveragePolicy>("clairvoyant", NeedOptions{.path_share = 0.95});
+std::unique_ptr<Policy> make_clairvoyant(FactoryContext&) {
+  return std::make_unique<CoveragePolicy>("clairvoyant", Path::true_one, NeedOptions{.path_share = 0.95});
 }
 
-std::unique_ptr<Policy> make_shuffled(const PolicyOptions& options) {
-  return std::make_unique<CoveragePolicy>("shuffled", NeedOptions{.shuffle = true, .seed = options.seed});
+std::unique_ptr<Policy> make_shuffled(FactoryContext& context) {
+  return std::make_unique<CoveragePolicy>("shuffled", Path::predicted,
+                                          NeedOptions{.shuffle = true, .seed = context.seed});
 }
 
-std::unique_ptr<Policy> make_clairvoyant_shuffled(const PolicyOptions& options) {
+std::unique_ptr<Policy> make_clairvoyant_shuffled(FactoryContext& context) {
   return std::make_unique<CoveragePolicy>(
-      "clairvoyant-shuffled", NeedOptions{.path_share = 0.95, .shuffle = true, .seed = options.seed});
+      "clairvoyant-shuffled", Path::true_one,
+      NeedOptions{.path_share = 0.95, .shuffle = true, .seed = context.seed});
 }
 
 }  // namespace forefeel

@@ -1,13 +1,14 @@
-// Along the predicted motion, by the time to reach: a state asked for now is there after T, the time of a solve. Those
-// that the hand then still has ahead of it come first, soonest first,
+// Along the predicted motion, the soonest first. A state asked for now is there after T, the time of a solve. States that
+// the hand then still has ahead of it have the priority
 //   1/2 + T / (T + t) / 2,    t = min_{s >= T} s - T + 2 d(s) / v
-// d(s) the distance from where the hand is predicted to be in s seconds, v its speed. What it has passed, passes before,
-// or never comes within a lattice cell of, by the same t after them: T / (T + t) / 2.
+// with d(s) the distance from the position predicted in s seconds, and v the speed of the hand. All others, which the hand
+// passes earlier or never approaches to a lattice cell, come after them with T / (T + t) / 2.
 
 #include <algorithm>
 #include <limits>
 
 #include "scheduling/policy/policies.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 namespace {
@@ -27,7 +28,7 @@ class Direction final : public Policy {
  private:
   struct Pass {
     double wait;   // t [s]
-    bool in_time;  // the path is nearest after T, and comes within a cell
+    bool in_time;  // the path is nearest after T, and that near is a cell's diagonal or less
   };
   static Pass passing(const Vec3& at, const PlannerView& view, double solve) {
     constexpr double slowest = 0.01;  // [m/s]: a hand that holds still may move on
@@ -53,14 +54,14 @@ class Direction final : public Policy {
       }
     }
     if (!(wait < std::numeric_limits<double>::infinity()))
-      wait = (at - view.hip.at).norm() / speed;  // no path so long
+      wait = (at - view.hip.at).norm() / speed;  // the path ends before T
     return {wait, when >= solve && nearest <= cell};
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> make_direction(const PolicyOptions&) {
+std::unique_ptr<Policy> make_direction(FactoryContext&) {
   return std::make_unique<Direction>();
 }
 

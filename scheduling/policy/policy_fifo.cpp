@@ -1,8 +1,10 @@
-// First come, first served: what the HIP or its predicted path came near first is solved first.
+// First come, first served: what the HIP came near first is solved first, 1 / (1 + time). What it never came near follows,
+// outward from rest.
 
 #include <cmath>
 
 #include "scheduling/policy/policies.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 namespace {
@@ -20,7 +22,7 @@ class Fifo final : public Policy {
 
 }  // namespace
 
-std::unique_ptr<Policy> make_fifo(const PolicyOptions&) {
+std::unique_ptr<Policy> make_fifo(FactoryContext&) {
   return std::make_unique<Fifo>();
 }
 

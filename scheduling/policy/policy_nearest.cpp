@@ -1,7 +1,7 @@
-// The nearest unknown lattice states around the HIP first (Filipovič, Peterlík, Matyska 2009):
-// (h / (h + |x - HIP|))^2.
+// The unknown state nearest to the HIP first (Filipovič, Peterlík, Matyska 2009): (h / (h + |x - HIP|))^2.
 
 #include "scheduling/policy/policies.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 namespace {
@@ -14,13 +14,13 @@ class Nearest final : public Policy {
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing;
     const double near = h / (h + (candidate.at - view.hip.at).norm());
-    return near * near;  // the square tells preemption what is far
+    return near * near;  // squared: preemption compares ratios, and what is far is to be worth little
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> make_nearest(const PolicyOptions&) {
+std::unique_ptr<Policy> make_nearest(FactoryContext&) {
   return std::make_unique<Nearest>();
 }
 

@@ -160,10 +160,10 @@ SessionSummary::Settings settings_of(const SessionOptions& options) {
   return {
       .clock = options.clock.kind,
       .workers = options.workers.count,
-      .policy = options.planning.policy,
+      .policy = to_text(options.planning.policy),
       .select = options.model.fit.select,
       .seed = options.seed,
-      .device = options.motion.replay ? "replay:" + options.motion.replay->string() : options.motion.device};
+      .device = options.motion.replay ? "replay:" + options.motion.replay->string() : to_text(options.motion.device)};
 }
 
 SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/trace.hpp"
 
 namespace forefeel {
 

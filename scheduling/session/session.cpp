@@ -216,9 +216,7 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
                           const std::function<void(const Vec3&)>& each_position) {
   const bool is_virtual = options.clock.kind == Clock::virtual_time;
   SessionPlan plan = make_plan(given, options);
-  if (options.planning.policy == "clairvoyant" && is_virtual && !options.planning.arrivals &&
-      !options.motion.replay)
-    return run_rehearsed(given, options, show, when_run, each_position);
+  if (is_rehearsed(plan)) return run_rehearsed(given, options, show, when_run, each_position);
   const std::shared_ptr<ReferenceService> shared =
       given.references ? given.references : own_references(given, options);
   ReferenceService& references = *shared;
@@ -226,11 +224,10 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
       std::ranges::none_of(given.known, [](const State& s) { return s.usable() && s.at.isZero(0); }))
     plan = with_known(std::move(plan), {references.get(Vec3::Zero())});
   SessionResult result;
-  if (!is_virtual && (options.workers.cost != WorkerOptions{}.cost || options.workers.latency > 0))
+  if (!is_virtual && (to_text(options.workers.cost) != to_text(CostSpec()) || options.workers.latency > 0))
     result.notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
-  std::unique_ptr<CostModel> cost;
-  if (is_virtual)
-    cost = make_cost(options.workers.cost, options.seed, [&] { return references.recorded_costs(); });
+  std::shared_ptr<const CostModel> cost = given.parts.cost;
+  if (is_virtual && !cost) cost = cost_model(plan, references);
   if (references.note()) result.notes.push_back(*references.note());
   if (references.damage() && !given.references) result.warnings.push_back(*references.damage());
   const auto start = std::chrono::steady_clock::now();
@@ -240,7 +237,7 @@ SessionResult run_session(const SessionInput& given, const SessionOptions& optio
   else
     run_real(plan, references, result, show);
   if (when_run) when_run(result);
-  note_stiffness(plan.device->limits(), options.motion.device, result);
+  note_stiffness(plan.device->limits(), to_text(options.motion.device), result);
   analysis.finish(result, show);
   note_no_cells(plan, result);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

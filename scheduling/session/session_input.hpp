@@ -8,6 +8,11 @@
 
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_file.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/policy.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/generator.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "solver/body/body.hpp"
 
@@ -28,10 +33,22 @@ struct SessionFiles {
   std::filesystem::path scene = {};                  // folder where relative trace files are looked up
 };
 
+// Parts given as objects. Each takes the place of the one that the options name. An object serves one session at a time;
+// predictor and workers serve one session only.
+struct SessionParts {
+  std::shared_ptr<Device> device = {};
+  std::shared_ptr<Policy> policy = {};
+  std::shared_ptr<Predictor> predictor = {};
+  std::shared_ptr<const CostModel> cost = {};            // virtual clock
+  std::shared_ptr<RealWorkers> workers = {};             // real clock
+  std::shared_ptr<VirtualWorkers> virtual_workers = {};  // virtual clock
+};
+
 struct SessionInput {
   TouchedBody touched = {};
   std::vector<State> known = {};  // at the start
   SessionFiles files = {};
+  SessionParts parts = {};
   // One service for many sessions of the same body, spacing and displacements, also at the same time, since a cache file
   // has one writer. Null: the session makes its own in files.cache.
   std::shared_ptr<ReferenceService> references = {};

@@ -9,6 +9,8 @@
 #include "approx/model/model_options.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/common/option_check.hpp"
+#include "scheduling/motion/trace.hpp"
+#include "scheduling/workers/cost.hpp"
 #include "solver/body/contact_stiffness.hpp"
 
 namespace forefeel {
@@ -43,7 +45,7 @@ void check_motion(const SessionPlan& plan) {
         plan.device->position(frame_time(k, plan.options.clock.frame), Vec3::Zero()).norm();
     if (!(distance <= most))
       throw InputError(
-          {.key = "device", .value = plan.options.motion.device},
+          {.key = "device", .value = to_text(plan.options.motion.device)},
           fmt::format("leads {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
                       distance, most));
   }
@@ -51,24 +53,52 @@ void check_motion(const SessionPlan& plan) {
 
 void take_replay(SessionPlan& plan) {
   Replay replay = read_replay(*plan.options.motion.replay, farthest(*plan.input.touched.body));
-  plan.device = make_trace_device(std::move(replay.motion.times), std::move(replay.motion.positions));
+  plan.device = make_trace_device(std::move(replay.motion));
   plan.arrivals = std::move(replay.arrivals);
   plan.replay_of_arrivals = replay.of_arrivals;
   plan.given_arrivals = true;
 }
 
+FactoryContext factory_context(const SessionPlan& plan) {
+  return {.box = plan.input.touched.space.box,
+          .inward = plan.input.touched.inward,
+          .seed = plan.options.seed,
+          .folder = plan.input.files.scene};
+}
+
 void take_device(SessionPlan& plan) {
   const TouchedBody& touched = plan.input.touched;
   const SessionOptions& options = plan.options;
-  if (options.motion.device.starts_with("path:") && !(touched.space.box.size().maxCoeff() > 0))
+  const bool of_path = std::holds_alternative<PathMotion>(options.motion.device.motion());
+  if (of_path && !plan.input.parts.device && !(touched.space.box.size().maxCoeff() > 0))
     throw InputError("state_space.box", "is a point, expected room for a path");
-  plan.device = make_device(options.motion.device, {.box = touched.space.box,
-                                                    .inward = touched.inward,
-                                                    .seed = options.seed,
-                                                    .folder = plan.input.files.scene});
+  plan.device = plan.input.parts.device ? plan.input.parts.device
+                                        : make_device(options.motion.device, factory_context(plan));
   if (!options.planning.arrivals) return;
   plan.arrivals = read_arrivals(*options.planning.arrivals, farthest(*touched.body));
   plan.given_arrivals = true;
+}
+
+std::shared_ptr<Policy> policy_of(const SessionPlan& plan) {
+  if (plan.input.parts.policy) return plan.input.parts.policy;
+  return make_policy(plan.options.planning.policy, factory_context(plan));
+}
+
+std::shared_ptr<Predictor> predictor_of(const SessionPlan& plan) {
+  if (plan.input.parts.predictor) return plan.input.parts.predictor;
+  return make_predictor(plan.options.motion.predictor, factory_context(plan));
+}
+
+// Registered parts that are made later: what is wrong with them is said now.
+void check_registered(const SessionPlan& plan) {
+  const WorkerOptions& workers = plan.options.workers;
+  const SessionParts& parts = plan.input.parts;
+  const bool is_virtual = plan.options.clock.kind == Clock::virtual_time;
+  predictor_of(plan);
+  if (is_virtual && !parts.cost && std::holds_alternative<Registered>(workers.cost.cost()))
+    make_cost(workers.cost, factory_context(plan), {});
+  if (is_virtual ? !parts.virtual_workers : !parts.workers && !workers.mpi)
+    check_workers(workers.kind, is_virtual);
 }
 
 // What depends on the states that are known.
@@ -84,19 +114,41 @@ void choose_model(SessionPlan& plan) {
 }
 
 void take_future(SessionPlan& plan) {
-  const std::string& policy = plan.options.planning.policy;
-  if (!knows_the_future(policy)) return;
+  const std::shared_ptr<Policy> policy = policy_of(plan);
+  if (!policy->reads_future()) return;
   if (plan.device->answers_force())
     throw InputError(
         "session.policy",
-        fmt::format("'{}' knows the motion beforehand, but that of device {} depends on the force; "
-                    "expected path:NAME or trace:FILE",
-                    policy, plan.options.motion.device));
+        fmt::format(
+            "'{}' knows the motion beforehand, but that of device {} depends on the force; "
+            "expected path:NAME or trace:FILE",
+            plan.input.parts.policy ? std::string(policy->name()) : to_text(plan.options.planning.policy),
+            to_text(plan.options.motion.device)));
   for (std::size_t k = 0; k < plan.frames; ++k)
     plan.motion.push_back(plan.device->position(frame_time(k, plan.options.clock.frame), Vec3::Zero()));
 }
 
+// A rehearsed session is run several times with the same parts.
+void check_reusable(const SessionParts& parts) {
+  if (parts.predictor || parts.virtual_workers)
+    throw InputError(
+        "session.policy",
+        "'clairvoyant' rehearses the session several times, but a predictor or workers given as an "
+        "object serve one session; register it under a name");
+}
+
 }  // namespace
+
+bool is_rehearsed(const SessionPlan& plan) {
+  const SessionOptions& options = plan.options;
+  return options.planning.policy.name == "clairvoyant" && !plan.input.parts.policy &&
+         options.clock.kind == Clock::virtual_time && !options.planning.arrivals && !options.motion.replay;
+}
+
+std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references) {
+  return make_cost(plan.options.workers.cost, factory_context(plan),
+                   [&] { return references.recorded_costs(); });
+}
 
 SessionPlan make_plan(SessionInput input, SessionOptions options) {
   detail::expect_option(input.touched.body != nullptr, "body", "there is none, expected a body to touch");
@@ -116,6 +168,8 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   plan.render = {.switching = chosen.switching, .safety = chosen.safety, .frame = chosen.clock.frame};
   plan.render.safety.force_limit = std::min(chosen.safety.force_limit, plan.device->limits().force);
   take_future(plan);
+  check_registered(plan);
+  if (is_rehearsed(plan)) check_reusable(plan.input.parts);
   return plan;
 }
 
@@ -131,8 +185,8 @@ PlannerSetup planner_setup(const SessionPlan& plan) {
   return {.space = plan.input.touched.space,
           .known = plan.input.known,
           .nodes = plan.input.touched.body->mesh.nodes.size(),
-          .policy = make_policy(options.planning.policy, {.seed = options.seed}),
-          .predictor = make_predictor(options.motion.predictor),
+          .policy = policy_of(plan),
+          .predictor = predictor_of(plan),
           .placement = options.planning.placement,
           .batch = plan.batch,
           .preempt = options.planning.preempt,

@@ -37,6 +37,12 @@ SessionPlan make_plan(SessionInput input, SessionOptions options);
 // The same session with these states known at the start besides those of the plan.
 SessionPlan with_known(SessionPlan plan, std::vector<State> known);
 
+// Whether several schedules are tried before the session itself is run: policy clairvoyant under the virtual clock.
+bool is_rehearsed(const SessionPlan& plan);
+
+// What simulated workers charge; measures the body where the cost is RecordedCost.
+std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references);
+
 // What the plan's parts take.
 PlannerSetup planner_setup(const SessionPlan& plan);
 JudgeSetup judge_setup(const SessionPlan& plan);

@@ -16,7 +16,6 @@
 
 #include "scheduling/session/session_parts.hpp"
 #include "scheduling/workers/mpi_workers.hpp"
-#include "scheduling/workers/worker_threads.hpp"
 
 namespace forefeel {
 namespace {
@@ -145,12 +144,23 @@ struct PlannerRun {
   }
 };
 
+std::shared_ptr<RealWorkers> workers_of(const SessionPlan& plan) {
+  const TouchedBody& touched = plan.input.touched;
+  const WorkerOptions& options = plan.options.workers;
+  if (plan.input.parts.workers) return plan.input.parts.workers;
+  if (options.mpi) return options.mpi->workers();
+  return make_real_workers(options.kind, {.body = touched.body,
+                                          .solving = {.spacing = touched.space.spacing,
+                                                      .tolerance = 1e-6,
+                                                      .displacements = touched.displacements},
+                                          .count = options.count});
+}
+
 }  // namespace
 
 void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
               const ShowProgress& show) {
   const SessionOptions& options = plan.options;
-  const TouchedBody& touched = plan.input.touched;
   std::vector<State> arriving = solve_arrivals(plan, references, show);
   const std::unique_ptr<StateWriter> writer = open_state_file(plan.input);
 
@@ -159,13 +169,9 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   const LockedMemory locked(result);
   const Nanoseconds start = monotonic() + 20000000;  // threads are up by then
   const auto session_time = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
-  WorkerThreads threads(
-      touched.body,
-      {.spacing = touched.space.spacing, .tolerance = 1e-6, .displacements = touched.displacements},
-      session_time);
-  const std::unique_ptr<RealWorkers> ranks =
-      options.workers.mpi ? options.workers.mpi->workers(session_time) : nullptr;
-  RealWorkers& workers = ranks ? *ranks : threads;
+  const std::shared_ptr<RealWorkers> given = workers_of(plan);
+  RealWorkers& workers = *given;
+  workers.begin(session_time);
   Planner planner(planner_setup(plan), workers, link, hooks_of(plan, nullptr, writer.get()));
   PlannerRun run{plan, planner, workers, link, std::move(arriving), start, show};
   LoopEnd end;
@@ -180,11 +186,12 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
     }
     workers.stop();
   });
-  const int team = plan.given_arrivals || ranks ? 1 : options.workers.count;
+  const bool serving = !plan.given_arrivals && workers.serves();
+  const int team = serving ? options.workers.count : 1;
   omp_set_dynamic(0);
 #pragma omp parallel num_threads(team)
   {
-    if (!plan.given_arrivals && !ranks) threads.serve();
+    if (serving) workers.serve();
   }
   planner_thread.join();
   loop_thread.join();
@@ -198,8 +205,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   result.solver.workers = plan.given_arrivals ? 0 : workers.workers();
   result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
-  if (!plan.given_arrivals && result.frames.size() == plan.frames &&
-      workers.workers() < options.workers.count)
+  if (serving && result.frames.size() == plan.frames && workers.workers() < options.workers.count)
     result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
                                        workers.workers(), options.workers.count));
 }

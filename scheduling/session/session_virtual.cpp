@@ -1,13 +1,10 @@
-// Virtual clock: a discrete-event simulation of the planner and loop. Time is integer nanoseconds; events are in a
-// total order (time, kind, sequence): results first, then planning, then the frame of that instant. State values are
-// the reference branch's, solved on real threads from the moment they are dispatched: how long that takes changes
-// nothing but the wait.
+// Virtual clock: a discrete-event simulation of the planner and loop. Time is in whole nanoseconds. Events have a total
+// order (time, kind, sequence): the workers' results first, then arrivals, then planning, then the frame of that instant.
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <queue>
@@ -35,7 +32,7 @@ struct Event {
   Nanoseconds t = 0;
   Kind kind = Kind::frame;
   std::uint64_t sequence = 0;
-  std::uint64_t payload = 0;  // worker, arrival or frame
+  std::uint64_t payload = 0;  // arrival or frame
 
   friend bool operator>(const Event& a, const Event& b) {
     return std::tie(a.t, a.kind, a.sequence) > std::tie(b.t, b.kind, b.sequence);
@@ -46,6 +43,7 @@ class EventQueue {
  public:
   void push(Nanoseconds t, Kind kind, std::uint64_t payload) { queue_.push({t, kind, sequence_++, payload}); }
   bool empty() const { return queue_.empty(); }
+  Nanoseconds next() const { return queue_.top().t; }
   Event pop() {
     const Event event = queue_.top();
     queue_.pop();
@@ -55,99 +53,6 @@ class EventQueue {
  private:
   std::priority_queue<Event, std::vector<Event>, std::greater<>> queue_;
   std::uint64_t sequence_ = 0;
-};
-
-// Simulated workers: a job reaches them a message later, each of its states takes what the cost model says (a neighbour
-// of the first its share of that), and its result comes a message after. A cancellation that arrives in time gives the
-// worker back two messages after it was sent; the work done on a state until then is not done again.
-class SimulatedWorkers final : public Generator {
- public:
-  SimulatedWorkers(int workers, const SessionOptions& options, const CostModel& cost,
-                   ReferenceService& references, EventQueue& events)
-      : cost_(cost),
-        rest_first_(options.planning.rest_first),
-        share_(options.workers.batch_share),
-        latency_(ns(options.workers.latency)),
-        references_(references),
-        events_(events),
-        running_(static_cast<std::size_t>(workers)) {}
-
-  void set_now(Nanoseconds now) { now_ = now; }
-  int workers() const override { return static_cast<int>(running_.size()); }
-
-  void dispatch(int worker, Job job) override {
-    std::vector<Solve>& solves = running_[static_cast<std::size_t>(worker)];
-    solves.clear();
-    Nanoseconds begin = add(solves, worker, job.dispatch, job.at, 1, now_ + latency_);
-    for (const Job::Neighbour& neighbour : job.beside)
-      begin = add(solves, worker, neighbour.dispatch, neighbour.at, share_, begin);
-  }
-
-  void cancel(int worker) override {
-    const Nanoseconds arrives = now_ + latency_;
-    bool any = false;
-    for (Solve& solve : running_[static_cast<std::size_t>(worker)]) {
-      if (solve.returned || arrives >= solve.finished) continue;  // solved before the message arrives
-      if (arrives > solve.started) done_[solve.at] += arrives - solve.started;
-      solve.cancelled = any = true;
-      solve.started = std::min(solve.started, arrives);
-      solve.finished = arrives;
-      solve.due = arrives + latency_;
-    }
-    if (any) events_.push(arrives + latency_, Kind::result, static_cast<std::uint64_t>(worker));
-  }
-
-  // What is due at this event: nothing for states that were cancelled since.
-  void take(const Event& event, std::vector<JobResult>& results) {
-    results.clear();
-    for (Solve& solve : running_[event.payload]) {
-      if (solve.returned || solve.due != event.t) continue;
-      solve.returned = true;
-      JobResult& result = results.emplace_back();
-      result.dispatch = solve.dispatch;
-      result.worker = static_cast<int>(event.payload);
-      result.started = seconds(solve.started);
-      result.finished = seconds(solve.finished);
-      if (solve.cancelled)
-        result.state.status = SolveStatus::cancelled;
-      else
-        result.state = references_.get(solve.at);
-    }
-  }
-
- private:
-  struct Solve {
-    std::uint32_t dispatch = 0;
-    Vec3 at = Vec3::Zero();
-    Nanoseconds started = 0, finished = 0, due = 0;
-    bool cancelled = false, returned = false;
-  };
-  struct ByPlace {
-    bool operator()(const Vec3& a, const Vec3& b) const {
-      return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
-    }
-  };
-
-  Nanoseconds add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at,
-                  double share, Nanoseconds begin) {
-    Nanoseconds cost = ns(share * (rest_first_ && at.isZero(0) ? cost_.rest_seconds() : cost_.seconds(at)));
-    if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
-    const Nanoseconds end = begin + std::max<Nanoseconds>(1, cost);
-    solves.push_back(
-        {.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
-    references_.request(at);
-    events_.push(end + latency_, Kind::result, static_cast<std::uint64_t>(worker));
-    return end;
-  }
-
-  const CostModel& cost_;
-  bool rest_first_;
-  double share_;
-  Nanoseconds latency_, now_ = 0;
-  ReferenceService& references_;
-  EventQueue& events_;
-  std::vector<std::vector<Solve>> running_;
-  std::map<Vec3, Nanoseconds, ByPlace> done_;  // on states whose solve was broken off
 };
 
 // Models and rendering beside the planner, which does not depend on them where the motion does not depend on the force: they
@@ -191,6 +96,18 @@ class RenderAside {
   std::atomic<Label> label_{Label::blank};
 };
 
+std::shared_ptr<VirtualWorkers> workers_of(const SessionPlan& plan, const CostModel& cost,
+                                           ReferenceService& references) {
+  const WorkerOptions& options = plan.options.workers;
+  if (plan.input.parts.virtual_workers && !plan.given_arrivals) return plan.input.parts.virtual_workers;
+  return make_virtual_workers(options.kind, {.references = references,
+                                             .cost = cost,
+                                             .count = plan.given_arrivals ? 0 : options.count,
+                                             .rest_first = plan.options.planning.rest_first,
+                                             .batch_share = options.batch_share,
+                                             .latency = options.latency});
+}
+
 }  // namespace
 
 void run_virtual(const SessionPlan& plan, const CostModel& cost, ReferenceService& references,
@@ -199,8 +116,8 @@ void run_virtual(const SessionPlan& plan, const CostModel& cost, ReferenceServic
   EventQueue events;
   std::vector<JobResult> results;
   LoopLink link;
-  SimulatedWorkers workers(plan.given_arrivals ? 0 : options.workers.count, options, cost, references,
-                           events);
+  const std::shared_ptr<VirtualWorkers> given = workers_of(plan, cost, references);
+  VirtualWorkers& workers = *given;
   const std::unique_ptr<StateWriter> writer = open_state_file(plan.input);
   Planner planner(planner_setup(plan), workers, link, hooks_of(plan, &cost, writer.get()));
   // Either the one or the other renders.
@@ -221,12 +138,15 @@ void run_virtual(const SessionPlan& plan, const CostModel& cost, ReferenceServic
     events.push(ns(plan.arrivals[i].t), Kind::arrival, i);
   }
   events.push(0, Kind::frame, 0);
-  while (!events.empty()) {
-    const Event event = events.pop();
+  for (;;) {
+    const std::optional<VirtualWorkers::Time> due = workers.next_event();
+    if (!due && events.empty()) break;
+    const bool of_workers = due && (events.empty() || due->count() <= events.next());
+    const Event event = of_workers ? Event{.t = due->count(), .kind = Kind::result} : events.pop();
     const double now = seconds(event.t);
-    workers.set_now(event.t);
+    workers.set_now(VirtualWorkers::Time(event.t));
     if (event.kind == Kind::result) {
-      workers.take(event, results);
+      workers.take_event(results);
       for (JobResult& done : results) planner.receive(std::move(done), now);
       if (!results.empty()) events.push(event.t, Kind::plan, 0);
     } else if (event.kind == Kind::arrival) {

@@ -92,7 +92,7 @@ StudyCellResult cell_result(const SessionResult& result, const SessionInput& inp
   add_parts(result, row);
   row.set("error.first_visit.within_7", column_value(first_visits_within(result, options.switching, 0.07)));
   add_solver_time(result, options.clock.seconds, row);
-  row.set("cost", options.workers.cost);
+  row.set("cost", to_text(options.workers.cost));
   return row;
 }
 

@@ -48,7 +48,7 @@ ExactRendering rendering_at(double speed, double t0, const SustainedOptions& sou
 SpeedBound speed_bound(const SustainedOptions& sought, const StudyCell& cell, const SessionInput& input,
                        ReferenceService& references, bool first_guess) {
   const auto cost =
-      make_cost(cell.options.workers.cost, cell.seed, [&] { return references.recorded_costs(); });
+      make_cost(cell.options.workers.cost, {.seed = cell.seed}, [&] { return references.recorded_costs(); });
   const double t0 = first_possible(*cost, input.touched.space, cell.options.workers.latency, true);
   const StateSpace nothing(input.touched.space);
   SessionModel model(nothing,

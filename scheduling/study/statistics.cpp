@@ -39,7 +39,8 @@ class Draws {
  public:
   explicit Draws(std::uint64_t seed) : seed_(seed) {}
   std::size_t below(std::size_t n) {
-    const auto drawn = static_cast<std::size_t>(uniform(mix(seed_, counter_++)) * static_cast<double>(n));
+    const auto drawn =
+        static_cast<std::size_t>(random::uniform(random::mix(seed_, counter_++)) * static_cast<double>(n));
     return std::min(drawn, n - 1);
   }
 

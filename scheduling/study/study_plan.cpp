@@ -49,9 +49,9 @@ void set_cost(const Study& study, const SessionInput& input, StudyCell& cell) {
   if (demand <= 0)
     throw InputError("study.target_load",
                      fmt::format("device '{}' needs no state of the box, expected a motion through it",
-                                 cell.options.motion.device));
+                                 to_text(cell.options.motion.device)));
   cell.options.workers.cost = cost_for_load(*load, cell.options, demand);
-  if (!cell.options.motion.device.starts_with("hand:")) return;
+  if (!std::holds_alternative<HandMotion>(cell.options.motion.device.motion())) return;
   cell.load_to_find = *load;
   cell.free_demand = demand;
 }
@@ -85,7 +85,7 @@ double states_needed_per_second(const SessionInput& input, const SessionOptions&
   return static_cast<double>(needed.count()) / options.clock.seconds;
 }
 
-std::string cost_for_load(double load, const SessionOptions& options, double demand) {
+CostSpec cost_for_load(double load, const SessionOptions& options, double demand) {
   const double sigma =
       std::log(10.0) / (2 * 1.959964);  // 95 % within a factor of ten, as the paper's 0.1 to 1 s
   const double batch = std::max(options.planning.batch, 1);
@@ -102,15 +102,20 @@ std::string cost_for_load(double load, const SessionOptions& options, double dem
         "study.target_load",
         fmt::format("holds {}, for which a solve takes {:.3g} s; expected a load of at most {:.3g}", load,
                     mean, load * 1e6 / mean));
-  return fmt::format("lognormal:{},{}", mean * std::exp(-0.5 * sigma * sigma), sigma);
+  return LogNormalCost{.median = mean * std::exp(-0.5 * sigma * sigma), .sigma = sigma};
 }
 
-std::string device_at_speed(const std::string& device, double speed, const std::string& where) {
-  if (!device.starts_with("path:"))
-    throw InputError(where, fmt::format("device '{}' has no speed to set, expected path:NAME", device));
-  if (device.find("speed=") != std::string::npos)
-    throw InputError(where, fmt::format("device '{}' names its speed already, expected it once", device));
-  return fmt::format("{},speed={}", device, speed);
+DeviceSpec device_at_speed(const DeviceSpec& device, double speed, const std::string& where) {
+  const PathMotion* path = std::get_if<PathMotion>(&device.motion());
+  if (!path)
+    throw InputError(where,
+                     fmt::format("device '{}' has no speed to set, expected path:NAME", to_text(device)));
+  if (path->speed)
+    throw InputError(where,
+                     fmt::format("device '{}' names its speed already, expected it once", to_text(device)));
+  PathMotion faster = *path;
+  faster.speed = speed;
+  return {faster, fmt::format("{},speed={}", to_text(device), speed)};
 }
 
 }  // namespace forefeel

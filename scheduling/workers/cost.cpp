@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "geometry/common/error.hpp"
+#include "scheduling/common/registry.hpp"
 #include "scheduling/motion/random.hpp"
 
 namespace forefeel {
 
 namespace {
-constexpr double iterations = 4;  // of a state (cost.hpp)
+constexpr double iterations = 4;  // that a state takes; see cost.hpp
 }  // namespace
 
 double CostModel::rest_seconds() const {
@@ -21,21 +21,23 @@ double CostModel::rest_seconds() const {
 
 namespace {
 
-class ConstantCost final : public CostModel {
+class ConstantModel final : public CostModel {
  public:
-  explicit ConstantCost(double seconds) : seconds_(seconds) {}
+  explicit ConstantModel(double seconds) : seconds_(seconds) {}
   double seconds(const Vec3&) const override { return seconds_; }
 
  private:
   double seconds_;
 };
 
-class LogNormalCost final : public CostModel {
+class LogNormalModel final : public CostModel {
  public:
-  LogNormalCost(double median, double sigma, double low, double high, std::uint64_t seed)
+  LogNormalModel(double median, double sigma, double low, double high, std::uint64_t seed)
       : median_(median), sigma_(sigma), low_(low), high_(high), seed_(seed) {}
   double seconds(const Vec3& at) const override {
-    return std::clamp(median_ * std::exp(sigma_ * normal(mix(seed_, position_key(at)))), low_, high_);
+    return std::clamp(
+        median_ * std::exp(sigma_ * random::normal(random::mix(seed_, random::position_key(at)))), low_,
+        high_);
   }
 
  private:
@@ -43,15 +45,16 @@ class LogNormalCost final : public CostModel {
   std::uint64_t seed_;
 };
 
-class RecordedCost final : public CostModel {
+class RecordedModel final : public CostModel {
  public:
-  RecordedCost(RecordedCosts measured, std::uint64_t seed)
+  RecordedModel(RecordedCosts measured, std::uint64_t seed)
       : measured_(std::move(measured.solves)), rest_(measured.rest), seed_(seed) {
     std::sort(measured_.begin(), measured_.end());
   }
-  // Inverse of the empirical distribution, linear between the measured times.
+  // The inverse of the empirical distribution at a random number, linear between the measured times.
   double seconds(const Vec3& at) const override {
-    const double place = uniform(mix(seed_, position_key(at))) * static_cast<double>(measured_.size() - 1);
+    const double place = random::uniform(random::mix(seed_, random::position_key(at))) *
+                         static_cast<double>(measured_.size() - 1);
     const std::size_t i = std::min(static_cast<std::size_t>(place), measured_.size() - 1);
     const std::size_t next = std::min(i + 1, measured_.size() - 1);
     const double w = place - static_cast<double>(i);
@@ -65,51 +68,64 @@ class RecordedCost final : public CostModel {
   std::uint64_t seed_;
 };
 
-double number(const std::string& spec, std::string_view text, double low, bool open) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low ||
-      value > 1e6 || (open && value == low))
-    throw InputError({.key = "cost", .value = spec}, fmt::format("'{}' is not a number {} {} and at most 1e6",
-                                                                 text, open ? "above" : "of at least", low));
-  return value;
+Registry<CostFactory>& registry() {
+  static Registry<CostFactory> costs("cost", {});
+  return costs;
 }
 
-std::unique_ptr<CostModel> parse(const std::string& spec, std::uint64_t seed) {
-  const std::size_t colon = spec.find(':');
-  const std::string kind = spec.substr(0, colon),
-                    arguments = colon == std::string::npos ? "" : spec.substr(colon + 1);
-  if (kind == "constant") return std::make_unique<ConstantCost>(number(spec, arguments, 0, true));
-  if (kind == "lognormal") {
-    const std::size_t comma = arguments.find(',');
-    if (comma == std::string::npos)
-      throw InputError({.key = "cost", .value = spec}, "expected lognormal:MEDIAN,SIGMA");
-    const double median = number(spec, std::string_view(arguments).substr(0, comma), 0, true);
-    const double sigma = number(spec, std::string_view(arguments).substr(comma + 1), 0, false);
-    return std::make_unique<LogNormalCost>(median, sigma, 1e-9, 1e6, seed);
+struct Maker {
+  const FactoryContext& context;
+  const std::function<RecordedCosts()>& recorded;
+
+  std::unique_ptr<CostModel> operator()(const ConstantCost& cost) const {
+    return std::make_unique<ConstantModel>(cost.seconds);
   }
-  if (spec == "paper") {
+  std::unique_ptr<CostModel> operator()(const LogNormalCost& cost) const {
+    return std::make_unique<LogNormalModel>(cost.median, cost.sigma, 1e-9, 1e6, context.seed);
+  }
+  std::unique_ptr<CostModel> operator()(PaperCost) const {
     const double sigma = std::log(10.0) / (2 * 1.959964);
-    return std::make_unique<LogNormalCost>(std::sqrt(0.1), sigma, 0.1, 1.0, seed);
+    return std::make_unique<LogNormalModel>(std::sqrt(0.1), sigma, 0.1, 1.0, context.seed);
   }
-  if (spec == "recorded") return nullptr;
-  throw InputError({.key = "cost", .value = spec},
-                   "unknown model, expected constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded or paper");
-}
+  std::unique_ptr<CostModel> operator()(RecordedCost) const {
+    RecordedCosts measured = recorded();
+    if (measured.solves.empty())
+      throw InputError({.key = "cost", .value = "recorded"}, "no solve of this body could be measured");
+    return std::make_unique<RecordedModel>(std::move(measured), context.seed);
+  }
+  std::unique_ptr<CostModel> operator()(const Registered& cost) const {
+    const auto factory = registry().find(cost.name);
+    if (!factory)
+      throw InputError({.key = "cost", .value = to_text(cost)},
+                       fmt::format("unknown model, expected {}", cost_kinds()));
+    return make_registered(*factory, "cost", cost, context);
+  }
+};
 
 }  // namespace
 
-std::unique_ptr<CostModel> make_cost(const std::string& spec, std::uint64_t seed,
-                                     const std::function<RecordedCosts()>& recorded) {
-  if (auto model = parse(spec, seed)) return model;
-  RecordedCosts measured = recorded();
-  if (measured.solves.empty())
-    throw InputError({.key = "cost", .value = "recorded"}, "no solve of this body could be measured");
-  return std::make_unique<RecordedCost>(std::move(measured), seed);
+void register_cost(const std::string& name, CostFactory factory) {
+  for (const char* built_in : {"constant", "lognormal", "paper", "recorded"})
+    if (name == built_in)
+      throw InputError("register cost", fmt::format("'{}' is built in, expected another name", name));
+  registry().add(name, std::move(factory));
 }
 
-void check_cost(const std::string& spec) {
-  parse(spec, 0);
+std::vector<std::string> registered_costs() {
+  return registry().names();
+}
+
+std::string cost_kinds() {
+  const std::vector<std::string> more = registered_costs();
+  if (more.empty()) return "constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded or paper";
+  return fmt::format("constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded, paper or one of {}",
+                     fmt::join(more, ", "));
+}
+
+std::unique_ptr<CostModel> make_cost(const CostSpec& cost, const FactoryContext& context,
+                                     const std::function<RecordedCosts()>& recorded) {
+  check(cost);
+  return std::visit(Maker{context, recorded}, cost.cost());
 }
 
 }  // namespace forefeel

@@ -23,7 +23,7 @@ bool MpiGroup::told_to_stop(double) {
 void MpiGroup::abort(int exit_code) {
   std::exit(exit_code);
 }
-std::unique_ptr<RealWorkers> MpiGroup::workers(std::function<double()>) {
+std::unique_ptr<RealWorkers> MpiGroup::workers() {
   return nullptr;
 }
 
@@ -49,7 +49,7 @@ namespace mpi = boost::mpi;
 enum Tag : int { tag_job = 1, tag_cancel, tag_stop, tag_result, tag_failure, tag_left };
 constexpr auto pause = std::chrono::microseconds(200);
 
-// Everything travels as numbers: integers are exact in a double up to 2^53.
+// Every message is a list of doubles; integers are exact in them up to 2^53.
 class Packer {
  public:
   void add(double value) { numbers_.push_back(value); }
@@ -187,7 +187,7 @@ struct MpiGroup::Impl {
   mpi::communicator world;
   bool stopped = false;
 
-  // Rank 0: after this no rank sends any more. What they still had to tell goes to `results`.
+  // Rank 0: returns when no rank sends any more. Results that came until then go to `results`.
   void stop(std::vector<JobResult>* results, double now) {
     if (stopped) return;
     stopped = true;
@@ -205,13 +205,13 @@ struct MpiGroup::Impl {
 
 namespace {
 
-// Rank 0's view of the others: worker w is rank w + 1.
+// The other ranks, seen from rank 0: worker w is rank w + 1.
 class MpiWorkers final : public RealWorkers {
  public:
-  MpiWorkers(mpi::communicator& world, std::function<void(std::vector<JobResult>*, double)> stop_all,
-             std::function<double()> now)
-      : world_(world), stop_all_(std::move(stop_all)), now_(std::move(now)) {}
+  MpiWorkers(mpi::communicator& world, std::function<void(std::vector<JobResult>*, double)> stop_all)
+      : world_(world), stop_all_(std::move(stop_all)) {}
 
+  void begin(std::function<double()> now) override { now_ = std::move(now); }
   int workers() const override { return world_.size() - 1; }
   void dispatch(int worker, Job job) override { send(world_, worker + 1, tag_job, packed(job)); }
   void cancel(int worker) override { send(world_, worker + 1, tag_cancel, Packer()); }
@@ -339,10 +339,9 @@ void MpiGroup::abort(int exit_code) {
   std::abort();
 }
 
-std::unique_ptr<RealWorkers> MpiGroup::workers(std::function<double()> now) {
+std::unique_ptr<RealWorkers> MpiGroup::workers() {
   return std::make_unique<MpiWorkers>(
-      impl_->world, [this](std::vector<JobResult>* results, double at) { impl_->stop(results, at); },
-      std::move(now));
+      impl_->world, [this](std::vector<JobResult>* results, double at) { impl_->stop(results, at); });
 }
 
 }  // namespace forefeel

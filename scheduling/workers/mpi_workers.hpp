@@ -1,10 +1,10 @@
 #pragma once
-// Workers in other processes, on this machine or others: `mpirun -n 5 forefeel session --mpi …` plans and renders in rank 0
-// and solves in ranks 1 to 4, one state (or one batch of neighbours) at a time in each. Real clock only.
+// Workers in other processes, on this machine or others. `mpirun -n 5 forefeel session --mpi …` plans and renders in rank 0
+// and solves in ranks 1 to 4, one job at a time in each. Real clock only. Messages:
 //   rank 0 -> r   job (positions, the solution to start from) · cancel · stop
 //   r -> rank 0   a result for each state · failure (text) · left, the last message
-// A rank polls for messages while a thread of its own solves, so that a cancellation is seen between iterations. Builds
-// without Boost.MPI have none of it: built() is false.
+// A rank polls for messages while a thread of its own solves, so that a cancellation is seen between two iterations. In a
+// build without Boost.MPI built() is false, and nothing else may be called.
 
 #include <memory>
 
@@ -13,7 +13,7 @@
 
 namespace forefeel {
 
-// The process's membership; one at a time. In rank 0 its end tells the other ranks to stop.
+// This process as a rank of the MPI run; one object at a time. In rank 0 its destructor tells the other ranks to stop.
 class MpiGroup {
  public:
   static bool built();
@@ -24,13 +24,13 @@ class MpiGroup {
 
   int rank() const;
   int ranks() const;
-  // Ranks above 0: solves what rank 0 sends until it says stop.
+  // Ranks above 0: solves what rank 0 sends, returns when rank 0 says stop.
   void serve(const std::shared_ptr<const Body>& body, const StateSolverOptions& options);
-  // Ranks above 0, instead of serve(): whether rank 0 says stop within that time [s].
+  // Ranks above 0, instead of serve(): waits so long for a stop from rank 0 [s]; whether it came.
   bool told_to_stop(double seconds);
   [[noreturn]] void abort(int exit_code);
-  // Rank 0. now: session time [s]. Its calls of MPI come from whichever one thread uses it.
-  std::unique_ptr<RealWorkers> workers(std::function<double()> now);
+  // Rank 0: the other ranks as workers. The group must outlive them. One thread at a time may use them.
+  std::unique_ptr<RealWorkers> workers();
 
  private:
   struct Impl;

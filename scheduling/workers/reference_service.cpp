@@ -19,8 +19,9 @@ namespace {
 std::string cache_name(const BodyIdentity& identity, double spacing, bool displacements) {
   std::uint64_t low = 1, high = 2;
   const auto take = [&](const std::string& text) {
-    for (const char c : text) low = mix(low, static_cast<unsigned char>(c)), high = mix(high, low);
-    low = mix(low, 0x100);
+    for (const char c : text)
+      low = random::mix(low, static_cast<unsigned char>(c)), high = random::mix(high, low);
+    low = random::mix(low, 0x100);
   };
   for (const auto& [name, hash] : identity) take(name), take(hash);
   take(fmt::format("{}", spacing));
@@ -31,7 +32,7 @@ std::string cache_name(const BodyIdentity& identity, double spacing, bool displa
 }  // namespace
 
 std::size_t ReferenceService::Hash::operator()(const Key& key) const {
-  return mix(mix(key.bits[0], key.bits[1]), key.bits[2]);
+  return random::mix(random::mix(key.bits[0], key.bits[1]), key.bits[2]);
 }
 
 ReferenceService::Key ReferenceService::key(const Vec3& x) {
@@ -52,7 +53,7 @@ ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
   const std::string name = cache_name(options.identity, options.spacing, options.displacements);
   costs_file_ = options.cache_folder / (name + ".costs.csv");
   rest_cost_file_ = options.cache_folder / (name + ".rest-cost.csv");
-  if (linear_) return;  // three solves are cheaper than a file
+  if (linear_) return;  // three solves cost less than a file
   const auto take = [&](const StateFile& file) {
     for (State& state : file.read_all()) {
       const Key place = key(state.at);
@@ -74,7 +75,7 @@ ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
   } catch (const std::exception& problem) {
     entries_.clear();
     note_ = fmt::format("no cache of reference solves: {}", problem.what());
-    try {  // another run writes it: what it holds serves this one too
+    try {  // another run writes it; its states serve this run too
       const StateFile cache = StateFile::open_read_only(file);
       if (cache.header().identity != options.identity) return;
       take(cache);
@@ -116,9 +117,9 @@ State ReferenceService::get(const Vec3& x) {
 std::optional<State> ReferenceService::get_until(const Vec3& x, std::chrono::steady_clock::time_point end) {
   request(x);
   std::unique_lock lock(mutex_);
-  const Entry& entry = entries_.at(key(x));  // references into the map stay valid
+  const Entry& entry = entries_.at(key(x));  // stays valid while the map grows
   if (!entry.ready) {
-    // What is waited for goes first.
+    // A state that somebody waits for is moved to the front of the queue.
     const Key wanted = key(x);
     const auto found =
         std::find_if(queue_.begin(), queue_.end(), [&](const Vec3& q) { return key(q) == wanted; });
@@ -159,7 +160,7 @@ void ReferenceService::work(std::stop_token stop) {
       SolveOutcome outcome = solver.reference(x);
       outcome.state.at = x;
       outcome.state.parent = Vec3::Zero();
-      outcome.state.force.array() += 0.0;  // -0 does not survive the cache
+      outcome.state.force.array() += 0.0;  // the cache does not keep -0
       outcome.state.stiffness.array() += 0.0;
       lock.lock();
       if (writer_) writer_->push(outcome.state);
@@ -176,7 +177,7 @@ void ReferenceService::work(std::stop_token stop) {
   }
 }
 
-// Measured once however many ask at the same time: all of them get the same list.
+// The lock is held while measuring: callers at the same time get the same list.
 RecordedCosts ReferenceService::recorded_costs() {
   const std::lock_guard lock(costs_mutex_);
   if (!costs_.solves.empty()) return costs_;
@@ -192,7 +193,8 @@ std::vector<double> ReferenceService::measured_costs() {
   StateSolver solver(body_, linear_, solver_options_);
   std::vector<double> seconds;
   for (std::uint64_t i = 0; i < samples; ++i) {
-    const Vec3 share(uniform(mix(11, 3 * i)), uniform(mix(11, 3 * i + 1)), uniform(mix(11, 3 * i + 2)));
+    const Vec3 share(random::uniform(random::mix(11, 3 * i)), random::uniform(random::mix(11, 3 * i + 1)),
+                     random::uniform(random::mix(11, 3 * i + 2)));
     const Vec3 x = box_.low + share.cwiseProduct(box_.size());
     const double length = std::max(x.norm(), 1e-12);
     const Vec3 parent = x * std::max(0.0, 1 - solver_options_.spacing / length);  // a spacing nearer to rest
@@ -205,7 +207,7 @@ std::vector<double> ReferenceService::measured_costs() {
   return seconds;
 }
 
-// Between solves elsewhere, as in a session; the first one, which lays out the factor, is not counted.
+// Between solves at other positions, as in a session. The first solve, which lays out the factor, is not counted.
 std::vector<double> ReferenceService::measured_rest_costs() {
   constexpr int samples = 15;
   StateSolver solver(body_, linear_, solver_options_);
@@ -225,7 +227,7 @@ std::vector<double> ReferenceService::kept(const std::filesystem::path& file,
   constexpr std::string_view columns[] = {"seconds"};
   if (!file.empty() && std::filesystem::exists(file)) try {
       if (std::vector<double> values = read_csv(file, columns).values; !values.empty()) return values;
-    } catch (const InputError&) {  // damaged: measured anew, as any cache is made anew
+    } catch (const InputError&) {  // damaged: measured again
     }
   std::vector<double> seconds = (this->*measured)();
   if (file.empty() || seconds.empty()) return seconds;

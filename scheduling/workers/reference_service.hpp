@@ -1,7 +1,7 @@
 #pragma once
-// States on the reference branch, solved by threads and kept on disk: a value is a function of (body, x) alone, so
-// neither the number of threads nor the order of requests changes it. The file is a state file in the cache folder,
-// keyed by the body's identity and the continuation step.
+// Tight solves on the reference branch, done by threads and kept on disk. A value is a function of (body, x) alone, so that
+// neither the number of threads nor the order of requests changes it. The cache is a state file named for the body's
+// identity, the continuation step and the revision of the solver.
 
 #include <chrono>
 #include <condition_variable>
@@ -35,27 +35,26 @@ struct ReferenceOptions {
 
 class ReferenceService {
  public:
-  // threads 0: as many as the machine has. Threads start with the first request that is not cached.
+  // threads: 0 for as many as the machine has. They start with the first request that is not in the cache.
   ReferenceService(const ReferenceOptions& options, int threads);
-  ~ReferenceService();  // drops what nobody waits for
+  ~ReferenceService();  // drops requests that are not begun
   ReferenceService(const ReferenceService&) = delete;
   ReferenceService& operator=(const ReferenceService&) = delete;
 
-  void request(const Vec3& x);  // starts on it unless known; returns at once
-  State get(const Vec3& x);     // waits for it
+  // Any thread may call these at any time; x [m] is the position of the HIP.
+  void request(const Vec3& x);  // queues it unless it is known; returns at once
+  State get(const Vec3& x);     // waits for it; throws what a solving thread threw
   std::optional<State> get_until(const Vec3& x,
-                                 std::chrono::steady_clock::time_point end);  // nothing where it is late
-  std::size_t solved() const;                                                 // not found in the cache
-  // Takes states that were solved elsewhere, tight and on the reference branch; they do not enter the file.
+                                 std::chrono::steady_clock::time_point end);  // nothing: not there in time
+  std::size_t solved() const;  // how many were not in the cache
+  // Takes states that were solved elsewhere, tight and on the reference branch. They do not enter the file.
   void learn(std::span<const State> states);
-  const std::optional<std::string>& note() const {
-    return note_;
-  }  // why there is no cache, if one was asked for
-
-  // One line where records of the cache had a wrong checksum: which file, and how many. They are solved anew and replaced.
+  // Why there is no cache, or why it is only read, where one was asked for.
+  const std::optional<std::string>& note() const { return note_; }
+  // One line where records of the cache had a wrong checksum: file and count. They are solved again and replaced.
   const std::optional<std::string>& damage() const { return damage_; }
 
-  // Times of a fixed sample of solves from a neighbour and of the state at rest, measured once per body and kept beside
+  // Times of a fixed sample of solves from a neighbour, and of the state at rest. Measured once for a body and kept beside
   // the cache.
   RecordedCosts recorded_costs();
 
@@ -83,7 +82,7 @@ class ReferenceService {
   std::size_t thread_count_;
   std::vector<double> measured_costs();
   std::vector<double> measured_rest_costs();
-  // Those in the file, else measured now and written there.
+  // The times in the file; where there is none, measured now and written there.
   std::vector<double> kept(const std::filesystem::path& file,
                            std::vector<double> (ReferenceService::*measured)());
   std::mutex costs_mutex_;

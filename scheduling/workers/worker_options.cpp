@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "scheduling/common/option_check.hpp"
-#include "scheduling/workers/cost.hpp"
 
 namespace forefeel {
 
@@ -16,7 +15,7 @@ void check(const WorkerOptions& o) {
   expect_option(o.threads >= 0, "threads", fmt::format("is {}, expected 0 (all) or more", o.threads));
   expect_option(o.latency >= 0 && o.latency <= 86400, "latency",
                 fmt::format("is {}, expected 0 to 86400 s", o.latency));
-  check_cost(o.cost);
+  check(o.cost);
 }
 
 }  // namespace forefeel

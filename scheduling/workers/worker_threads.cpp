@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "scheduling/workers/built_in_workers.hpp"
+
 namespace forefeel {
 
 WorkerThreads::WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now)
@@ -14,7 +16,7 @@ void WorkerThreads::serve() {
   int worker = -1;
   try {
     StateSolver solver(body_, linear_, options_);
-    solver.prepare();  // at the same time as the others; the session may wait for its first state
+    solver.prepare();  // before it counts as a worker: the session may wait for its first state
     std::unique_lock lock(mutex_);
     if (stopped_) return;
     worker = static_cast<int>(slots_.size());
@@ -42,7 +44,7 @@ void WorkerThreads::give(JobResult result) {
   done_.notify_one();
 }
 
-// The state that is waited for first, and at once; then its neighbours together.
+// Solves the chosen state and gives it back at once, then its neighbours together.
 void WorkerThreads::run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop) {
   const auto result_of = [&](std::uint32_t dispatch, const Vec3& at, double started, SolveOutcome outcome) {
     outcome.state.at = at;
@@ -66,7 +68,7 @@ void WorkerThreads::run(StateSolver& solver, int worker, const Job& job, const s
   for (std::size_t i = 0; i < xs.size(); ++i) {
     JobResult result = result_of(job.beside[i].dispatch, xs[i], later, std::move(outcomes[i]));
     if (result.state.status != SolveStatus::cancelled)
-      result.finished = result.started + result.state.seconds;  // its share
+      result.finished = result.started + result.state.seconds;  // its share of their common time
     give(std::move(result));
   }
 }
@@ -108,6 +110,10 @@ void WorkerThreads::collect(std::vector<JobResult>& out, double timeout) {
 std::exception_ptr WorkerThreads::failure() const {
   const std::lock_guard lock(mutex_);
   return failure_;
+}
+
+std::unique_ptr<RealWorkers> make_worker_threads(RealWorkersContext& context) {
+  return std::make_unique<WorkerThreads>(context.body, context.solving);
 }
 
 }  // namespace forefeel

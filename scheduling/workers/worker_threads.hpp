@@ -1,6 +1,6 @@
 #pragma once
-// Solver workers of the real clock: each thread that calls serve() is one worker. The planner's thread dispatches,
-// cancels and collects; all of it under one lock that is held for a few instructions.
+// Workers of the real clock on threads of this process: each thread that calls serve() is one worker. All calls share one
+// lock, which is held for a few instructions.
 
 #include <condition_variable>
 #include <deque>
@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "scheduling/workers/generator.hpp"
@@ -20,10 +21,11 @@ namespace forefeel {
 class WorkerThreads final : public RealWorkers {
  public:
   using Now = std::function<double()>;  // session time [s]
-  WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now);
+  WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now = {});
 
-  // A worker's whole life: returns after stop(). Does not throw; see failure().
-  void serve();
+  void begin(Now now) override { now_ = std::move(now); }
+  bool serves() const override { return true; }
+  void serve() override;
   void stop() override;
 
   int workers() const override;

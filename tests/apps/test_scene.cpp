@@ -2,6 +2,7 @@
 
 #include "apps/scene_input/phantom_cache.hpp"
 #include "apps/scene_input/scene.hpp"
+#include "apps/scene_input/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/executable.hpp"
@@ -54,10 +55,10 @@ stale = 1
   CHECK(scene.session.clock.kind == Clock::virtual_time);
   CHECK(scene.session.clock.seconds == 3);
   CHECK(scene.session.workers.count == 5);
-  CHECK(scene.session.planning.policy == "nearest");
+  CHECK(scene.session.planning.policy.name == "nearest");
   CHECK(scene.session.switching.rule == SwitchRule::paper);
   CHECK(scene.session.switching.jnd_share == 0.1);
-  CHECK(scene.session.workers.cost == "lognormal:0.1,0.5");
+  CHECK(to_text(cost_of(scene)) == "lognormal:0.1,0.5");
   CHECK_FALSE(scene.session.planning.preempt);
   CHECK(scene.session.seed == 9);
   CHECK(scene.session.safety.force_limit == 5);
@@ -103,7 +104,7 @@ TEST_CASE("overrides take the place of what the file says", "[scene]") {
            {"material.poisson=0.4", "session.policy=nearest", "clamp.below.axis=z", "clamp.below.share=0.1",
             "contact.node=0", "clamp.below.axis=x", "contact.nearest=[0.1, 0.01, 0.01]", "body.length=0.2"});
   CHECK(scene.body->material.poisson == 0.4);
-  CHECK(scene.session.planning.policy == "nearest");
+  CHECK(scene.session.planning.policy.name == "nearest");
   CHECK(scene.body->contact.size() == 1);
   CHECK(longest_side(scene.body->mesh) == Approx(0.2));
   for (const NodeIndex node : scene.body->clamp)

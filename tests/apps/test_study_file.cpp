@@ -312,7 +312,7 @@ TEST_CASE("traces named in a study are found beside it, and their content is par
       "scene = \"../scene.toml\"\nseeds = [1]\n[vary]\ndevice = [\"trace:hand.csv,scale=0.5\"]\n");
   const PlannedStudy before = plan_study(read_study(file, {}));
   CHECK(before.file.axes[0].values[0].text == "trace:hand.csv,scale=0.5");
-  CHECK(before.plan.cells[0].options.motion.device == "trace:sub/hand.csv,scale=0.5");
+  CHECK(to_text(before.plan.cells[0].options.motion.device) == "trace:sub/hand.csv,scale=0.5");
   CHECK(plan_study(read_study(file, {})).plan.cells[0].key == before.plan.cells[0].key);
   folder.write("sub/hand.csv", "t,x,y,z\n0,0,0,0\n1,0,0,-0.012\n");
   CHECK(plan_study(read_study(file, {})).plan.cells[0].key != before.plan.cells[0].key);
@@ -329,7 +329,7 @@ TEST_CASE("cells share a body and differ in their keys") {
   CHECK(keys.size() == 8);
   for (const Scene& scene : planned.scenes) CHECK(scene.body == planned.scenes.front().body);
   CHECK(plan.cells[0].options.clock.kind == Clock::virtual_time);
-  CHECK(plan.cells[5].options.planning.policy == "fifo");
+  CHECK(plan.cells[5].options.planning.policy.name == "fifo");
   CHECK(plan.cells[5].options.workers.count == 1);
   CHECK(plan.cells[5].seed == 2);
 }

@@ -65,7 +65,7 @@ inline SessionOptions virtual_options(double seconds = 1) {
   SessionOptions options;
   options.clock.kind = Clock::virtual_time;
   options.clock.seconds = seconds;
-  options.motion.device = "path:tour,speed=0.06";
+  options.motion.device = PathMotion{.path = PathName::tour, .speed = 0.06};
   options.model.fit.neighbours = 30;
   return options;
 }

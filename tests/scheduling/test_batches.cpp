@@ -124,12 +124,12 @@ TEST_CASE("batches: what was cancelled is open again, and goes on from where it 
 TEST_CASE("virtual workers: neighbours cost their share, work that was broken off is not done again") {
   SessionOptions options = virtual_options(1.5);
   options.workers.count = 3;
-  options.workers.cost = "constant:0.05";
+  options.workers.cost = ConstantCost{0.05};
   options.workers.latency = 0.002;
   options.planning.batch = 4;
   options.workers.batch_share = 0.3;
   options.planning.policy = "error";
-  options.motion.device = "path:lissajous,speed=0.4";
+  options.motion.device = PathMotion{.path = PathName::lissajous, .speed = 0.4};
   const SessionResult result = run_session(small_input(), options);
   std::map<int, std::vector<const DispatchRecord*>> by_worker;
   for (const DispatchRecord& d : result.dispatch)
@@ -173,8 +173,8 @@ TEST_CASE("virtual workers: neighbours cost their share, work that was broken of
 TEST_CASE("batches: a worker does one thing at a time, and what has not begun has no start") {
   SessionOptions options = virtual_options(0.6);
   options.planning.batch = 4;
-  options.workers.cost = "lognormal:0.03,1";
-  options.motion.device = "path:reach,speed=0.1";
+  options.workers.cost = LogNormalCost{0.03, 1};
+  options.motion.device = PathMotion{.path = PathName::reach, .speed = 0.1};
   options.workers.count = 3;
   const SessionResult result = run_session(small_input(), options);
   std::map<int, std::vector<std::pair<double, double>>> busy;

@@ -5,6 +5,7 @@
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hand_device.hpp"
+#include "scheduling/motion/trace.hpp"
 #include "small_body.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -12,10 +13,10 @@ using namespace forefeel;
 
 namespace {
 
-const DeviceContext context{.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)},
-                            .inward = Vec3(0.1, 0.2, -1).normalized(),
-                            .seed = 3,
-                            .folder = {}};
+const FactoryContext context{.box = {Vec3(-0.036, -0.036, -0.036), Vec3(0.036, 0.036, 0.024)},
+                             .inward = Vec3(0.1, 0.2, -1).normalized(),
+                             .seed = 3,
+                             .folder = {}};
 
 std::vector<Vec3> motion(Device& device, double seconds, double step = 1e-3) {
   std::vector<Vec3> x;
@@ -24,9 +25,9 @@ std::vector<Vec3> motion(Device& device, double seconds, double step = 1e-3) {
   return x;
 }
 
-std::string message(const std::string& spec, const DeviceContext& where = context) {
+std::string message(const DeviceSpec& device, const FactoryContext& where = context) {
   try {
-    make_device(spec, where);
+    make_device(device, where);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -40,10 +41,10 @@ void write(const std::filesystem::path& file, const std::string& text) {
 }  // namespace
 
 TEST_CASE("every path starts at rest, keeps to its speed and is smooth") {
-  for (const std::string& name : path_names()) {
-    CAPTURE(name);
+  for (std::size_t i = 0; i < path_names().size(); ++i) {
+    CAPTURE(path_names()[i]);
     for (const double speed : {0.02, 0.06}) {
-      const auto device = make_device("path:" + name + ",speed=" + std::to_string(speed), context);
+      const auto device = make_device(PathMotion{.path = static_cast<PathName>(i), .speed = speed}, context);
       const auto x = motion(*device, 20);
       CHECK(x.front() == Vec3::Zero());
       CHECK(device->duration() == std::numeric_limits<double>::infinity());
@@ -63,8 +64,8 @@ TEST_CASE("every path starts at rest, keeps to its speed and is smooth") {
 }
 
 TEST_CASE("amplitude is the farthest point of a path's shape") {
-  for (const std::string name : {"press", "circle", "tour"}) {
-    const auto device = make_device("path:" + name + ",amplitude=0.02", context);
+  for (const PathName path : {PathName::press, PathName::circle, PathName::tour}) {
+    const auto device = make_device(PathMotion{.path = path, .amplitude = 0.02}, context);
     double farthest = 0;
     for (const Vec3& x : motion(*device, 30)) farthest = std::max(farthest, x.norm());
     CHECK(farthest <= 0.02 + 1e-12);
@@ -73,7 +74,7 @@ TEST_CASE("amplitude is the farthest point of a path's shape") {
 }
 
 TEST_CASE("the tour presses in, leaves the box and returns") {
-  const auto x = motion(*make_device("path:tour", context), 10);
+  const auto x = motion(*make_device(PathMotion{.path = PathName::tour}, context), 10);
   double depth = 0;
   std::size_t outside = 0, longest = 0, run = 0;
   for (const Vec3& q : x) {
@@ -89,27 +90,31 @@ TEST_CASE("the tour presses in, leaves the box and returns") {
 }
 
 TEST_CASE("tremor and noise have the asked root mean square and are seeded") {
-  const auto calm = motion(*make_device("path:circle", context), 20);
-  for (const std::string kind : {"tremor", "noise"}) {
-    const auto shaken = motion(*make_device("path:circle," + kind + "=0.0002", context), 20);
+  const PathMotion circle{.path = PathName::circle};
+  const auto calm = motion(*make_device(circle, context), 20);
+  for (double PathMotion::*kind : {&PathMotion::tremor, &PathMotion::noise}) {
+    PathMotion disturbed = circle;
+    disturbed.*kind = 0.0002;
+    const auto shaken = motion(*make_device(disturbed, context), 20);
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 1000; k < calm.size(); ++k) sum += (shaken[k] - calm[k]).cwiseAbs2();
     const Vec3 rms = (sum / static_cast<double>(calm.size() - 1000)).cwiseSqrt();
     for (int i = 0; i < 3; ++i) CHECK(rms[i] == Approx(0.0002).epsilon(0.1));
     CHECK(shaken.front() == Vec3::Zero());
-    CHECK(shaken == motion(*make_device("path:circle," + kind + "=0.0002", context), 20));
-    DeviceContext other = context;
+    CHECK(shaken == motion(*make_device(disturbed, context), 20));
+    FactoryContext other = context;
     other.seed = 4;
-    CHECK(shaken != motion(*make_device("path:circle," + kind + "=0.0002", other), 20));
+    CHECK(shaken != motion(*make_device(disturbed, other), 20));
   }
 }
 
 TEST_CASE("a trace is interpolated through its rows and held after its end") {
   const test::TemporaryFolder folder;
   write(folder / "a.csv", "t,x,y,z\n5,0,0,0\n5.5,0.001,0,0\n6,0.002,0.001,0\n6.5,0.002,0.003,0.001\n");
-  DeviceContext where = context;
+  FactoryContext where = context;
   where.folder = folder.path();
-  const auto device = make_device("trace:a.csv,scale=2,offset=0.01/0/-0.01", where);
+  const auto device =
+      make_device(TraceMotion{.file = "a.csv", .scale = 2, .offset = Vec3(0.01, 0, -0.01)}, where);
   const Vec3 offset(0.01, 0, -0.01);
   CHECK(device->duration() == 1.5);
   CHECK(device->position(0, {}) == offset);
@@ -124,7 +129,7 @@ TEST_CASE("a trace is interpolated through its rows and held after its end") {
 
 TEST_CASE("bad traces name file and line") {
   const test::TemporaryFolder folder;
-  DeviceContext where = context;
+  FactoryContext where = context;
   where.folder = folder.path();
   const std::vector<std::pair<std::string, std::string>> cases{
       {"t,x,y,z\n0,0,0,0\n1,nan,0,0\n", "bad.csv:3"},
@@ -139,28 +144,46 @@ TEST_CASE("bad traces name file and line") {
   for (const auto& [text, expected] : cases) {
     CAPTURE(text);
     write(folder / "bad.csv", text);
-    CHECK_THAT(message("trace:bad.csv", where), Catch::Contains(expected));
+    CHECK_THAT(message(TraceMotion{.file = "bad.csv"}, where), Catch::Contains(expected));
   }
-  CHECK_THAT(message("trace:missing.csv", where), Catch::Contains("missing.csv"));
+  CHECK_THAT(message(TraceMotion{.file = "missing.csv"}, where), Catch::Contains("missing.csv"));
 }
 
-TEST_CASE("unknown devices are refused in one line") {
-  for (const std::string spec :
-       {"path", "path:", "path:spiral", "path:press,speed=fast", "path:press,speed=-1", "path:press,speed=0",
-        "path:press,speed=nan", "path:press,speed=1e9", "path:press,amplitude=1e9",
-        "path:press,speed=1,speed=2", "path:press,colour=red", "path:press,speed", "hand:thumb", "",
-        "trace:", "mouse:left"}) {
-    CAPTURE(spec);
-    const std::string text = message(spec);
-    CHECK_FALSE(text.empty());
-    CHECK(text.find('\n') == std::string::npos);
-  }
-  CHECK_THAT(message("path:spiral"), Catch::Contains("press"));
+TEST_CASE("devices outside their ranges are refused") {
+  const PathMotion press;
+  const auto path = [&](double PathMotion::*member, double value) {
+    PathMotion motion = press;
+    motion.*member = value;
+    return motion;
+  };
+  CHECK(message(press).empty());
+  CHECK_THAT(message(PathMotion{.speed = 0}), Catch::Contains("speed is '0', expected a number of at least"));
+  CHECK_THAT(message(PathMotion{.speed = 1e9}), Catch::Contains("speed is 1e+09, expected at most 1000 m/s"));
+  CHECK_THAT(message(PathMotion{.speed = std::nan("")}), Catch::Contains("device path:press,speed=nan: "));
+  CHECK_THAT(message(path(&PathMotion::amplitude, 1e9)), Catch::Contains("at most 10 m"));
+  CHECK_THAT(message(path(&PathMotion::tremor, -1)), Catch::Contains("tremor is '-1'"));
+  CHECK_THAT(message(path(&PathMotion::noise, 2)), Catch::Contains("noise is 2, expected at most 1 m"));
+  CHECK_THAT(message(HandMotion{.grip = 0}), Catch::Contains("at least 1"));
+  CHECK_THAT(message(HandMotion{.target = {.speed = -1}}), Catch::Contains("speed is '-1'"));
+  CHECK_THAT(message(TraceMotion{.file = "a.csv", .scale = std::nan("")}), Catch::Contains("scale is 'nan'"));
+}
+
+TEST_CASE("a device prints as it is written on the command line") {
+  CHECK(to_text(DeviceSpec()) == "path:press,speed=0.06");
+  CHECK(to_text(DeviceSpec(PathMotion{.path = PathName::raster})) == "path:raster");
+  CHECK(to_text(
+            DeviceSpec(PathMotion{.path = PathName::line, .speed = 0.1, .amplitude = 0.02, .noise = 1e-5})) ==
+        "path:line,speed=0.1,amplitude=0.02,noise=1e-05");
+  CHECK(to_text(DeviceSpec(TraceMotion{.file = "a/b.csv", .scale = 2, .offset = Vec3(0.01, 0, -1)})) ==
+        "trace:a/b.csv,scale=2,offset=0.01/0/-1");
+  CHECK(to_text(DeviceSpec(HandMotion{.profile = HandName::omega})) == "hand:omega,target=press,grip=300");
+  CHECK(to_text(DeviceSpec(Registered("mine", {{"", "a.csv"}, {"gain", "2"}}))) == "mine:a.csv,gain=2");
+  CHECK(to_text(DeviceSpec(PathMotion{.speed = 0.06}, "path:press,speed=0.060")) == "path:press,speed=0.060");
 }
 
 TEST_CASE("a hand obeys its equation of motion: exact solutions with a held force and against a spring") {
   const auto hand =
-      make_hand_device(*find_hand_profile("omega"), make_trace_device({0, 1}, {Vec3::Zero(), Vec3::Zero()}),
+      make_hand_device(profile_of(HandName::omega), make_trace_device({{0, 1}, {Vec3::Zero(), Vec3::Zero()}}),
                        {.grip = 200, .mass = 0.1, .damping_ratio = 0.5});
   const Vec3 force(0.3, -0.1, 0);
   const double omega = std::sqrt(200 / 0.1), damped = omega * std::sqrt(0.75);
@@ -179,8 +202,8 @@ TEST_CASE("a hand obeys its equation of motion: exact solutions with a held forc
 TEST_CASE("a hand that follows a line ends where grip and body balance, and behind its target in between") {
   const double grip = 300, body = 200;
   const auto hand = make_hand_device(
-      *find_hand_profile("touch"),
-      make_trace_device({0, 1, 3}, {Vec3::Zero(), Vec3(0.02, 0, 0), Vec3(0.02, 0, 0)}), {.grip = grip});
+      profile_of(HandName::touch),
+      make_trace_device({{0, 1, 3}, {Vec3::Zero(), Vec3(0.02, 0, 0), Vec3(0.02, 0, 0)}}), {.grip = grip});
   Vec3 x = Vec3::Zero();
   for (int k = 0; k <= 3000; ++k) {
     x = hand->position(k * 1e-3, -body * x);
@@ -191,26 +214,19 @@ TEST_CASE("a hand that follows a line ends where grip and body balance, and behi
   CHECK(x.tail<2>().norm() == 0);
 }
 
-TEST_CASE("hands: profiles, grips and settings, and what is wrong with others") {
-  for (const std::string& profile : hand_profile_names()) {
-    CAPTURE(profile);
-    const auto free = make_device("hand:" + profile + ",target=circle,speed=0.05,grip=firm", context);
-    const auto path = make_device("path:circle,speed=0.05", context);
+TEST_CASE("a free hand of every profile follows its path closely") {
+  for (const HandName profile : {HandName::touch, HandName::premium, HandName::omega, HandName::falcon}) {
+    CAPTURE(name(profile));
+    const PathMotion circle{.path = PathName::circle, .speed = 0.05};
+    const auto free = make_device(HandMotion{.profile = profile, .target = circle, .grip = 800}, context);
+    const auto path = make_device(circle, context);
     double apart = 0;
     for (int k = 0; k < 3000; ++k) {
       const Vec3 target = path->position(k * 1e-3, Vec3::Zero()), x = free->position(k * 1e-3, Vec3::Zero());
       apart = std::max(apart, (x - target).norm());
     }
     CHECK(apart > 0);
-    CHECK(apart < 1.5e-3);  // a free hand follows closely
-    CHECK(free->limits().force == find_hand_profile(profile)->force_limit);
+    CHECK(apart < 1.5e-3);
+    CHECK(free->limits().force == profile_of(profile).force_limit);
   }
-  CHECK(message("hand:touch").empty());
-  CHECK(message("hand:premium,grip=450,tremor=0.0001,noise=1e-5,amplitude=0.01").empty());
-  CHECK(message("hand:glove").find("expected one of touch, premium, omega, falcon") != std::string::npos);
-  CHECK(message("hand:touch,grip=strong").find("light, medium, firm") != std::string::npos);
-  CHECK(message("hand:touch,grip=0").find("at least 1") != std::string::npos);
-  CHECK(message("hand:touch,target=nowhere").find("unknown path 'nowhere'") != std::string::npos);
-  CHECK(message("hand:touch,weight=3").find("unknown setting 'weight'") != std::string::npos);
-  CHECK(message("hand:").find("expected a name") != std::string::npos);
 }

@@ -102,10 +102,10 @@ TEST_CASE("Exact forces are asked for only where they count, and unknown ones ar
 TEST_CASE(
     "The first that can be solved is rest at a factorisation, or the cheapest state, and two messages") {
   const StateSpaceOptions space{.spacing = 0.01, .box = {Vec3::Constant(-0.03), Vec3::Constant(0.03)}};
-  const auto constant = make_cost("constant:0.2", 1, {});
+  const auto constant = make_cost(ConstantCost{0.2}, {.seed = 1}, {});
   CHECK(first_possible(*constant, space, 0, true) == Approx(0.05));
   CHECK(first_possible(*constant, space, 0.01, false) == Approx(0.22));
-  const auto paper = make_cost("paper", 3, {});
+  const auto paper = make_cost(PaperCost{}, {.seed = 3}, {});
   double least = 1;
   for (const Vec3& x : lattice(space.box, space.spacing)) least = std::min(least, paper->seconds(x));
   CHECK(first_possible(*paper, space, 0, false) == Approx(least));

@@ -10,11 +10,12 @@ using testing::virtual_options;
 TEST_CASE(
     "a session with a hand: the body holds it back, the profile clamps, and the run repeats to the bit") {
   SessionOptions options = virtual_options(1.5);
-  options.workers.cost = "constant:0.005";
+  options.workers.cost = ConstantCost{0.005};
   options.workers.count = 4;
-  options.motion.device = "path:press,speed=0.06";
+  options.motion.device = PathMotion{.path = PathName::press, .speed = 0.06};
   const SessionResult free = run_session(small_input(), options);
-  options.motion.device = "hand:touch,target=press,grip=light,speed=0.06";
+  options.motion.device =
+      HandMotion{.profile = HandName::touch, .target = {.path = PathName::press, .speed = 0.06}, .grip = 100};
   const SessionResult held = run_session(small_input(), options);
   const SessionResult again = run_session(small_input(), options);
   REQUIRE(held.frames.size() == free.frames.size());
@@ -34,7 +35,7 @@ TEST_CASE(
 TEST_CASE("a policy that knows the motion is refused where the motion answers the force") {
   SessionOptions options = virtual_options(0.2);
   options.planning.policy = "clairvoyant";
-  options.motion.device = "hand:omega";
+  options.motion.device = HandMotion{.profile = HandName::omega};
   CHECK_THROWS_WITH(check_session(small_input(), options),
                     Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
 }
@@ -42,8 +43,8 @@ TEST_CASE("a policy that knows the motion is refused where the motion answers th
 TEST_CASE(
     "rest known from the start: the body's tangent is felt at once, and costs no solve of the session") {
   SessionOptions options = virtual_options(0.5);
-  options.workers.cost = "constant:10";  // nothing else is solved in time
-  options.motion.device = "path:press,speed=0.01";
+  options.workers.cost = ConstantCost{10};  // nothing else is solved in time
+  options.motion.device = PathMotion{.path = PathName::press, .speed = 0.01};
   options.judging.reference_step = 1e-4;
   options.model.first_guess = false;
   const SessionResult empty = run_session(small_input(), options);

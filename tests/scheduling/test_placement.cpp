@@ -37,8 +37,9 @@ Placed place(const SessionInput& input, const PlacementOptions& options,
 }
 
 Vec3 random_in(const Box& box, std::uint64_t key) {
-  return box.low +
-         box.size().cwiseProduct(Vec3(uniform(mix(key, 1)), uniform(mix(key, 2)), uniform(mix(key, 3))));
+  return box.low + box.size().cwiseProduct(Vec3(random::uniform(random::mix(key, 1)),
+                                                random::uniform(random::mix(key, 2)),
+                                                random::uniform(random::mix(key, 3))));
 }
 
 std::vector<State> truth_of(const SessionInput& input, std::size_t count, std::uint64_t seed) {
@@ -46,7 +47,8 @@ std::vector<State> truth_of(const SessionInput& input, std::size_t count, std::u
   std::vector<State> truth;
   for (std::size_t i = 0; i < count; ++i)
     truth.push_back(
-        solver.reference(random_in(input.touched.space.box, mix(seed, i)), input.touched.space.spacing)
+        solver
+            .reference(random_in(input.touched.space.box, random::mix(seed, i)), input.touched.space.spacing)
             .state);
   return truth;
 }
@@ -77,14 +79,14 @@ TEST_CASE("the energy interpolant reproduces a quartic energy and meets its data
   };
   std::vector<State> states;
   for (std::uint64_t i = 0; i < 7; ++i)
-    states.push_back(at(random_in({Vec3::Constant(-a), Vec3::Constant(a)}, mix(3, i))));
+    states.push_back(at(random_in({Vec3::Constant(-a), Vec3::Constant(a)}, random::mix(3, i))));
   std::vector<const State*> pointers;
   for (const State& s : states) pointers.push_back(&s);
 
   const auto quartic = EnergyInterpolant::fit(pointers, 4);
   REQUIRE(quartic);
   for (std::uint64_t i = 0; i < 50; ++i) {
-    const Vec3 x = random_in({Vec3::Constant(-2 * a), Vec3::Constant(2 * a)}, mix(4, i));
+    const Vec3 x = random_in({Vec3::Constant(-2 * a), Vec3::Constant(2 * a)}, random::mix(4, i));
     CHECK((quartic->force(x) - at(x).force).norm() < 1e-8);
   }
   const auto cubic = EnergyInterpolant::fit(pointers, 3);  // cannot be exact, but meets force and stiffness
@@ -241,9 +243,10 @@ TEST_CASE("the next position on-line is the worst of the candidates by weight", 
 
   for (const State& s : place(input, options_of(input, 0.02)).states) space.insert(s);
   std::vector<Vec3> candidates;
-  for (std::uint64_t i = 0; i < 60; ++i) candidates.push_back(random_in(input.touched.space.box, mix(5, i)));
+  for (std::uint64_t i = 0; i < 60; ++i)
+    candidates.push_back(random_in(input.touched.space.box, random::mix(5, i)));
   std::vector<double> weights(candidates.size());
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = 0.5 + uniform(mix(6, i));
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = 0.5 + random::uniform(random::mix(6, i));
   const auto worst = worst_position(estimator, space, candidates, weights);
   REQUIRE(worst);
   REQUIRE(std::isfinite(worst->estimate));

@@ -149,7 +149,7 @@ class RankedAnew final : public Policy {
 }  // namespace
 
 TEST_CASE("planner: for many workers the best are found as if all were ranked anew after each dispatch") {
-  register_policy("ranked-anew", [](const PolicyOptions&) { return std::make_unique<RankedAnew>(); });
+  register_policy("ranked-anew", [](FactoryContext&) { return std::make_unique<RankedAnew>(); });
   std::vector<std::vector<DispatchRecord>> given;
   for (const std::string policy : {"coverage", "ranked-anew"}) {
     SessionOptions options = testing::virtual_options();
@@ -248,9 +248,10 @@ TEST_CASE(
   };
   for (const bool asks : {false, true}) {
     CAPTURE(asks);
-    register_policy("curious", [asks](const PolicyOptions&) { return std::make_unique<Curious>(asks); });
+    const std::string policy = asks ? "curious" : "not-curious";
+    register_policy(policy, [asks](FactoryContext&) { return std::make_unique<Curious>(asks); });
     SessionOptions options = testing::virtual_options();
-    options.planning.policy = "curious";
+    options.planning.policy = policy;
     seen.clear();
     Bench b(options, 1);
     double now = 0;

@@ -7,6 +7,7 @@
 
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidates.hpp"
@@ -27,8 +28,9 @@ State spring(const Vec3& x) {
 }
 
 Vec3 draw(std::uint64_t key, double size) {
-  return size *
-         Vec3(2 * uniform(mix(key, 1)) - 1, 2 * uniform(mix(key, 2)) - 1, 2 * uniform(mix(key, 3)) - 1);
+  return size * Vec3(2 * random::uniform(random::mix(key, 1)) - 1,
+                     2 * random::uniform(random::mix(key, 2)) - 1,
+                     2 * random::uniform(random::mix(key, 3)) - 1);
 }
 
 }  // namespace
@@ -52,15 +54,15 @@ TEST_CASE("priorities are finite and not negative for every policy and input") {
           .now = 0.01 * static_cast<double>(i),
           .hip = {.t = 0, .at = draw(i, sizes[i % 4]), .velocity = draw(i + 7, sizes[(i / 4) % 4])},
           .predicted = path,
-          .solve_seconds = i % 5 == 0 ? 0.0 : uniform(i),
+          .solve_seconds = i % 5 == 0 ? 0.0 : random::uniform(i),
           .workers = 1 + static_cast<int>(i % 7),
           .pending = {}};
       std::vector<Candidate> candidates;
       for (std::uint64_t k = 0; k < 20; ++k)
         candidates.push_back({.at = draw(i * 31 + k, sizes[k % 4]),
                               .region = static_cast<Label>(k % 4),
-                              .requested = k % 3 == 0 ? infinite : uniform(k),
-                              .delta = k % 5 == 0 ? infinite : uniform(k) * 0.1,
+                              .requested = k % 3 == 0 ? infinite : random::uniform(k),
+                              .delta = k % 5 == 0 ? infinite : random::uniform(k) * 0.1,
                               .order = static_cast<std::uint32_t>(k)});
       std::vector<double> priorities(candidates.size(), -1);
       policy->look(view);
@@ -267,11 +269,13 @@ TEST_CASE("what places still need: products kept from call to call are those mad
   std::vector<Vec3> at, under_way;
   std::vector<NeedLeft::Needs> needs;
   const auto place = [](std::uint64_t i) {
-    return Vec3(0.07 * Vec3(uniform(mix(5, i)), uniform(mix(6, i)), uniform(mix(7, i))));
+    return Vec3(0.07 * Vec3(random::uniform(random::mix(5, i)), random::uniform(random::mix(6, i)),
+                            random::uniform(random::mix(7, i))));
   };
   for (std::uint64_t i = 0; i < 200; ++i) {
     at.push_back(place(i));
-    needs.push_back({uniform(mix(8, i)), uniform(mix(9, i)), i % 3 == 0 ? 0.0 : 1.0});
+    needs.push_back(
+        {random::uniform(random::mix(8, i)), random::uniform(random::mix(9, i)), i % 3 == 0 ? 0.0 : 1.0});
   }
   for (std::uint64_t i = 0; i < 60; ++i) under_way.push_back(place(1000 + i));
   under_way.push_back(at[3]);  // mends that place wholly
@@ -350,7 +354,7 @@ TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
     CHECK(predictor->predict(0.4).deviation > predictor->predict(0.1).deviation);
 
     const auto device =
-        make_device("path:lissajous,tremor=0.0001",
+        make_device(PathMotion{.path = PathName::lissajous, .tremor = 0.0001},
                     {.box = testing::small_input().touched.space.box, .seed = 1, .folder = {}});
     std::vector<Vec3> motion;
     for (int k = 0; k < 8000; ++k) motion.push_back(device->position(1e-3 * k, {}));

@@ -64,8 +64,9 @@ class Feeder {
 TEST_CASE("a frame allocates nothing, under every rule, with models coming and going") {
   if (!FOREFEEL_COUNTS_ALLOCATIONS) test::skip("allocations are not counted under a sanitizer");
   for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
-    for (const std::string spec : {"path:tour,tremor=0.0001,noise=0.00002", "path:press"}) {
-      CAPTURE(spec);
+    for (const PathMotion& spec :
+         {PathMotion{.path = PathName::tour, .tremor = 0.0001, .noise = 0.00002}, PathMotion{}}) {
+      CAPTURE(name(spec.path));
       const SessionInput input = testing::small_input();
       RenderOptions options;
       options.switching.rule = rule;
@@ -99,7 +100,8 @@ TEST_CASE("the loop logs what it renders and accounts for every switch") {
     RenderOptions options;
     options.switching.rule = rule;
     options.safety.ramp_seconds = 0;
-    const auto device = make_device("path:tour", {.box = input.touched.space.box, .seed = 1, .folder = {}});
+    const auto device = make_device(PathMotion{.path = PathName::tour},
+                                    {.box = input.touched.space.box, .seed = 1, .folder = {}});
     LoopLink link;
     RenderLoop loop(*device, link, options, 1000);
     Feeder feeder(link, {.neighbours = 30});

@@ -43,11 +43,11 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
        {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
     SessionOptions options = virtual_options(1.5);
     options.planning.policy = policy;
-    options.workers.cost = "lognormal:0.02,0.8";
+    options.workers.cost = LogNormalCost{0.02, 0.8};
     options.workers.latency = 0.003;
     options.workers.count = 3;
     options.seed = 5;
-    options.motion.device = "path:reach,speed=0.06,tremor=0.0001";
+    options.motion.device = PathMotion{.path = PathName::reach, .speed = 0.06, .tremor = 0.0001};
     options.workers.threads = 1;
     const std::string one = logs(small_input(), options, folder / "one");
     options.workers.threads = 2;
@@ -64,8 +64,8 @@ TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
 
 TEST_CASE("labels, first visits and positions that are worked out beside a run are those of its frames") {
   SessionOptions options = virtual_options(1.5);
-  options.motion.device = "path:lissajous,speed=0.05";
-  options.workers.cost = "lognormal:0.03,0.8";
+  options.motion.device = PathMotion{.path = PathName::lissajous, .speed = 0.05};
+  options.workers.cost = LogNormalCost{0.03, 0.8};
   std::vector<Vec3> positions;
   const SessionInput input = small_input();
   const SessionResult result =
@@ -112,12 +112,13 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
     const auto run = [&](bool in_turn, std::size_t frames) {
       SessionPlan plan = make_plan(input, options);
       plan.frames = frames;
-      plan.device =
-          std::make_unique<Answering>(make_device("path:lissajous,speed=0.06,tremor=0.0001",
-                                                  {.box = input.touched.space.box, .seed = 3, .folder = {}}),
-                                      in_turn);
+      plan.device = std::make_unique<Answering>(
+          make_device(PathMotion{.path = PathName::lissajous, .speed = 0.06, .tremor = 0.0001},
+                      {.box = input.touched.space.box, .seed = 3, .folder = {}}),
+          in_turn);
       ReferenceService references(reference_options(input), 2);
-      const auto cost = make_cost("lognormal:0.03,0.8", 3, [&] { return references.recorded_costs(); });
+      const auto cost =
+          make_cost(LogNormalCost{0.03, 0.8}, {.seed = 3}, [&] { return references.recorded_costs(); });
       RunAnalysis analysis(judge_setup(plan), references, {});
       SessionResult result;
       run_virtual(plan, *cost, references, analysis, result, {});
@@ -156,9 +157,10 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
 }
 
 TEST_CASE("clairvoyant is a bound: no policy that it rehearses is within the JND at more first visits") {
-  for (const std::string device : {"path:reach,speed=0.15,tremor=0.0002", "path:line,speed=0.07"}) {
+  for (const PathMotion& device : {PathMotion{.path = PathName::reach, .speed = 0.15, .tremor = 0.0002},
+                                   PathMotion{.path = PathName::line, .speed = 0.07}}) {
     SessionOptions options = virtual_options(1);
-    options.workers.cost = "lognormal:0.1,0.6";
+    options.workers.cost = LogNormalCost{0.1, 0.6};
     options.motion.device = device;
     options.judging.reference_step = 0.05;
     const auto share = [&](const std::string& policy) {
@@ -244,9 +246,10 @@ TEST_CASE(
       options.planning.placement = placement;
       options.workers.count = 3;
       options.model.first_guess = false;
-      options.workers.cost = "constant:0.08";
+      options.workers.cost = ConstantCost{0.08};
       options.workers.latency = 0.001;
-      options.motion.device = fast ? "path:lissajous,speed=0.5" : "path:press,speed=0.02";
+      options.motion.device =
+          fast ? PathMotion{.path = PathName::lissajous, .speed = 0.5} : PathMotion{.speed = 0.02};
       const SessionResult r = run_session(small_input(), options);
       REQUIRE(r.dispatch.size() > 3);
       const DispatchRecord& rest = r.dispatch.front();
@@ -286,8 +289,8 @@ TEST_CASE(
     "virtual clock: until something is known the hand feels the first guess, and the first state replaces "
     "it") {
   SessionOptions options = virtual_options(0.6);
-  options.workers.cost = "constant:0.4";  // rest after 0.1 s
-  options.motion.device = "path:lissajous,speed=0.03";
+  options.workers.cost = ConstantCost{0.4};  // rest after 0.1 s
+  options.motion.device = PathMotion{.path = PathName::lissajous, .speed = 0.03};
   const Mat3 guess = disc_stiffness(*small_input().touched.body);
   const auto is_guess = [&](const FrameRecord& f) {
     return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm();
@@ -338,7 +341,7 @@ TEST_CASE("the first guess has no say where states come from elsewhere, and is r
   const test::TemporaryFolder folder;
   std::ofstream(folder / "late.csv") << "t,x,y,z\n0.1,0,0,0\n";
   SessionOptions options = virtual_options(0.2);
-  options.workers.cost = "constant:0.4";
+  options.workers.cost = ConstantCost{0.4};
   const SessionResult solved = run_session(small_input(), options);
   std::filesystem::create_directories(folder / "solved");
   std::filesystem::create_directories(folder / "arrived");
@@ -370,7 +373,7 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
     if (arrivals)
       options.planning.arrivals = folder / name;
     else
-      options.motion.device = "trace:" + (folder / name).string();
+      options.motion.device = TraceMotion{.file = folder / name};
     try {
       check_session(small_input(), options);
     } catch (const InputError& error) {
@@ -462,7 +465,7 @@ TEST_CASE("every policy, every switch rule, preemption and many workers run to t
       SessionOptions options = virtual_options(0.6);
       options.planning.policy = policy;
       options.workers.count = workers;
-      options.workers.cost = "constant:0.05";
+      options.workers.cost = ConstantCost{0.05};
       const SessionResult r = run_session(small_input(Law::linear), options);
       CHECK(r.frames.size() == 600);
       expect_no_state_twice(r);
@@ -526,14 +529,14 @@ TEST_CASE("arrivals: states are known when the file says") {
 TEST_CASE("replay: a recorded run gives the same forces again") {
   const test::TemporaryFolder folder;
   SessionOptions options = virtual_options(1);
-  options.workers.cost = "lognormal:0.02,0.5";
+  options.workers.cost = LogNormalCost{0.02, 0.5};
   options.workers.latency = 0.002;
-  options.motion.device = "path:tour,speed=0.06,tremor=0.0001";
+  options.motion.device = PathMotion{.path = PathName::tour, .speed = 0.06, .tremor = 0.0001};
   prepare_run_folder(folder / "run");
   const SessionResult first = run_session(small_input(), options);
   write_run_files(folder / "run", first, options);
   options.motion.replay = folder / "run";
-  options.motion.device = "path:press";
+  options.motion.device = PathMotion{.path = PathName::press};
   const SessionResult second = run_session(small_input(), options);
   REQUIRE(second.frames.size() == first.frames.size());
   for (std::size_t k = 0; k < first.frames.size(); ++k) {
@@ -615,9 +618,9 @@ TEST_CASE("bad sessions are refused before anything is solved or written") {
   refuse([](SessionOptions& o) { o.clock.seconds = 0; });
   refuse([nan](SessionOptions& o) { o.clock.seconds = nan; });
   refuse([nan](SessionOptions& o) { o.workers.latency = nan; });
-  refuse([](SessionOptions& o) { o.motion.device = "trace:nowhere.csv"; });
-  refuse([](SessionOptions& o) { o.motion.device = "path:spiral"; });
-  refuse([](SessionOptions& o) { o.workers.cost = "free"; });
+  refuse([](SessionOptions& o) { o.motion.device = TraceMotion{.file = "nowhere.csv"}; });
+  refuse([](SessionOptions& o) { o.motion.device = Registered("spiral"); });
+  refuse([](SessionOptions& o) { o.workers.cost = Registered("free"); });
   refuse([](SessionOptions& o) { o.motion.predictor = "oracle"; });
   refuse([&](SessionOptions& o) { o.motion.replay = folder / "no run"; });
   refuse([&](SessionOptions& o) {
@@ -704,7 +707,7 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
     CAPTURE(static_cast<int>(placement));
     SessionOptions options = virtual_options(1);
     options.planning.placement = placement;
-    options.workers.cost = "constant:0.02";
+    options.workers.cost = ConstantCost{0.02};
     const SessionResult r = run_session(small_input(), options);
     CHECK(r.states.size() > 20);
     expect_no_state_twice(r);
@@ -725,7 +728,7 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
       options.planning.placement = Placement::path;
       options.planning.policy = policy;
       options.workers.count = workers;
-      options.workers.cost = "constant:0.03";
+      options.workers.cost = ConstantCost{0.03};
       const SessionResult r = run_session(small_input(), options);
       CHECK(r.states.size() > 20);
       for (std::size_t i = 0; i < r.states.size(); ++i)
@@ -763,12 +766,12 @@ TEST_CASE(
     });
   };
   SessionOptions options = virtual_options(0.05);
-  options.workers.cost = "constant:0.5";
+  options.workers.cost = ConstantCost{0.5};
   options.workers.latency = 0.01;
   CHECK_FALSE(says_so(options));
   options.clock.kind = Clock::real;
   CHECK(says_so(options));
-  options.workers.cost = WorkerOptions{}.cost;
+  options.workers.cost = CostSpec();
   CHECK(says_so(options));  // the latency
   options.workers.latency = 0;
   CHECK_FALSE(says_so(options));

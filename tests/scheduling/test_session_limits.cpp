@@ -55,7 +55,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
 TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {
   const test::TemporaryFolder folder;
   SessionOptions options = virtual_options(0.5);
-  options.workers.cost = "constant:0.002";
+  options.workers.cost = ConstantCost{0.002};
   options.model.fit.neighbours = 400;  // of at most 6 x 6 x 6
   const std::string few = logs(small_input(), options, folder / "few");
   options.model.fit.neighbours = 100'000;
@@ -77,7 +77,7 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
 
 TEST_CASE("a box without room for a lattice cell: a note says why nothing is a first visit") {
   SessionOptions options = virtual_options(0.3);
-  options.motion.device = "path:circle,speed=0.06";
+  options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.06};
   Box box = small_input().touched.space.box;
   const auto notes = [&](double spacing, double cell) {
     SessionInput input = small_input();
@@ -111,7 +111,7 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
 TEST_CASE("a second wish to end cuts the patience with references short") {
   std::atomic<bool> stop{false}, hurry{false};
   SessionOptions options = virtual_options(1);
-  options.motion.device = "path:circle,speed=0.06";
+  options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.06};
   options.judging.reference_step = 1e-5;
   options.workers.threads = 1;
   options.stop.interrupted = &stop;
@@ -152,7 +152,7 @@ TEST_CASE("records of the cache of references that are not what was written are 
 TEST_CASE("a run that is interrupted while its references are solved ends without them, and says so") {
   std::atomic<bool> stop{false};
   SessionOptions options = virtual_options(1);
-  options.motion.device = "path:circle,speed=0.06";
+  options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.06};
   options.judging.reference_step = 1e-5;
   options.workers.threads = 1;
   options.stop.interrupted = &stop;

@@ -33,9 +33,9 @@ GroupedValues drawn(std::size_t groups, std::size_t replicates, double between, 
                     std::uint64_t seed) {
   GroupedValues values(groups);
   for (std::size_t g = 0; g < groups; ++g) {
-    const double centre = 1 + between * normal(mix(seed, 1000 * g));
+    const double centre = 1 + between * random::normal(random::mix(seed, 1000 * g));
     for (std::size_t i = 0; i < replicates; ++i)
-      values[g].push_back(centre + within * normal(mix(seed, 1000 * g + i + 1)));
+      values[g].push_back(centre + within * random::normal(random::mix(seed, 1000 * g + i + 1)));
   }
   return values;
 }
@@ -76,7 +76,7 @@ TEST_CASE("intervals of shares stay between 0 and 1: by hand, against the plain 
     GroupedValues shares(2 + seed % 5), rest;
     for (std::size_t g = 0; g < shares.size(); ++g)
       for (std::size_t i = 0; i < 3; ++i)
-        shares[g].push_back(std::min(1.0, 1.3 * uniform(mix(seed, 10 * g + i))));
+        shares[g].push_back(std::min(1.0, 1.3 * random::uniform(random::mix(seed, 10 * g + i))));
     for (const auto& group : shares) {
       rest.emplace_back();
       for (const double v : group) rest.back().push_back(1 - v);
@@ -191,7 +191,8 @@ TEST_CASE("ranking pairs blocks, so that a hard trace does not hide a small diff
   std::vector<Observation> seen;
   for (std::size_t block = 0; block < 12; ++block) {
     const std::size_t trace = block / 2;
-    const double hardness = 10 * normal(mix(1, trace)), noise = 0.01 * normal(mix(2, block));
+    const double hardness = 10 * random::normal(random::mix(1, trace)),
+                 noise = 0.01 * random::normal(random::mix(2, block));
     seen.push_back({.level = 0, .block = block, .group = trace, .value = hardness});
     seen.push_back({.level = 1, .block = block, .group = trace, .value = hardness + 0.5 + noise});
     seen.push_back({.level = 2, .block = block, .group = trace, .value = hardness + 0.5 - noise});

@@ -45,14 +45,14 @@ TEST_CASE("a study in code: a row a cell, the same with one thread and three") {
   const StudyPlan plan = small_plan(two_policies);
   REQUIRE(plan.cells.size() == 4);
   CHECK(plan.cells[1].options.seed == 2);
-  CHECK(plan.cells[2].options.planning.policy == "coverage");
+  CHECK(plan.cells[2].options.planning.policy.name == "coverage");
   const StudyResult one = run_study(plan, {.threads = 1}), three = run_study(plan, {.threads = 3});
   CHECK(one.ran == 4);
   for (std::size_t i = 0; i < 4; ++i) {
     CAPTURE(i);
     CHECK(one.cells[i].number("frames") == 200);
     CHECK(one.cells[i].number("solver.busy") > 0);
-    CHECK(std::get<std::string>(*one.cells[i].find("policy")) == plan.cells[i].options.planning.policy);
+    CHECK(std::get<std::string>(*one.cells[i].find("policy")) == plan.cells[i].options.planning.policy.name);
     CHECK(same(one.cells[i].columns(), three.cells[i].columns()));
   }
 }
@@ -93,14 +93,14 @@ TEST_CASE("an interrupted study leaves its cells empty") {
 TEST_CASE("what a cell cannot run with is refused when the study is planned") {
   SessionOptions options = virtual_options(0.2);
   Study study{.seeds = {1}, .axes = {{"speed", {{"0.1", 0.1}}}}};
-  options.motion.device = "path:press,speed=0.1";
+  options.motion.device = PathMotion{.speed = 0.1};
   CHECK_THAT(refusal(study, options), Catch::StartsWith("study.speed: ") && Catch::Contains("speed already"));
   study = {.seeds = {1}, .axes = {{"target_load", {{"1", 1.0}}}}};
   options.workers.latency = 10;
   CHECK_THAT(refusal(study, options),
              Catch::StartsWith("study.target_load: ") && Catch::Contains("message of 10 s"));
   study = {.seeds = {1}, .axes = {}, .sustained = SustainedOptions{}};
-  options.motion.device = "hand:touch";
+  options.motion.device = HandMotion{};
   CHECK_THAT(refusal(study, options), Catch::StartsWith("study.sustained: ") && Catch::Contains("no speed"));
   options = virtual_options(0.2);
   options.workers.count = 0;

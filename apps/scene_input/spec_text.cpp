@@ -1,0 +1,218 @@
+#include "apps/scene_input/spec_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "geometry/common/error.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/workers/cost.hpp"
+
+namespace forefeel {
+namespace {
+
+// "KIND:NAME,key=value,…"
+struct Parts {
+  InputPlace where;
+  std::string kind, name;
+  std::map<std::string, std::string> settings;  // those that were not taken yet
+
+  std::optional<std::string> take(const std::string& key) {
+    const auto found = settings.find(key);
+    if (found == settings.end()) return {};
+    std::string value = std::move(found->second);
+    settings.erase(found);
+    return value;
+  }
+  std::optional<double> take_number(const std::string& key, double low) {
+    const std::optional<std::string> text = take(key);
+    if (!text) return {};
+    double value = 0;
+    const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+    if (error != std::errc{} || end != text->data() + text->size() || !std::isfinite(value) || value < low)
+      throw InputError(where, fmt::format("{} is '{}', expected a number of at least {}", key, *text, low));
+    return value;
+  }
+  void reject_rest(const char* accepted) const {
+    if (!settings.empty())
+      throw InputError(where,
+                       fmt::format("unknown setting '{}', expected {}", settings.begin()->first, accepted));
+  }
+};
+
+std::string kind_of(const std::string& text) {
+  return text.substr(0, text.find(':'));
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end; (end = text.find(separator, begin)) != std::string::npos; begin = end + 1)
+    parts.push_back(text.substr(begin, end - begin));
+  parts.push_back(text.substr(begin));
+  return parts;
+}
+
+std::pair<std::string, std::string> setting_of(const InputPlace& where, const std::string& part) {
+  const std::size_t equals = part.find('=');
+  if (equals == std::string::npos)
+    throw InputError(where, fmt::format("'{}' is not a setting, expected key=value", part));
+  return {part.substr(0, equals), part.substr(equals + 1)};
+}
+
+Parts parts_of(const std::string& text) {
+  Parts parts{.where = {.key = "device", .value = text}, .kind = kind_of(text), .name = {}, .settings = {}};
+  const std::size_t colon = text.find(':');
+  std::vector<std::string> all = split(colon == std::string::npos ? "" : text.substr(colon + 1), ',');
+  parts.name = all.front();
+  if (all.size() > 1 && all.back().empty()) all.pop_back();  // a comma at the end
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    auto [key, value] = setting_of(parts.where, all[i]);
+    if (!parts.settings.emplace(key, std::move(value)).second)
+      throw InputError(parts.where, fmt::format("'{}' is given twice, expected it once", key));
+  }
+  if (parts.name.empty()) throw InputError(parts.where, "expected a name after the colon");
+  return parts;
+}
+
+template <class Name>
+std::optional<Name> find_name(const std::vector<std::string>& names, const std::string& text) {
+  const auto found = std::ranges::find(names, text);
+  if (found == names.end()) return {};
+  return static_cast<Name>(found - names.begin());  // names are in the order of the enumeration
+}
+
+PathMotion take_path(const std::string& name, Parts& parts) {
+  const auto path = find_name<PathName>(path_names(), name);
+  if (!path)
+    throw InputError(
+        "device", fmt::format("unknown path '{}', expected one of {}", name, fmt::join(path_names(), ", ")));
+  PathMotion motion{.path = *path, .speed = parts.take_number("speed", 1e-6)};
+  motion.amplitude = parts.take_number("amplitude", 1e-6).value_or(motion.amplitude);
+  motion.tremor = parts.take_number("tremor", 0).value_or(motion.tremor);
+  motion.noise = parts.take_number("noise", 0).value_or(motion.noise);
+  check(DeviceSpec(motion, *parts.where.value));
+  return motion;
+}
+
+PathMotion path_of(Parts parts) {
+  const PathMotion motion = take_path(parts.name, parts);
+  parts.reject_rest("speed, amplitude, tremor, noise");
+  return motion;
+}
+
+double take_grip(Parts& parts) {
+  constexpr std::pair<const char*, double> words[] = {{"light", 100}, {"medium", 300}, {"firm", 800}};
+  const auto found = parts.settings.find("grip");
+  if (found == parts.settings.end()) return HandMotion{}.grip;
+  for (const auto& [word, stiffness] : words)
+    if (found->second == word) {
+      parts.settings.erase(found);
+      return stiffness;
+    }
+  if (found->second.find_first_not_of("0123456789.e+-") != std::string::npos)
+    throw InputError(
+        parts.where,
+        fmt::format("grip is '{}', expected light, medium, firm or a stiffness [N/m]", found->second));
+  return *parts.take_number("grip", 1);
+}
+
+HandMotion hand_of(Parts parts) {
+  const auto profile = find_name<HandName>(hand_names(), parts.name);
+  if (!profile)
+    throw InputError(parts.where, fmt::format("unknown profile '{}', expected one of {}", parts.name,
+                                              fmt::join(hand_names(), ", ")));
+  const std::string target = parts.take("target").value_or("press");
+  const double grip = take_grip(parts);
+  const HandMotion motion{.profile = *profile, .target = take_path(target, parts), .grip = grip};
+  parts.reject_rest("target, grip, speed, amplitude, tremor, noise");
+  return motion;
+}
+
+Vec3 offset_from(const InputPlace& where, std::string text) {
+  std::ranges::replace(text, '/', ' ');
+  Vec3 offset;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (int i = 0; i < 3; ++i) {
+    while (at != end && *at == ' ') ++at;
+    const auto [next, error] = std::from_chars(at, end, offset[i]);
+    if (error != std::errc{} || !std::isfinite(offset[i]) || (i == 2 && next != end))
+      throw InputError(where, "offset is not X/Y/Z, expected three finite numbers [m]");
+    at = next;
+  }
+  return offset;
+}
+
+TraceMotion trace_of(Parts parts) {
+  TraceMotion motion{.file = parts.name};
+  motion.scale = parts.take_number("scale", -1e9).value_or(motion.scale);
+  if (const auto offset = parts.take("offset")) motion.offset = offset_from(parts.where, *offset);
+  parts.reject_rest("scale, offset");
+  return motion;
+}
+
+double cost_number(const InputPlace& where, const std::string& text, double low, bool open) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low ||
+      value > 1e6 || (open && value == low))
+    throw InputError(where, fmt::format("'{}' is not a number {} {} and at most 1e6", text,
+                                        open ? "above" : "of at least", low));
+  return value;
+}
+
+LogNormalCost lognormal_of(const InputPlace& where, const std::string& arguments) {
+  const std::size_t comma = arguments.find(',');
+  if (comma == std::string::npos) throw InputError(where, "expected lognormal:MEDIAN,SIGMA");
+  const double median = cost_number(where, arguments.substr(0, comma), 0, true);
+  return {.median = median, .sigma = cost_number(where, arguments.substr(comma + 1), 0, false)};
+}
+
+bool among(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+}  // namespace
+
+DeviceSpec device_from_text(const std::string& text) {
+  const std::string kind = kind_of(text);
+  if (kind == "path") return {path_of(parts_of(text)), text};
+  if (kind == "trace") return {trace_of(parts_of(text)), text};
+  if (kind == "hand") return {hand_of(parts_of(text)), text};
+  if (among(registered_devices(), kind)) return {part_from_text("device", text), text};
+  throw InputError({.key = "device", .value = text},
+                   fmt::format("unknown kind '{}', expected {}", kind, device_kinds()));
+}
+
+CostSpec cost_from_text(const std::string& text) {
+  const InputPlace where{.key = "cost", .value = text};
+  const std::string kind = kind_of(text);
+  const std::string arguments = kind.size() == text.size() ? "" : text.substr(kind.size() + 1);
+  if (kind == "constant") return {ConstantCost{cost_number(where, arguments, 0, true)}, text};
+  if (kind == "lognormal") return {lognormal_of(where, arguments), text};
+  if (text == "paper") return {PaperCost{}, text};
+  if (text == "recorded") return {RecordedCost{}, text};
+  if (among(registered_costs(), kind)) return {part_from_text("cost", text), text};
+  throw InputError(where, fmt::format("unknown model, expected {}", cost_kinds()));
+}
+
+Registered part_from_text(const std::string& kind, const std::string& text) {
+  const InputPlace where{.key = kind, .value = text};
+  Registered part(kind_of(text));
+  if (part.name.size() == text.size()) return part;
+  const std::vector<std::string> all = split(text.substr(part.name.size() + 1), ',');
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i == 0 && all[i].find('=') == std::string::npos)
+      part.settings.emplace_back("", all[i]);
+    else
+      part.settings.push_back(setting_of(where, all[i]));
+  }
+  return part;
+}
+
+}  // namespace forefeel

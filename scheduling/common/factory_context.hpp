@@ -1,0 +1,21 @@
+#pragma once
+// What a session tells the factory of one of its parts (policy, predictor, device, cost model).
+
+#include <cstdint>
+#include <filesystem>
+
+#include "geometry/common/types.hpp"
+#include "scheduling/common/arguments.hpp"
+
+namespace forefeel {
+
+struct FactoryContext {
+  Box box = {};                  // where states are placed [m]
+  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
+  std::uint64_t seed = 0;        // of the session: the only source of random numbers
+  std::filesystem::path folder =
+      {};                    // of the scene; relative files are looked up here, then in the working directory
+  Arguments arguments = {};  // the user's settings; empty for built-in parts
+};
+
+}  // namespace forefeel

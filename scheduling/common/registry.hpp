@@ -1,0 +1,80 @@
+#pragma once
+// A table from names to factories: the built-in ones and those of the user. Any thread may use it at any time, also before
+// main() begins: each table is made at its first use.
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/common/error.hpp"
+#include "scheduling/common/arguments.hpp"
+
+namespace forefeel {
+
+template <class Factory>
+class Registry {
+ public:
+  // kind: for errors, as "policy".
+  Registry(std::string kind, std::map<std::string, Factory> built_in)
+      : kind_(std::move(kind)), factories_(std::move(built_in)) {}
+
+  // InputError for a name that is taken or that cannot be written in a scene.
+  void add(const std::string& name, Factory factory) {
+    if constexpr (requires { factory == nullptr; })
+      if (factory == nullptr) throw InputError("register " + kind_, fmt::format("'{}' has no factory", name));
+    if (name.empty() || name.find_first_of(":,= \t\n\"'") != std::string::npos)
+      throw InputError(
+          "register " + kind_,
+          fmt::format("'{}' cannot be a name, expected one without space, quote, ':', ',' and '='", name));
+    const std::lock_guard lock(mutex_);
+    if (!factories_.emplace(name, std::move(factory)).second)
+      throw InputError("register " + kind_,
+                       fmt::format("'{}' is registered already, expected another name", name));
+  }
+
+  std::vector<std::string> names() const {  // sorted
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> names;
+    for (const auto& entry : factories_) names.push_back(entry.first);
+    return names;
+  }
+
+  std::optional<Factory> find(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = factories_.find(name);
+    if (found == factories_.end()) return {};
+    return found->second;
+  }
+
+  // InputError lists the names.
+  Factory at(const std::string& name) const {
+    if (auto factory = find(name)) return *std::move(factory);
+    throw InputError(
+        kind_, fmt::format("unknown {} '{}', expected one of {}", kind_, name, fmt::join(names(), ", ")));
+  }
+
+ private:
+  std::string kind_;
+  std::map<std::string, Factory> factories_;
+  mutable std::mutex mutex_;
+};
+
+// Calls a factory for a part as the user wrote it. InputError for a setting that the factory does not know.
+template <class Factory, class Context>
+auto make_registered(const Factory& factory, const std::string& kind, const Registered& part,
+                     Context context) {
+  const InputPlace where{.key = kind, .value = to_text(part)};
+  context.arguments = Arguments(where, part.settings);
+  auto made = factory(context);
+  context.arguments.expect_all_read();
+  if (!made) throw InputError(where, "its factory made nothing");
+  return made;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,67 @@
+// register_device() and make_device() of device.hpp. A file of its own: the built-in devices include that header.
+
+#include "scheduling/motion/device.hpp"
+
+#include <fmt/format.h>
+
+#include "scheduling/common/registry.hpp"
+#include "scheduling/motion/hand_device.hpp"
+#include "scheduling/motion/path_device.hpp"
+#include "scheduling/motion/trace.hpp"
+
+namespace forefeel {
+namespace {
+
+Registry<DeviceFactory>& registry() {
+  static Registry<DeviceFactory> devices("device", {});
+  return devices;
+}
+
+std::unique_ptr<Device> make(const PathMotion& motion, const FactoryContext& context) {
+  return make_path_device(motion, context);
+}
+
+std::unique_ptr<Device> make(const TraceMotion& motion, const FactoryContext& context) {
+  Trace trace = read_trace(found_from(context.folder, motion.file));
+  for (Vec3& p : trace.positions) p = motion.scale * p + motion.offset;
+  return make_trace_device(std::move(trace));
+}
+
+std::unique_ptr<Device> make(const HandMotion& motion, const FactoryContext& context) {
+  return make_hand_device(profile_of(motion.profile), make_path_device(motion.target, context),
+                          {.grip = motion.grip});
+}
+
+std::unique_ptr<Device> make(const Registered& device, const FactoryContext& context) {
+  const auto factory = registry().find(device.name);
+  if (!factory)
+    throw InputError({.key = "device", .value = to_text(device)},
+                     fmt::format("unknown kind '{}', expected {}", device.name, device_kinds()));
+  return make_registered(*factory, "device", device, context);
+}
+
+}  // namespace
+
+void register_device(const std::string& name, DeviceFactory factory) {
+  for (const char* built_in : {"path", "trace", "hand", "replay"})
+    if (name == built_in)
+      throw InputError("register device", fmt::format("'{}' is built in, expected another name", name));
+  registry().add(name, std::move(factory));
+}
+
+std::vector<std::string> registered_devices() {
+  return registry().names();
+}
+
+std::string device_kinds() {
+  const std::vector<std::string> more = registered_devices();
+  if (more.empty()) return "path:NAME, trace:FILE or hand:PROFILE";
+  return fmt::format("path:NAME, trace:FILE, hand:PROFILE or one of {}", fmt::join(more, ", "));
+}
+
+std::unique_ptr<Device> make_device(const DeviceSpec& device, const FactoryContext& context) {
+  check(device);
+  return std::visit([&](const auto& motion) { return make(motion, context); }, device.motion());
+}
+
+}  // namespace forefeel

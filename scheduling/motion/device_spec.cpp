@@ -1,0 +1,100 @@
+#include "scheduling/motion/device_spec.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "geometry/common/error.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr const char* paths[] = {"press",     "line", "circle", "lissajous", "reach",
+                                 "palpation", "tour", "mower",  "raster"};
+constexpr const char* hands[] = {"touch", "premium", "omega", "falcon"};
+
+std::string setting(const char* key, double value) {
+  return value == 0 ? "" : fmt::format(",{}={}", key, value);
+}
+
+std::string settings_of(const PathMotion& motion) {
+  return (motion.speed ? fmt::format(",speed={}", *motion.speed) : "") +
+         setting("amplitude", motion.amplitude) + setting("tremor", motion.tremor) +
+         setting("noise", motion.noise);
+}
+
+std::string text_of(const PathMotion& motion) {
+  return fmt::format("path:{}{}", name(motion.path), settings_of(motion));
+}
+std::string text_of(const TraceMotion& motion) {
+  const Vec3& o = motion.offset;
+  return fmt::format("trace:{}{}{}", motion.file.string(),
+                     motion.scale == 1 ? "" : fmt::format(",scale={}", motion.scale),
+                     o.isZero(0) ? "" : fmt::format(",offset={}/{}/{}", o[0], o[1], o[2]));
+}
+std::string text_of(const HandMotion& motion) {
+  return fmt::format("hand:{},target={},grip={}{}", name(motion.profile), name(motion.target.path),
+                     motion.grip, settings_of(motion.target));
+}
+std::string text_of(const Registered& device) {
+  return to_text(device);
+}
+
+void expect_from(const InputPlace& where, const char* key, double value, double low) {
+  if (!std::isfinite(value) || value < low)
+    throw InputError(where, fmt::format("{} is '{}', expected a number of at least {}", key, value, low));
+}
+void expect_to(const InputPlace& where, const char* key, double value, double most) {
+  if (value > most)
+    throw InputError(where, fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most,
+                                        key == std::string_view("speed") ? "m/s" : "m"));
+}
+
+void check_motion(const InputPlace& where, const PathMotion& motion) {
+  const double speed = motion.speed.value_or(usual_speed);
+  expect_from(where, "speed", speed, 1e-6);
+  if (motion.amplitude != 0) expect_from(where, "amplitude", motion.amplitude, 1e-6);
+  expect_from(where, "tremor", motion.tremor, 0);
+  expect_from(where, "noise", motion.noise, 0);
+  expect_to(where, "speed", speed, 1000);
+  expect_to(where, "amplitude", motion.amplitude, 10);
+  expect_to(where, "tremor", motion.tremor, 1);
+  expect_to(where, "noise", motion.noise, 1);
+}
+void check_motion(const InputPlace& where, const TraceMotion& motion) {
+  expect_from(where, "scale", motion.scale, -1e9);
+  if (!motion.offset.allFinite())
+    throw InputError(where, "offset is not X/Y/Z, expected three finite numbers [m]");
+}
+void check_motion(const InputPlace& where, const HandMotion& motion) {
+  expect_from(where, "grip", motion.grip, 1);
+  check_motion(where, motion.target);
+}
+void check_motion(const InputPlace&, const Registered&) {}
+
+}  // namespace
+
+const char* name(PathName path) {
+  return paths[static_cast<int>(path)];
+}
+const char* name(HandName hand) {
+  return hands[static_cast<int>(hand)];
+}
+std::vector<std::string> path_names() {
+  return {std::begin(paths), std::end(paths)};
+}
+std::vector<std::string> hand_names() {
+  return {std::begin(hands), std::end(hands)};
+}
+
+std::string to_text(const DeviceSpec& device) {
+  if (!device.written_.empty()) return device.written_;
+  return std::visit([](const auto& motion) { return text_of(motion); }, device.motion_);
+}
+
+void check(const DeviceSpec& device) {
+  const InputPlace where{.key = "device", .value = to_text(device)};
+  std::visit([&](const auto& motion) { check_motion(where, motion); }, device.motion());
+}
+
+}  // namespace forefeel

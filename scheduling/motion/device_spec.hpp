@@ -1,0 +1,76 @@
+#pragma once
+// Which device a session has, as a typed choice. What a user types for it ("path:press,speed=0.06") is read in
+// apps/scene_input/spec_text.hpp; to_text() gives that text back.
+//
+//   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.1};
+//   options.motion.device = HandMotion{.profile = HandName::omega, .grip = 800};
+//   options.motion.device = Registered("mine", {{"gain", "2"}});   // registered with register_device()
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+#include "scheduling/common/arguments.hpp"
+
+namespace forefeel {
+
+enum class PathName { press, line, circle, lissajous, reach, palpation, tour, mower, raster };
+enum class HandName { touch, premium, omega, falcon };
+const char* name(PathName path);
+const char* name(HandName hand);
+std::vector<std::string> path_names();  // in the order of the enumeration
+std::vector<std::string> hand_names();
+
+constexpr double usual_speed = 0.06;  // [m/s]
+
+// A closed curve, run for ever (path_shapes.hpp).
+struct PathMotion {
+  PathName path = PathName::press;
+  std::optional<double> speed = {};  // [m/s], 1e-6 to 1000; usual_speed where nobody says it
+  double amplitude = 0;  // distance of the farthest point from rest [m], at most 10; 0: as the box allows
+  double tremor = 0;     // RMS per axis, 8 to 12 Hz [m], at most 1
+  double noise = 0;      // RMS per axis, white [m], at most 1
+};
+
+// Samples t,x,y,z of a file: position = scale * sample + offset (trace.hpp).
+struct TraceMotion {
+  std::filesystem::path file;  // relative: to the scene's folder, else to the working directory
+  double scale = 1;
+  Vec3 offset = Vec3::Zero();  // [m]
+};
+
+// A hand that holds a device and yields to the force while it follows a path (hand_device.hpp).
+struct HandMotion {
+  HandName profile = HandName::touch;
+  PathMotion target = {};
+  double grip = 300;  // stiffness [N/m], at least 1
+};
+
+class DeviceSpec {
+ public:
+  using Motion = std::variant<PathMotion, TraceMotion, HandMotion, Registered>;
+
+  DeviceSpec() : DeviceSpec(PathMotion{.speed = usual_speed}) {}
+  DeviceSpec(PathMotion motion) : motion_(std::move(motion)) {}
+  DeviceSpec(TraceMotion motion) : motion_(std::move(motion)) {}
+  DeviceSpec(HandMotion motion) : motion_(std::move(motion)) {}
+  DeviceSpec(Registered device) : motion_(std::move(device)) {}
+  // The same, printed as it was written: digits and order of settings are the user's.
+  DeviceSpec(Motion motion, std::string written) : motion_(std::move(motion)), written_(std::move(written)) {}
+
+  const Motion& motion() const { return motion_; }
+  friend std::string to_text(const DeviceSpec& device);
+
+ private:
+  Motion motion_;
+  std::string written_;
+};
+
+std::string to_text(const DeviceSpec& device);
+// InputError("device TEXT: …") for a value outside its range. Does not look for files or registered names.
+void check(const DeviceSpec& device);
+
+}  // namespace forefeel

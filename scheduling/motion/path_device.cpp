@@ -1,0 +1,150 @@
+#include "scheduling/motion/path_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/path_shapes.hpp"
+#include "scheduling/motion/random.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double two_pi = 6.283185307179586476925286766559;
+
+// Tremor and sensor noise on top of a motion. Both fade in over 0.25 s, so that the motion starts exactly at rest.
+class Disturbance {
+ public:
+  Disturbance(double tremor, double noise, std::uint64_t seed) : noise_(noise), seed_(seed) {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < waves; ++k) {
+        const std::uint64_t key = random::mix(seed, 100 + static_cast<std::uint64_t>(i * waves + k));
+        wave_[i][k] = {tremor * std::sqrt(2.0 / waves), two_pi * (8 + 4 * random::uniform(key)),
+                       two_pi * random::uniform(random::mix(key, 1))};
+      }
+  }
+
+  Vec3 at(double t) const noexcept {
+    Vec3 sum = Vec3::Zero();
+    const auto tick = static_cast<std::uint64_t>(std::llround(t * 1e6));
+    for (int i = 0; i < 3; ++i) {
+      for (const Wave& w : wave_[i]) sum[i] += w.amplitude * std::sin(w.frequency * t + w.phase);
+      if (noise_ > 0)
+        sum[i] +=
+            noise_ * random::normal(random::mix(random::mix(seed_, 7 + static_cast<std::uint64_t>(i)), tick));
+    }
+    return std::min(1.0, t / 0.25) * sum;
+  }
+
+ private:
+  static constexpr int waves = 8;
+  struct Wave {
+    double amplitude, frequency, phase;  // [m], [rad/s], [rad]
+  };
+  Wave wave_[3][waves];
+  double noise_;
+  std::uint64_t seed_;
+};
+
+// A curve by arc length: the lead once, then the loop for ever.
+class Curve {
+ public:
+  explicit Curve(const PathShape& shape) {
+    for (const Vec3& p : shape.lead) append(p);
+    append(shape.loop.front());
+    loop_start_ = length_.back();
+    for (std::size_t i = 1; i < shape.loop.size(); ++i) append(shape.loop[i]);
+    append(shape.loop.front());
+  }
+  double loop_start() const { return loop_start_; }
+  double loop_length() const { return length_.back() - loop_start_; }
+
+  Vec3 at(double s) const {
+    if (s <= 0) return points_.front();
+    if (s > length_.back()) s = loop_start_ + std::fmod(s - loop_start_, loop_length());
+    const auto upper = std::upper_bound(length_.begin(), length_.end(), s);
+    const auto i =
+        std::min<std::size_t>(static_cast<std::size_t>(upper - length_.begin()), length_.size() - 1);
+    const double span = length_[i] - length_[i - 1];
+    const double w = span > 0 ? (s - length_[i - 1]) / span : 0;
+    return (1 - w) * points_[i - 1] + w * points_[i];
+  }
+
+ private:
+  void append(const Vec3& p) {
+    length_.push_back(points_.empty() ? 0 : length_.back() + (p - points_.back()).norm());
+    points_.push_back(p);
+  }
+  std::vector<Vec3> points_;
+  std::vector<double> length_;
+  double loop_start_ = 0;
+};
+
+// out_i = mean of the `window` values of `in` up to i; before the start the first value counts.
+std::vector<Vec3> sliding_mean(const std::vector<Vec3>& in, std::size_t window) {
+  std::vector<Vec3> out(in.size());
+  Vec3 sum = static_cast<double>(window) * in.front();
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    sum += in[i] - (i >= window ? in[i - window] : in.front());
+    out[i] = sum / static_cast<double>(window);
+  }
+  return out;
+}
+
+// The curve at constant speed, averaged twice over a short window: corners are rounded and slower, the speed never exceeds
+// the given one, the start is smooth. It is tabulated; a look-up interpolates linearly.
+class PathDevice final : public Device {
+ public:
+  PathDevice(const PathShape& shape, double speed, Disturbance disturbance)
+      : speed_(speed), disturbance_(disturbance) {
+    const Curve curve(shape);
+    const double window = std::min(0.010, curve.loop_length() / 8);
+    const std::size_t half = 16;
+    // The step divides the loop, so that the table closes on itself.
+    const auto steps =
+        std::max<std::size_t>(64, static_cast<std::size_t>(std::ceil(curve.loop_length() / (window / 32))));
+    step_ = curve.loop_length() / static_cast<double>(steps);
+    const std::size_t before = static_cast<std::size_t>(std::ceil(curve.loop_start() / step_)) + 2 * half + 1;
+    std::vector<Vec3> table(before + steps + 1);
+    for (std::size_t i = 0; i < table.size(); ++i) table[i] = curve.at(static_cast<double>(i) * step_);
+    table_ = sliding_mean(sliding_mean(table, half), half);
+    loop_start_ = static_cast<double>(before) * step_;
+    loop_length_ = static_cast<double>(steps) * step_;
+  }
+
+  Vec3 position(double t, const Vec3&) noexcept override {
+    double s = speed_ * std::max(t, 0.0);
+    if (s > loop_start_) s = loop_start_ + std::fmod(s - loop_start_, loop_length_);
+    const double place = s / step_;
+    const std::size_t i = std::min(static_cast<std::size_t>(place), table_.size() - 2);
+    const double w = place - static_cast<double>(i);
+    return (1 - w) * table_[i] + w * table_[i + 1] + disturbance_.at(std::max(t, 0.0));
+  }
+  double duration() const override { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  double speed_, step_ = 0, loop_start_ = 0, loop_length_ = 0;
+  std::vector<Vec3> table_;
+  Disturbance disturbance_;
+};
+
+// Scales the shape so that its farthest point is `amplitude` from rest [m].
+void scale_to(double amplitude, PathShape& shape) {
+  double farthest = 0;
+  for (const auto* part : {&shape.lead, &shape.loop})
+    for (const Vec3& p : *part) farthest = std::max(farthest, p.norm());
+  for (auto* part : {&shape.lead, &shape.loop})
+    for (Vec3& p : *part) p *= amplitude / farthest;
+}
+
+}  // namespace
+
+std::unique_ptr<Device> make_path_device(const PathMotion& motion, const FactoryContext& context) {
+  PathShape shape = path_shape(motion.path, context);
+  if (motion.amplitude > 0) scale_to(motion.amplitude, shape);
+  return std::make_unique<PathDevice>(shape, motion.speed.value_or(usual_speed),
+                                      Disturbance(motion.tremor, motion.noise, context.seed));
+}
+
+}  // namespace forefeel

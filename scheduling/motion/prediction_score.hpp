@@ -1,0 +1,46 @@
+#pragma once
+// How far a predictor misses, against horizon.
+
+#include <cstddef>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "scheduling/motion/hip_sample.hpp"
+
+namespace forefeel {
+
+class Predictor;
+
+// Of a motion sampled every `step` seconds.
+struct PredictionError {
+  double horizon = 0;           // [s]
+  double p50 = 0, p95 = 0;      // quantiles of |predicted - true| [m]
+  double within_deviation = 0;  // share of true positions within twice the deviation per axis
+};
+// Takes the motion position by position.
+class PredictionScore {
+ public:
+  // horizons [s]. The predictor must outlive this.
+  PredictionScore(Predictor& predictor, double step, std::span<const double> horizons);
+  void add(const Vec3& at);                     // the next position [m]
+  std::vector<PredictionError> report() const;  // #horizons
+
+ private:
+  struct Ahead {
+    double horizon;
+    std::size_t steps;
+    std::deque<Prediction> made;  // not yet compared with a position
+    std::vector<double> errors;
+    std::size_t within = 0;
+  };
+  Predictor& predictor_;
+  double step_;
+  std::size_t seen_ = 0;
+  std::vector<Ahead> ahead_;
+};
+// All of a motion at once.
+std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
+                                              double step, std::span<const double> horizons);
+
+}  // namespace forefeel

@@ -1,0 +1,15 @@
+#pragma once
+// The predictors that come with the toolkit, one file each: predictor_NAME.cpp.
+
+#include <memory>
+
+#include "scheduling/common/factory_context.hpp"
+
+namespace forefeel {
+
+class Predictor;
+
+std::unique_ptr<Predictor> make_constant_velocity(FactoryContext& context);
+std::unique_ptr<Predictor> make_kalman(FactoryContext& context);
+
+}  // namespace forefeel

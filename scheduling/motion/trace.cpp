@@ -1,0 +1,69 @@
+#include "scheduling/motion/trace.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "geometry/common/csv_table.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/motion/device.hpp"
+
+namespace forefeel {
+namespace {
+
+class TraceDevice final : public Device {
+ public:
+  TraceDevice(std::vector<double> times, std::vector<Vec3> positions)
+      : times_(std::move(times)), positions_(std::move(positions)), slopes_(times_.size(), Vec3::Zero()) {
+    for (std::size_t i = 1; i + 1 < times_.size(); ++i)
+      slopes_[i] = (positions_[i + 1] - positions_[i - 1]) / (times_[i + 1] - times_[i - 1]);
+  }
+
+  Vec3 position(double t, const Vec3&) noexcept override {
+    if (t <= times_.front()) return positions_.front();
+    if (t >= times_.back()) return positions_.back();
+    const auto i =
+        static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), t) - times_.begin());
+    const double span = times_[i] - times_[i - 1], w = (t - times_[i - 1]) / span;
+    const double w2 = w * w, w3 = w2 * w;
+    return (2 * w3 - 3 * w2 + 1) * positions_[i - 1] + (3 * w2 - 2 * w3) * positions_[i] +
+           span * ((w3 - 2 * w2 + w) * slopes_[i - 1] + (w3 - w2) * slopes_[i]);
+  }
+  double duration() const override { return times_.back(); }
+
+ private:
+  std::vector<double> times_;
+  std::vector<Vec3> positions_, slopes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> make_trace_device(Trace trace) {
+  return std::make_unique<TraceDevice>(std::move(trace.times), std::move(trace.positions));
+}
+
+std::filesystem::path found_from(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  return file.is_relative() && std::filesystem::exists(folder / file) ? folder / file : file;
+}
+
+Trace read_trace(const std::filesystem::path& file) {
+  constexpr std::string_view columns[] = {"t", "x", "y", "z"};
+  const CsvTable table = read_csv(file, columns);
+  Trace trace;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double t = table.at(i, 0) - table.at(0, 0);
+    const Vec3 x(table.at(i, 1), table.at(i, 2), table.at(i, 3));
+    if (!trace.times.empty() && t < trace.times.back())
+      throw InputError({.file = file.string(), .line = table.lines[i]},
+                       fmt::format("time goes back to {} s after {} s, expected growing times",
+                                   table.at(i, 0), trace.times.back() + table.at(0, 0)));
+    if (!trace.times.empty() && t == trace.times.back())
+      throw InputError({.file = file.string(), .line = table.lines[i]},
+                       fmt::format("a second row at {} s, expected growing times", table.at(i, 0)));
+    trace.times.push_back(t);
+    trace.positions.push_back(x);
+  }
+  return trace;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,17 @@
+#pragma once
+// The kinds of workers that come with the toolkit.
+
+#include <memory>
+
+namespace forefeel {
+
+class RealWorkers;
+class VirtualWorkers;
+struct RealWorkersContext;
+struct VirtualWorkersContext;
+
+std::unique_ptr<RealWorkers> make_worker_threads(RealWorkersContext& context);  // worker_threads.cpp
+std::unique_ptr<VirtualWorkers> make_simulated_workers(
+    VirtualWorkersContext& context);  // simulated_workers.cpp
+
+}  // namespace forefeel

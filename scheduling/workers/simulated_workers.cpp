@@ -1,0 +1,142 @@
+// Workers of the virtual clock. A job reaches its worker a message later; each of its states takes what the cost model
+// says, a neighbour of the first a share of that; its result comes a message after. A cancellation that arrives in time
+// gives the worker back two messages after it was sent; the work done on a state until then is not done again. Values are
+// the reference branch's, solved on real threads from the moment they are dispatched: how long that takes changes nothing
+// but the wait.
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+#include <tuple>
+
+#include "scheduling/workers/built_in_workers.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/reference_service.hpp"
+
+namespace forefeel {
+namespace {
+
+using Time = VirtualWorkers::Time;
+
+constexpr double for_ever =
+    1e8;  // [s], three years: no run is longer, and sums of a few such times still fit
+
+Time time_of(double seconds) {
+  return Time(std::llround(std::min(seconds, for_ever) * 1e9));
+}
+double seconds_of(Time t) {
+  return static_cast<double>(t.count()) / 1e9;
+}
+
+class SimulatedWorkers final : public VirtualWorkers {
+ public:
+  explicit SimulatedWorkers(const VirtualWorkersContext& with)
+      : references_(with.references),
+        cost_(with.cost),
+        rest_first_(with.rest_first),
+        share_(with.batch_share),
+        latency_(time_of(with.latency)),
+        running_(static_cast<std::size_t>(with.count)) {}
+
+  int workers() const override { return static_cast<int>(running_.size()); }
+  void set_now(Time now) override { now_ = now; }
+
+  void dispatch(int worker, Job job) override {
+    std::vector<Solve>& solves = running_[static_cast<std::size_t>(worker)];
+    solves.clear();
+    Time begin = add(solves, worker, job.dispatch, job.at, 1, now_ + latency_);
+    for (const Job::Neighbour& neighbour : job.beside)
+      begin = add(solves, worker, neighbour.dispatch, neighbour.at, share_, begin);
+  }
+
+  void cancel(int worker) override {
+    const Time arrives = now_ + latency_;
+    bool any = false;
+    for (Solve& solve : running_[static_cast<std::size_t>(worker)]) {
+      if (solve.returned || arrives >= solve.finished) continue;  // solved before the message arrives
+      if (arrives > solve.started) done_[solve.at] += arrives - solve.started;
+      solve.cancelled = any = true;
+      solve.started = std::min(solve.started, arrives);
+      solve.finished = arrives;
+      solve.due = arrives + latency_;
+    }
+    if (any) events_.push({arrives + latency_, sequence_++, worker});
+  }
+
+  std::optional<Time> next_event() const override {
+    if (events_.empty()) return {};
+    return events_.top().t;
+  }
+
+  void take_event(std::vector<JobResult>& results) override {
+    const Event event = events_.top();
+    events_.pop();
+    results.clear();
+    for (Solve& solve : running_[static_cast<std::size_t>(event.worker)]) {
+      if (solve.returned || solve.due != event.t) continue;
+      solve.returned = true;
+      JobResult& result = results.emplace_back();
+      result.dispatch = solve.dispatch;
+      result.worker = event.worker;
+      result.started = seconds_of(solve.started);
+      result.finished = seconds_of(solve.finished);
+      if (solve.cancelled)
+        result.state.status = SolveStatus::cancelled;
+      else
+        result.state = references_.get(solve.at);
+    }
+  }
+
+ private:
+  struct Solve {
+    std::uint32_t dispatch = 0;
+    Vec3 at = Vec3::Zero();
+    Time started{}, finished{}, due{};
+    bool cancelled = false, returned = false;
+  };
+  struct Event {
+    Time t{};
+    std::uint64_t sequence = 0;
+    int worker = 0;
+    friend bool operator>(const Event& a, const Event& b) {
+      return std::tie(a.t, a.sequence) > std::tie(b.t, b.sequence);
+    }
+  };
+  struct ByPlace {
+    bool operator()(const Vec3& a, const Vec3& b) const {
+      return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+    }
+  };
+
+  Time add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share,
+           Time begin) {
+    Time cost = time_of(share * (rest_first_ && at.isZero(0) ? cost_.rest_seconds() : cost_.seconds(at)));
+    if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
+    const Time end = begin + std::max(Time(1), cost);
+    solves.push_back(
+        {.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
+    references_.request(at);
+    events_.push({end + latency_, sequence_++, worker});
+    return end;
+  }
+
+  ReferenceService& references_;
+  const CostModel& cost_;
+  bool rest_first_;
+  double share_;
+  Time latency_, now_{};
+  std::vector<std::vector<Solve>> running_;
+  std::map<Vec3, Time, ByPlace> done_;  // work on states whose solve was broken off
+  std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<VirtualWorkers> make_simulated_workers(VirtualWorkersContext& context) {
+  return std::make_unique<SimulatedWorkers>(context);
+}
+
+}  // namespace forefeel

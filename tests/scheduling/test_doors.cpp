@@ -1,0 +1,250 @@
+// The parts of a session that a user may bring: each registered under a name and each given as an object does what the
+// built-in part that it wraps does, bit by bit.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "geometry/common/error.hpp"
+#include "run_logs.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/policy.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/worker_threads.hpp"
+#include "small_body.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace forefeel;
+using testing::small_input;
+using testing::virtual_options;
+
+namespace {
+
+std::unique_ptr<Device> make_wrapped_path(FactoryContext& with) {
+  const double speed = with.arguments.number("speed", 0.06, 1e-3, 1);
+  const double tremor = with.arguments.number("tremor", 0, 0, 1e-3);
+  return make_device(PathMotion{.path = PathName::tour, .speed = speed, .tremor = tremor}, with);
+}
+
+std::unique_ptr<RealWorkers> make_wrapped_threads(RealWorkersContext& with) {
+  return std::make_unique<WorkerThreads>(with.body, with.solving);
+}
+
+// Before main(), in whatever order the linker chose.
+const bool before_main = (register_device("wrapped-path", make_wrapped_path), true);
+
+// While the program runs.
+void register_others() {
+  static const bool once = [] {
+    register_policy("wrapped-nearest",
+                    [](FactoryContext& with) { return make_policy("nearest", {.seed = with.seed}); });
+    register_predictor("wrapped-velocity",
+                       [](FactoryContext&) { return make_predictor("constant-velocity"); });
+    register_cost("wrapped-lognormal", [](FactoryContext& with) {
+      return make_cost(LogNormalCost{with.arguments.number("median", 0.02), 0.5}, with, {});
+    });
+    register_workers("wrapped-threads",
+                     {.real = make_wrapped_threads, .simulated = [](VirtualWorkersContext& with) {
+                        with.arguments.number("ignored", 0);
+                        return make_virtual_workers("threads", with);
+                      }});
+    return true;
+  }();
+  REQUIRE(once);
+}
+
+SessionOptions built_in_options() {
+  SessionOptions options = virtual_options(1.2);
+  options.planning.policy = "nearest";
+  options.motion.predictor = "constant-velocity";
+  options.motion.device = PathMotion{.path = PathName::tour, .speed = 0.05, .tremor = 1e-4};
+  options.workers.cost = LogNormalCost{0.03, 0.5};
+  options.workers.latency = 0.002;
+  options.seed = 4;
+  return options;
+}
+
+class Runs {
+ public:
+  std::string logs(const SessionOptions& options, const SessionParts& parts = {}) {
+    SessionInput input = small_input();
+    input.parts = parts;
+    return testing::logs(input, options, folder_ / std::to_string(count_++));
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+  int count_ = 0;
+};
+
+template <class Do>
+std::string refusal(Do&& what) {
+  try {
+    what();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("parts that are registered under a name are those that they wrap, bit by bit") {
+  register_others();
+  Runs runs;
+  const std::string built_in = runs.logs(built_in_options());
+  CHECK(built_in != runs.logs(virtual_options(1.2)));  // the options matter
+  const auto same_with = [&](auto&& change) {
+    SessionOptions options = built_in_options();
+    change(options);
+    CHECK(built_in == runs.logs(options));
+  };
+  same_with([](SessionOptions& o) { o.planning.policy = "wrapped-nearest"; });
+  same_with([](SessionOptions& o) { o.motion.predictor = "wrapped-velocity"; });
+  same_with([](SessionOptions& o) {
+    o.motion.device = Registered("wrapped-path", {{"tremor", "1e-4"}, {"speed", "0.05"}});
+  });
+  same_with([](SessionOptions& o) {
+    o.workers.cost = Registered("wrapped-lognormal", {{"median", "0.03"}});
+  });
+  same_with([](SessionOptions& o) { o.workers.kind = Registered("wrapped-threads", {{"ignored", "1"}}); });
+}
+
+TEST_CASE("parts that are given as objects are those that they wrap, bit by bit") {
+  Runs runs;
+  const SessionOptions options = built_in_options();
+  const std::string built_in = runs.logs(options);
+  const SessionInput input = small_input();
+  const FactoryContext context{.box = input.touched.space.box, .inward = input.touched.inward, .seed = 4};
+  // Names that the objects take the place of.
+  SessionOptions others = options;
+  others.planning.policy = "fifo";
+  CHECK(built_in == runs.logs(others, {.policy = make_policy("nearest", context)}));
+  others = options;
+  others.motion.predictor = "kalman";
+  CHECK(built_in == runs.logs(others, {.predictor = make_predictor("constant-velocity", context)}));
+  others = options;
+  others.motion.device = PathMotion{};
+  CHECK(built_in == runs.logs(others, {.device = make_device(options.motion.device, context)}));
+  others = options;
+  others.workers.cost = PaperCost{};
+  CHECK(built_in == runs.logs(others, {.cost = make_cost(options.workers.cost, context, {})}));
+
+  ReferenceService references(reference_options(input), 1);
+  const auto cost = make_cost(options.workers.cost, context, {});
+  CHECK(built_in == runs.logs(options, {.virtual_workers = make_virtual_workers(
+                                            "threads", {.references = references,
+                                                        .cost = *cost,
+                                                        .count = options.workers.count,
+                                                        .latency = options.workers.latency})}));
+}
+
+TEST_CASE("the real clock runs workers of one's own, by name and as an object") {
+  register_others();
+  for (const bool as_object : {false, true}) {
+    SessionInput input = small_input();
+    SessionOptions options = virtual_options(0.3);
+    options.clock.kind = Clock::real;
+    if (as_object)
+      input.parts.workers =
+          std::make_shared<WorkerThreads>(input.touched.body, StateSolverOptions{.spacing = 0.006});
+    else
+      options.workers.kind = "wrapped-threads";
+    const SessionResult result = run_session(input, options);
+    CHECK(result.frames.size() == 300);
+    CHECK(result.counts.solved > 0);
+  }
+}
+
+TEST_CASE("what nobody registered is refused with the names that are") {
+  register_others();
+  const auto refused = [](auto&& change) {
+    SessionOptions options = virtual_options();
+    change(options);
+    return refusal([&] { check_session(small_input(), options); });
+  };
+  CHECK_THAT(refused([](SessionOptions& o) { o.planning.policy = "wrapped"; }),
+             Catch::Contains("unknown policy 'wrapped', expected one of ") && Catch::Contains("coverage") &&
+                 Catch::Contains("wrapped-nearest"));
+  CHECK_THAT(refused([](SessionOptions& o) { o.motion.predictor = "wrapped"; }),
+             Catch::Contains("kalman, wrapped-velocity"));
+  CHECK_THAT(
+      refused([](SessionOptions& o) { o.motion.device = Registered("wrapped"); }),
+      Catch::Contains("path:NAME, trace:FILE, hand:PROFILE or one of") && Catch::Contains("wrapped-path"));
+  CHECK_THAT(refused([](SessionOptions& o) { o.workers.cost = Registered("wrapped"); }),
+             Catch::Contains("recorded, paper or one of") && Catch::Contains("wrapped-lognormal"));
+  CHECK_THAT(refused([](SessionOptions& o) { o.workers.kind = "wrapped"; }),
+             Catch::Contains("threads, wrapped-threads"));
+}
+
+TEST_CASE("settings of a registered part are checked against those that its factory reads") {
+  const auto refused = [](Settings settings) {
+    SessionOptions options = virtual_options();
+    options.motion.device = Registered("wrapped-path", std::move(settings));
+    return refusal([&] { check_session(small_input(), options); });
+  };
+  CHECK(refused({{"speed", "0.1"}}).empty());
+  CHECK(refused({{"speeed", "0.1"}}) ==
+        "device wrapped-path:speeed=0.1: unknown setting 'speeed', expected speed, tremor");
+  CHECK(refused({{"speed", "fast"}}) == "device wrapped-path:speed=fast: speed is 'fast', expected a number");
+  CHECK(refused({{"speed", "2"}}) == "device wrapped-path:speed=2: speed is 2, expected 0.001 to 1");
+  CHECK_THAT(refused({{"speed", "0.1"}, {"speed", "0.2"}}), Catch::Contains("'speed' is given twice"));
+  CHECK_THAT(refused({{"", "fast"}}), Catch::Contains("unknown setting 'fast'"));
+}
+
+TEST_CASE("no name is registered twice, none that cannot be written") {
+  REQUIRE(before_main);
+  register_others();
+  const PolicyFactory policy = [](FactoryContext&) { return make_policy("fifo"); };
+  CHECK_THAT(refusal([&] { register_policy("coverage", policy); }),
+             Catch::Contains("'coverage' is registered already"));
+  CHECK_THAT(refusal([&] { register_policy("wrapped-nearest", policy); }),
+             Catch::Contains("registered already"));
+  for (const std::string name : {"", "a b", "a:b", "a,b", "a=b", "\"a\""}) {
+    CAPTURE(name);
+    CHECK_THAT(refusal([&] { register_policy(name, policy); }), Catch::Contains("cannot be a name"));
+  }
+  CHECK_THAT(refusal([&] { register_device("hand", {}); }), Catch::Contains("'hand' is built in"));
+  CHECK_THAT(refusal([&] { register_cost("paper", {}); }), Catch::Contains("'paper' is built in"));
+  CHECK_THAT(refusal([&] { register_predictor("kalman", {}); }), Catch::Contains("registered already"));
+  CHECK_THAT(refusal([&] { register_workers("none", {}); }), Catch::Contains("makes no workers"));
+  CHECK_THAT(refusal([&] { register_device("nothing", {}); }), Catch::Contains("has no factory"));
+}
+
+TEST_CASE("a kind of workers without simulation is refused under the virtual clock") {
+  register_workers("only-real", {.real = make_wrapped_threads});
+  SessionOptions options = virtual_options();
+  options.workers.kind = "only-real";
+  CHECK_THAT(refusal([&] { check_session(small_input(), options); }),
+             Catch::Contains("has no workers for the virtual clock, expected --clock real"));
+  options.clock.kind = Clock::real;
+  CHECK_NOTHROW(check_session(small_input(), options));
+}
+
+TEST_CASE("parts are registered and found from several threads at the same time") {
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 8; ++i)
+    threads.emplace_back([i] {
+      for (int k = 0; k < 20; ++k) {
+        register_cost("parallel-" + std::to_string(i) + "-" + std::to_string(k),
+                      [](FactoryContext& with) { return make_cost(PaperCost{}, with, {}); });
+        make_cost(Registered("parallel-" + std::to_string(i) + "-0"), {}, {});
+        registered_costs();
+      }
+    });
+  threads.clear();
+  CHECK(std::ranges::count_if(registered_costs(),
+                              [](const std::string& name) { return name.starts_with("parallel-"); }) == 160);
+}
+
+TEST_CASE("a rehearsed session refuses objects that can be used once") {
+  SessionInput input = small_input();
+  SessionOptions options = virtual_options(0.2);
+  options.planning.policy = "clairvoyant";
+  input.parts.predictor = make_predictor("kalman");
+  CHECK_THAT(refusal([&] { check_session(input, options); }), Catch::Contains("register it under a name"));
+  input.parts = {.policy = make_policy("clairvoyant-greedy")};
+  CHECK_NOTHROW(run_session(input, options));  // a policy object is run as it is
+}
