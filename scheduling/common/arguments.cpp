@@ -23,7 +23,7 @@ std::string to_text(const Registered& part) {
   return text;
 }
 
-Arguments::Arguments(InputPlace place, const Settings& settings) : place_(std::move(place)) {
+Arguments::Arguments(InputPlace place, const PartSettings& settings) : place_(std::move(place)) {
   for (const auto& [key, value] : settings)
     if (!values_.emplace(key, value).second)
       throw InputError(place_, fmt::format("'{}' is given twice, expected it once", key));

@@ -19,16 +19,17 @@
 namespace forefeel {
 
 // In the order in which they were written. The key is empty for a first setting without "=": "mine:a.csv".
-using Settings = std::vector<std::pair<std::string, std::string>>;
+using PartSettings = std::vector<std::pair<std::string, std::string>>;
 
 // A part chosen by the name that it is registered under.
 struct Registered {
   Registered() = default;
   Registered(const char* a_name) : name(a_name) {}
-  Registered(std::string a_name, Settings some = {}) : name(std::move(a_name)), settings(std::move(some)) {}
+  Registered(std::string a_name, PartSettings some = {})
+      : name(std::move(a_name)), settings(std::move(some)) {}
 
   std::string name;
-  Settings settings;
+  PartSettings settings;
   friend bool operator==(const Registered&, const Registered&) = default;
 };
 std::string to_text(const Registered& part);  // "mine:a.csv,gain=2", as it was written
@@ -37,7 +38,7 @@ class Arguments {
  public:
   Arguments() = default;
   // place: for errors, as {.key = "policy", .value = "mine:gain=2"}. InputError for a key that is given twice.
-  Arguments(InputPlace place, const Settings& settings);
+  Arguments(InputPlace place, const PartSettings& settings);
 
   bool has(const std::string& key);
   // InputError for text that is no finite number from low to high.

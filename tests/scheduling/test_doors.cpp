@@ -180,7 +180,7 @@ TEST_CASE("what nobody registered is refused with the names that are") {
 }
 
 TEST_CASE("settings of a registered part are checked against those that its factory reads") {
-  const auto refused = [](Settings settings) {
+  const auto refused = [](PartSettings settings) {
     SessionOptions options = virtual_options();
     options.motion.device = Registered("wrapped-path", std::move(settings));
     return refusal([&] { check_session(small_input(), options); });

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scheduling/judge/visited_cells.hpp"
 #include "scheduling/record/exact_rendering.hpp"
-#include "scheduling/record/visited_cells.hpp"
 
 using namespace forefeel;
 
