@@ -65,6 +65,10 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
   if (given.predictor) options.motion.predictor = part_from_text("predictor", *given.predictor);
   if (given.workers_kind) options.workers.kind = part_from_text("workers", *given.workers_kind);
   options.clock.seconds = given.seconds.value_or(options.clock.seconds);
+  // A motion that ends is run to its end if it was asked for on the command line. One from the scene runs no
+  // longer than the scene says.
+  if (!given.seconds)
+    options.clock.length = given.device || given.replay ? RunLength::motion : RunLength::shorter;
   options.workers.latency = given.latency.value_or(options.workers.latency);
   options.workers.count = given.workers.value_or(options.workers.count);
   if (given.arrivals) options.planning.arrivals = *given.arrivals;
@@ -79,37 +83,29 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
   return options;
 }
 
-// A motion that ends is run to its end if it was asked for on the command line. One from the scene runs no
-// longer than the scene says.
-double whole_motion(double duration, const SessionOptions& options, bool asked) {
-  if (!std::isfinite(duration)) return options.clock.seconds;
-  const double all = duration + options.clock.frame;  // the last row is a frame of its own
-  return asked ? all : std::min(options.clock.seconds, all);
-}
-
-// States known at the start, and the file that new ones are appended to.
-void take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
-                 SessionInput& input) {
-  input.files.states = fs::path(given.output) / "session.states";
-  if (given.states.empty()) return;
+// The plan with the states known at the start, and the file that new ones are appended to.
+SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
+                        SessionPlan plan) {
+  if (given.states.empty())
+    return with_state_file(std::move(plan), fs::path(given.output) / "session.states");
   const fs::path file = given.states;
-  if (file.extension() == ".csv") {  // measured or foreign states stay as they are
-    input.known = read_states_csv(file);
-    return;
-  }
-  input.files.states = file;
+  if (file.extension() == ".csv")  // measured or foreign states stay as they are
+    return with_known(with_state_file(std::move(plan), fs::path(given.output) / "session.states"),
+                      read_states_csv(file));
+  plan = with_state_file(std::move(plan), file);
   if (!fs::exists(file)) {
     check_writable(file);
     warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states",
                               file.string()));
-    return;
+    return plan;
   }
   StateFileHeader header{
       .identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
   StateFile states = StateFile::open_or_create(file, header);
-  input.known = states.read_all();
+  plan = with_known(std::move(plan), states.read_all());
   if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
   states.drop_damaged();
+  return plan;
 }
 
 // Options that choose what is solved, by which workers and when.
@@ -286,36 +282,33 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
   return {place, spec ? fmt::format("'{}' {}", *spec, problem) : problem};
 }
 
-int run_session_command(const Globals& globals, const SessionArguments& given,
-                        const std::shared_ptr<MpiGroup>& mpi) {
-  const Scene scene = load_scene(given.scene, globals.set);
-  SessionOptions options = [&] {
-    try {
-      return options_of(scene, given, globals);
-    } catch (const InputError& error) {
-      throw at_its_place(error, scene, given, globals);
-    }
-  }();
-  warn_of_solving(globals, scene, given);
-  if (mpi) join(mpi, given, options);
-  SessionInput input = session_input(scene);
+// The options and what they are for, checked; an error names the place that gave the value.
+SessionPlan planned(const Globals& globals, const SessionArguments& given, const Scene& scene,
+                    const std::shared_ptr<MpiGroup>& mpi) {
   try {
-    check_session(input, options);
+    SessionOptions options = options_of(scene, given, globals);
+    warn_of_solving(globals, scene, given);
+    if (mpi) join(mpi, given, options);
+    return make_plan(session_input(scene), std::move(options));
   } catch (const InputError& error) {
     throw at_its_place(error, scene, given, globals);
   }
-  if (options.workers.mpi && options.workers.mpi->rank() > 0) {
-    options.workers.mpi->serve(input.touched.body, {.spacing = input.touched.space.spacing,
-                                                    .tolerance = 1e-6,
-                                                    .displacements = input.touched.displacements});
+}
+
+int run_session_command(const Globals& globals, const SessionArguments& given,
+                        const std::shared_ptr<MpiGroup>& mpi) {
+  const Scene scene = load_scene(given.scene, globals.set);
+  SessionPlan plan = planned(globals, given, scene, mpi);
+  if (mpi && mpi->rank() > 0) {
+    mpi->serve(scene.body,
+               {.spacing = scene.space.spacing, .tolerance = 1e-6, .displacements = scene.displacements});
     return 0;
   }
-  if (!given.seconds)
-    options.clock.seconds =
-        whole_motion(motion_seconds(input, options), options, given.device || given.replay);
   const fs::path run = given.output;
   end_if_interrupted("the session began");
-  take_states(scene, given, globals, input);
+  plan = take_states(scene, given, globals, std::move(plan));
+  const SessionOptions& options = plan.options;
+  const SessionInput& input = plan.input;
   keep_replayed(options, run);
   prepare_run_folder(run);
   set_aside_states_of_last_run(globals, input, run);
@@ -325,15 +318,17 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
   const InterruptWatch watch;  // also while the files are written
-  options.stop.interrupted = &watch.flag();
-  options.stop.hurried = &watch.hurry();
+  plan.options.stop.interrupted = &watch.flag();
+  plan.options.stop.hurried = &watch.hurry();
   Meanwhile meanwhile;
   PredictionScores predictions(options.clock.frame);
   const SessionResult result = run_session(
-      input, options,
-      [&](const SessionProgress& p) { progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p)); },
-      [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
-      [&](const Vec3& at) { predictions.add(at); });
+      plan, {.progress =
+                 [&](const SessionProgress& p) {
+                   progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p));
+                 },
+             .when_run = [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
+             .each_position = [&](const Vec3& at) { predictions.add(at); }});
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
 
@@ -342,9 +337,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   meanwhile.states.get();
   const SessionSummary summary = summarise(result, input, options);
   nlohmann::ordered_json document = to_json(summary);
-  const auto asked = static_cast<std::size_t>(std::llround(options.clock.seconds / options.clock.frame));
   document["interrupted"] = result.interrupted();
-  document["frames_asked"] = asked;
+  document["frames_asked"] = plan.frames;
   document["spacing"] = scene.space.spacing;
   if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
   document["prediction"] = predictions.json();  // [s], [m]
@@ -358,11 +352,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   if (!result.interrupted()) return 0;
   if (result.end == RunEnd::not_begun)
     warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
-                              result.notes.front(), asked));
+                              result.notes.front(), plan.frames));
   else
     warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run "
                               "hold what was done until then",
-                              result.frames.size(), asked, result.counts.solved));
+                              result.frames.size(), plan.frames, result.counts.solved));
   flush_warnings();
   return 1;
 }

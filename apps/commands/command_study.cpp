@@ -93,9 +93,10 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   cell.options.workers.threads = globals.threads;
   const SessionOptions options = with_load_found(cell, input).options;
   Progress progress(globals, "session");
-  const SessionResult result = run_session(input, options, [&](const SessionProgress& p) {
-    progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
-  });
+  const SessionResult result =
+      run_session(input, options, {.progress = [&](const SessionProgress& p) {
+                    progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
+                  }});
   const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
   fs::create_directories(folder);
   write_run_files(folder, result, options);

@@ -104,10 +104,10 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
     options.workers.threads = laboratory.globals().threads;
     options.judging.reference_step = 1;  // the HIP rests: one reference is enough, below
     const double done = static_cast<double>(runs.size()) / 4;
-    SessionResult result = run_session(input, options, [&](const SessionProgress& p) {
-      show(done + 0.25 * (p.seconds > 0 ? p.t / p.seconds : 0),
-           fmt::format("{}: {}", way.name, phase_in_words(p)));
-    });
+    SessionResult result = run_session(input, options, {.progress = [&](const SessionProgress& p) {
+                                         show(done + 0.25 * (p.seconds > 0 ? p.t / p.seconds : 0),
+                                              fmt::format("{}: {}", way.name, phase_in_words(p)));
+                                       }});
     runs.push_back({way, std::move(result.frames)});
   }
   return runs;

@@ -1,6 +1,6 @@
 #pragma once
-// What a run writes down: a row for each frame, each dispatched solve and each model that the loop took. Plain data in
-// SI units; `unknown` (NaN) where there is no value.
+// What a run writes down: a row for each frame, each dispatched solve and each model that the loop took.
+// Plain data in SI units; `unknown` (NaN) where there is no value.
 
 #include <cstdint>
 #include <string_view>
@@ -20,8 +20,8 @@ struct SwitchStep {
   double undamped_jump = 0;      // |f~' - f~| where a model is taken [N]
 };
 
-// Where a frame is a sample: the force of a tight solve and how far the rendered force is from it. The errors are
-// relative to max(|reference|, error_floor); judge/run_analysis.hpp says how each is made.
+// Where a frame is a sample: the force of a tight solve and how far the rendered force is from it. The errors
+// are relative to max(|reference|, error_floor); judge/session_judge.hpp says how each is made.
 struct Judgement {
   bool sampled = false;                      // by arc length
   bool first_visit = false;                  // of a lattice cell

@@ -1,6 +1,6 @@
 #pragma once
-// What a session gives back, and what it tells while it runs. record/run_files.hpp writes its files and derives
-// the summary from it.
+// What a session gives back, and what it tells while it runs. record/run_files.hpp writes its files and
+// derives the summary from it.
 
 #include <cstddef>
 #include <functional>

@@ -18,16 +18,11 @@ std::vector<State> failed_of(std::span<const State> states) {
   return failed;
 }
 
-double finite(double priority) {
-  return std::isfinite(priority) ? priority : std::numeric_limits<double>::lowest();
-}
-
 }  // namespace
 
-Planner::Planner(PlannerSetup setup, Generator& generator, LoopLink& link, Hooks hooks)
+Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
     : setup_(std::move(setup)),
       generator_(generator),
-      link_(link),
       hooks_(std::move(hooks)),
       space_(setup_.space),
       solve_seconds_(std::max(hooks_.expected_solve, 1e-6)) {
@@ -42,9 +37,7 @@ Planner::Planner(PlannerSetup setup, Generator& generator, LoopLink& link, Hooks
     }
   }
   counts_.start = space_.size();
-  link_.known.store(static_cast<std::uint32_t>(counts_.start), std::memory_order_release);
   candidates_ = std::make_unique<Candidates>(space_, failed_of(setup_.known), setup_.placement);
-  models_ = std::make_unique<ModelKeeper>(space_, setup_.model, link);
   if (setup_.policy->reads_surprises()) judge_ = std::make_unique<SessionModel>(space_, setup_.model);
   // As many starts as fit half a gigabyte with their tangents (4 times the displacements).
   start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (setup_.nodes * 96 + 1), 16, 65536);
@@ -68,7 +61,6 @@ bool Planner::insert(const State& state, std::int64_t dispatch) {
   if (!space_.insert(state).is_new) return false;
   dispatch_of_.push_back(dispatch);
   candidates_->learn(state.at);
-  link_.known.store(static_cast<std::uint32_t>(space_.size()), std::memory_order_release);
   return true;
 }
 
@@ -167,117 +159,6 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
   return best;
 }
 
-void Planner::predict(double now) {
-  const bool truth = static_cast<bool>(hooks_.future);
-  const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0)
-                               : std::clamp(0.3 + 4 * solve_seconds_, 0.3, 3.0);
-  const int steps = truth ? 24 : 8;
-  predicted_.clear();
-  for (int i = 0; i <= steps; ++i) {
-    const double horizon = longest * i / steps;
-    Prediction p = truth ? Prediction{.horizon = horizon, .at = hooks_.future(now + horizon), .deviation = 0}
-                         : setup_.predictor->predict(horizon);
-    p.horizon = horizon;
-    if (!p.at.allFinite()) p.at = hip_.at;
-    predicted_.push_back(p);
-  }
-}
-
-PlannerView Planner::view(double now) const {
-  return {.space = space_,
-          .now = now,
-          .hip = hip_,
-          .predicted = predicted_,
-          .solve_seconds = solve_seconds_ + 2 * setup_.latency,
-          .workers = generator_.workers(),
-          .pending = pending_,
-          .with_stiffness = setup_.model.fit.data == Data::force_and_stiffness,
-          .in_cells = setup_.model.method != SessionMethod::rbf,
-          .surprises = surprises_};
-}
-
-void Planner::gather_pending(const Slot* but) {
-  pending_.clear();
-  for (const Slot& slot : slots_)
-    if (!slot.cancelling && &slot != but)
-      for (const Member& member : slot.members) pending_.push_back(member.candidate.at);
-}
-
-void Planner::look(double now) {
-  predict(now);
-  candidates_->follow(predicted_, now);
-  candidates_->request_near(hip_.at, now);
-  if (setup_.policy->reads_regions()) candidates_->refresh_regions();
-  gather_pending(nullptr);
-  setup_.policy->look(view(now));
-}
-
-void Planner::rank(double now) {
-  const auto open = candidates_->open();
-  priorities_.resize(open.size());
-  setup_.policy->prioritise(open, view(now), priorities_);
-  for (double& p : priorities_) p = finite(p);
-}
-
-// Equal priorities by the lattice's own order, so that the result depends on nothing else.
-std::size_t Planner::best() const {
-  const auto open = candidates_->open();
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < open.size(); ++i)
-    if (priorities_[i] != priorities_[best] ? priorities_[i] > priorities_[best]
-                                            : open[i].order < open[best].order)
-      best = i;
-  return best;
-}
-
-void Planner::rank_for_many(double now) {
-  rank(now);
-  ranked_.clear();
-  const auto open = candidates_->open();
-  for (std::size_t i = 0; i < open.size(); ++i) ranked_.push_back({priorities_[i], open[i], pending_.size()});
-  std::make_heap(ranked_.begin(), ranked_.end());
-}
-
-// The best open candidate given what is pending now, when less was as they were ranked: the first of the heap are
-// ranked again until the first of all is one of them, since the others can only have fallen..
-std::size_t Planner::best_of_many(double now, double& priority) {
-  constexpr std::size_t at_once = 8;
-  std::vector<Candidate> again;
-  std::vector<double> worth;
-  for (;;) {
-    again.clear();
-    while (!ranked_.empty() && again.size() < at_once) {
-      const Ranked top = ranked_.front();
-      const bool as_now = top.pending == pending_.size();
-      if (as_now && !again.empty()) break;
-      std::pop_heap(ranked_.begin(), ranked_.end());
-      ranked_.pop_back();
-      const auto place = candidates_->index_of(top.candidate);
-      if (!place) continue;
-      if (!as_now) {
-        again.push_back(top.candidate);
-      } else if (setup_.policy->at_most(top.priority) == top.priority) {
-        priority = top.priority;
-        return *place;
-      } else {
-        break;  // others may be worth more by now
-      }
-    }
-    if (again.empty()) {
-      rank_for_many(now);
-      const std::size_t place = best();
-      priority = priorities_[place];
-      return place;
-    }
-    worth.resize(again.size());
-    setup_.policy->prioritise(again, view(now), worth);
-    for (std::size_t i = 0; i < again.size(); ++i) {
-      ranked_.push_back({finite(worth[i]), again[i], pending_.size()});
-      std::push_heap(ranked_.begin(), ranked_.end());
-    }
-  }
-}
-
 // One after the other: what is worth solving depends on what was just given out.
 void Planner::plan(double now) {
   slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
@@ -305,8 +186,8 @@ void Planner::plan(double now) {
   }
 }
 
-// While nothing is known. The others begin once the hand has moved a third of a spacing, or rest is known: where it goes
-// is worth the few milliseconds until then, since what they begin takes them ten times as long.
+// While no state is known, one worker solves rest. The others wait until the hand has moved a third of a
+// spacing or rest is known: a job takes them ten times as long, and is better chosen once the direction shows.
 bool Planner::rest_comes_first(double now) {
   if (!setup_.rest_first || !space_.empty()) return false;
   if (dispatches_.empty()) {
@@ -382,10 +263,10 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority,
   generator_.dispatch(worker, std::move(job));
 }
 
-// Continuing is worth the job's priority, sooner by the work already done; cancelling must be worth twenty times as much:
-// at high speed what is predicted changes faster than states are solved, and a lower bar cancels one after the other.
-// The two are compared as if neither were being solved. No candidate is cancelled more than twice, so that every one
-// is solved in the end.
+// A running job is cancelled where a waiting candidate is worth twenty times as much. The job's worth is its
+// priority over the share of the solve that is left; both are weighed as if neither were being solved. With
+// a lower bar fast motions cancel one job after the other, since predictions change faster than states are
+// solved. No candidate is cancelled more than twice, so that each is solved in the end.
 void Planner::consider_preemption(double now) {
   if (!setup_.preempt || candidates_->empty() ||
       now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_))
@@ -421,16 +302,8 @@ void Planner::consider_preemption(double now) {
   generator_.cancel(static_cast<int>(weakest - slots_.data()));
 }
 
-void Planner::update(double now, bool time_it) {
-  models_->update(now, hip_.at, time_it);
-}
-
 bool Planner::idle() const {
   return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy(); });
-}
-
-void Planner::finish(SessionResult& result) {
-  finish(result, *models_);
 }
 
 void Planner::finish(SessionResult& result, ModelKeeper& models) {

@@ -1,7 +1,7 @@
 #pragma once
 // Decides and updates, the same under both clocks; whoever calls it gives the time.
-//   HIP -> predict -> region -> prioritise -> dispatch / preempt
-//   State -> state space -> neighbours -> update -> publish model (model_keeper.hpp)
+//   HIP -> predictor -> policy -> job to a worker, or its cancellation
+//   state from a worker -> state space; whoever renders makes models of it (render/model_keeper.hpp)
 // One thread owns it.
 
 #include <cstdint>
@@ -17,13 +17,12 @@
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/candidates.hpp"
 #include "scheduling/render/model_keeper.hpp"
-#include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
 #include "scheduling/workers/generator.hpp"
 
 namespace forefeel {
 
-// What a planner is made of; read while it is made.
+// What a planner is made of. `known` is read while the planner is made, never later.
 struct PlannerSetup {
   StateSpaceOptions space = {};
   std::span<const State> known = {};  // at the start; failed ones are not tried again
@@ -45,24 +44,21 @@ class Planner {
     std::function<Vec3(double)> future = {};     // the motion itself, for a policy that knows it
     double expected_solve = 0.01;                // time of a solve, until some were seen [s]
   };
-  // The generator and the link must outlive it.
-  Planner(PlannerSetup setup, Generator& generator, LoopLink& link, Hooks hooks);
+  Planner(PlannerSetup setup, Generator& generator, Hooks hooks);  // the generator must outlive it
 
   void receive(JobResult result, double now);  // from the generator
   void arrive(State state, double now);        // a state that becomes known without a solve
   void observe(const HipSample& sample);
-  void plan(double now);                          // dispatches, preempts
-  void update(double now, bool time_it = false);  // publishes a model if states or travel call for one
+  void plan(double now);  // dispatches, preempts
 
   const StateSpace& space() const { return space_; }
+  const HipSample& hip() const { return hip_; }  // as observed last
   std::size_t solved() const { return counts_.solved; }
   std::size_t failed() const { return counts_.failed; }
   std::size_t preempted() const { return counts_.preempted; }
-  bool idle() const;                                // nothing runs
-  Label label() const { return models_->label(); }  // of the region that chose the newest model
-  // Ends the records: what still runs is "running". The planner must not be used after.
-  void finish(SessionResult& result);
-  void finish(SessionResult& result, ModelKeeper& models);  // where others than update() made the models
+  bool idle() const;  // nothing runs
+  // Ends the records; `models` made the models that were rendered. The planner must not be used after.
+  void finish(SessionResult& result, ModelKeeper& models);
 
  private:
   struct Member {
@@ -71,7 +67,7 @@ class Planner {
   };
   struct Slot {  // one per worker
     bool cancelling = false, counted = false;
-    std::vector<Member> members;  // of its job that are not back yet, in the order they are solved
+    std::vector<Member> members;  // states of its job that are not back yet, in the order they are solved
     double since = 0;
     bool rest = false;  // its job is the state at rest
     bool busy() const { return !members.empty(); }
@@ -79,7 +75,7 @@ class Planner {
   struct Ranked {  // a heap of them has the best on top
     double priority = 0;
     Candidate candidate;
-    std::size_t pending = 0;  // so many were when it was ranked
+    std::size_t pending = 0;  // number of pending positions when it was ranked
     friend bool operator<(const Ranked& a, const Ranked& b) {
       return a.priority != b.priority ? a.priority < b.priority : a.candidate.order > b.candidate.order;
     }
@@ -111,14 +107,12 @@ class Planner {
   void note_cost(double seconds, bool at_rest);
   void note_surprise(const State& state);  // before it is inserted
 
-  const PlannerSetup setup_;  // its `known` is not read later
+  const PlannerSetup setup_;
   Generator& generator_;
-  LoopLink& link_;
   Hooks hooks_;
   StateSpace space_;
   std::vector<std::int64_t> dispatch_of_;  // by state id: row of dispatch, -1 from the start
   std::unique_ptr<Candidates> candidates_;
-  std::unique_ptr<ModelKeeper> models_;
   std::unique_ptr<SessionModel> judge_;  // models at states that come; null unless the policy asks
   std::vector<float> surprises_;         // by state id
 
@@ -130,7 +124,7 @@ class Planner {
   std::size_t start_limit_ = 4096;
   std::unordered_map<std::uint32_t, int> preemptions_;  // by candidate order
   std::unordered_map<std::uint32_t, std::shared_ptr<const Equilibrium>>
-      partial_;  // the same: where a solve was broken off
+      partial_;  // by candidate order: where a solve was broken off
   double preemption_checked_ = 0, solve_seconds_;
   std::vector<double> recent_costs_, costs_;
 

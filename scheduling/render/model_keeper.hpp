@@ -1,6 +1,6 @@
 #pragma once
-// Makes the models that the loop renders, from the states of a space, when states or travel call for one: publishes them
-// through the link and recycles them as the loop gives them back.
+// Makes the models that the loop renders, from the states of a space, when states or travel call for one:
+// publishes them through the link and recycles them as the loop gives them back.
 
 #include <cstdint>
 #include <memory>

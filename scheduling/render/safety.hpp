@@ -1,12 +1,13 @@
 #pragma once
-// What stands between the rendered force and a device: in this order
+// Between the rendered force and a device, in this order:
 //   non-finite guard   a force that is not finite counts as zero
-//   watchdog           no sign of the planner for stale_seconds fades the force out over 0.2 s, and in again after
+//   watchdog           without a sign of the planner for stale_seconds the force fades out over 0.2 s; it
+//                      fades in again when the planner is back
 //   start-up ramp      share t / ramp_seconds of the force
 //   clamp              |F| <= force_limit
 //   slew               |F - F_before| <= slew_limit dt, so that none of the above makes a step
-// and an energy observer (Hannaford and Ryu 2002): the work of the hand, -sum F . dx by the trapezoid rule; a passive
-// body never gives back more than was put in. Nothing here allocates or throws.
+// and an energy observer (Hannaford and Ryu 2002): the work of the hand, -sum F . dx by the trapezoid rule; a
+// passive body never gives back more than was put in. Nothing here allocates or throws.
 
 #include <cstddef>
 
@@ -31,7 +32,8 @@ struct SafetyCounts {
 class Safety {
  public:
   Safety(SafetyOptions options, double frame) : options_(options), frame_(frame) {}  // frame [s]
-  // rendered: by the switch; age: time since the planner's last sign of life [s]. Returns what the device gets [N].
+  // rendered: by the switch; age: time since the planner's last sign of life [s]. Returns what the device
+  // gets [N].
   Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept;
 
   const SafetyCounts& counts() const { return counts_; }

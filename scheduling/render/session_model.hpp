@@ -1,9 +1,12 @@
 #pragma once
-// What makes the models of a session from the states known so far:
-//   rbf                    the RBF model whose neighbour set follows the HIP (approx/select/updater.hpp); with stiffness the
-//                          first three states reach twice as far as states of the lattice do
-//   trilinear, tricubic    interpolation in the lattice cell around the HIP (approx/predecessors/methods.hpp), as before RBF models:
-//                          where a corner of the cell is not known, the force of the nearest state
+// Makes the models of a session from the states known so far:
+//   rbf                    radial basis functions on a neighbour set that follows the HIP
+//                          (approx/select/updater.hpp). With stiffness the first three states reach twice as
+//                          far as states of the lattice do.
+//   trilinear, tricubic    interpolation in the lattice cell around the HIP, as before RBF models
+//                          (approx/model/lattice_field.hpp). Where a corner of the cell is not known: the
+//                          force of the nearest state.
+// While no state is known it makes the tangent of the first guess, if there is one.
 
 #include <memory>
 #include <optional>

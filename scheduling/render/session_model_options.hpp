@@ -15,9 +15,9 @@ struct SessionModelOptions {
   ModelOptions fit = {};  // of method rbf
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
-  // While nothing is known the hand feels the stiffness that a disc on a half-space of the body's material would have
-  // (solver/body/contact_stiffness.hpp): no solve, no state. The first true state replaces it, faded in like any
-  // newer model. Not where states come from files, nor where some are known from the start.
+  // While nothing is known the hand feels the stiffness that a disc on a half-space of the body's material
+  // would have (solver/body/contact_stiffness.hpp): no solve, no state. The first true state replaces it,
+  // faded in like any newer model. Not where states come from files, nor where some are known from the start.
   bool first_guess = true;
 };
 

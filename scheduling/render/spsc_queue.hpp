@@ -1,5 +1,6 @@
 #pragma once
-// Bounded lock-free queue from one writer to one reader: a ring of Capacity - 1 usable places. Never allocates.
+// Bounded lock-free queue from one writer to one reader: a ring of Capacity - 1 usable places. Never
+// allocates.
 
 #include <array>
 #include <atomic>

@@ -1,7 +1,7 @@
 #pragma once
-// Lock-free hand-over of the newest value from one writer to one reader. Three slots: the writer fills one, the
-// reader keeps one, the third holds the latest published value; both sides swap with it by one atomic exchange.
-// Wait-free on both sides, never blocks, never allocates (as long as T's assignment does not).
+// Lock-free hand-over of the newest value from one writer to one reader. Three slots: the writer fills one,
+// the reader keeps one, the third holds the latest published value; both sides swap with it by one atomic
+// exchange. Wait-free on both sides, never blocks, never allocates (as long as T's assignment does not).
 
 #include <array>
 #include <atomic>

@@ -14,7 +14,8 @@ struct Arrival {
   Vec3 at = Vec3::Zero();  // [m]
 };
 
-// CSV t,x,y,z; sorted by time. InputError names file and line of a place farther than `farthest` from rest [m].
+// CSV t,x,y,z; sorted by time. InputError names file and line of a place farther than `farthest` from rest
+// [m].
 std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest);
 
 struct Replay {

@@ -8,9 +8,17 @@ enum class Clock {
   virtual_time  // a simulation of both that gives the same bytes on every machine
 };
 
+// Where a session ends. Paths and hands have no end; they run for `seconds`.
+enum class RunLength {
+  seconds,  // after `seconds`; a motion that ends before is held
+  motion,   // with the motion
+  shorter   // with the motion, but after `seconds` at the latest
+};
+
 struct ClockOptions {
   Clock kind = Clock::real;
   double seconds = 20;
+  RunLength length = RunLength::seconds;
   double frame = 1e-3;  // time from frame to frame [s]
 };
 

@@ -33,8 +33,8 @@ struct SessionFiles {
   std::filesystem::path scene = {};                  // folder where relative trace files are looked up
 };
 
-// Parts given as objects. Each takes the place of the one that the options name. An object serves one session at a time;
-// predictor and workers serve one session only.
+// Parts given as objects. Each takes the place of the one that the options name. An object serves one session
+// at a time; predictor and workers serve one session only.
 struct SessionParts {
   std::shared_ptr<Device> device = {};
   std::shared_ptr<Policy> policy = {};
@@ -49,8 +49,8 @@ struct SessionInput {
   std::vector<State> known = {};  // at the start
   SessionFiles files = {};
   SessionParts parts = {};
-  // One service for many sessions of the same body, spacing and displacements, also at the same time, since a cache file
-  // has one writer. Null: the session makes its own in files.cache.
+  // One service for many sessions of the same body, spacing and displacements, also at the same time, since a
+  // cache file has one writer. Null: the session makes its own in files.cache.
   std::shared_ptr<ReferenceService> references = {};
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// All options of a session: the sum of what its parts take. Each part has its defaults, its meaning and its check in
-// a header of its own.
+// All options of a session: the sum of what its parts take. Each part has its defaults, its meaning and its
+// check in a header of its own.
 
 #include <cstdint>
 

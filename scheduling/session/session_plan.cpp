@@ -21,8 +21,8 @@ double farthest(const Body& body) {
   return 2 * bounding_box(body.mesh).size().maxCoeff();
 }
 
-// As many states as there can be in the session, or a few more: `path` places states half a spacing apart, of which
-// no more than 12 go into the room of a lattice state.
+// As many states as there can be in the session, or a few more: `path` places states half a spacing apart, of
+// which no more than 12 go into the room of a lattice state.
 std::size_t most_states(const SessionPlan& plan) {
   const StateSpaceOptions& space = plan.input.touched.space;
   const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
@@ -37,7 +37,8 @@ void check_known(const std::vector<State>& known) {
       throw InputError("states", "a known state is not finite, expected finite positions and forces");
 }
 
-// A motion in other units than metres leads where no body can be pulled, and its references would take for ever.
+// A motion in other units than metres leads where no body can be pulled, and its references would take for
+// ever.
 void check_motion(const SessionPlan& plan) {
   const double most = farthest(*plan.input.touched.body);
   for (std::size_t k = 0; k < plan.frames; k += 10) {
@@ -101,6 +102,16 @@ void check_registered(const SessionPlan& plan) {
     check_workers(workers.kind, is_virtual);
 }
 
+// How long the session is, given where the motion ends by itself [s].
+void settle_length(double duration, ClockOptions& clock) {
+  const double whole = duration + clock.frame;  // the last row is a frame of its own
+  if (std::isfinite(duration) && clock.length == RunLength::motion) clock.seconds = whole;
+  if (std::isfinite(duration) && clock.length == RunLength::shorter)
+    clock.seconds = std::min(clock.seconds, whole);
+  clock.length = RunLength::seconds;
+  check(clock);
+}
+
 // What depends on the states that are known.
 void choose_model(SessionPlan& plan) {
   const SessionModelOptions& model = plan.options.model;
@@ -114,6 +125,7 @@ void choose_model(SessionPlan& plan) {
 }
 
 void take_future(SessionPlan& plan) {
+  plan.motion.clear();
   const std::shared_ptr<Policy> policy = policy_of(plan);
   if (!policy->reads_future()) return;
   if (plan.device->answers_force())
@@ -160,6 +172,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
     take_replay(plan);
   else
     take_device(plan);
+  settle_length(plan.device->duration(), plan.options.clock);
   plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
   detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");
   check_motion(plan);
@@ -180,6 +193,17 @@ SessionPlan with_known(SessionPlan plan, std::vector<State> known) {
   return plan;
 }
 
+SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file) {
+  plan.input.files.states = std::move(file);
+  return plan;
+}
+
+SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy) {
+  plan.options.planning.policy = policy;
+  take_future(plan);
+  return plan;
+}
+
 PlannerSetup planner_setup(const SessionPlan& plan) {
   const SessionOptions& options = plan.options;
   return {.space = plan.input.touched.space,
@@ -197,10 +221,7 @@ PlannerSetup planner_setup(const SessionPlan& plan) {
 }
 
 JudgeSetup judge_setup(const SessionPlan& plan) {
-  return {.space = plan.input.touched.space,
-          .model = plan.model,
-          .judging = plan.options.judging,
-          .stop = plan.options.stop};
+  return {.model = plan.model, .judging = plan.options.judging, .stop = plan.options.stop};
 }
 
 }  // namespace forefeel

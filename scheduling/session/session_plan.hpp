@@ -2,11 +2,12 @@
 // All that is fixed before the first frame of a session, checked and made once.
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "scheduling/judge/run_analysis.hpp"
+#include "scheduling/judge/session_judge.hpp"
 #include "scheduling/plan/planner.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/arrivals.hpp"
@@ -15,11 +16,11 @@
 
 namespace forefeel {
 
-// Made by make_plan() and not changed then. Copies share the device, which begins its motion anew when asked for an
-// earlier time; so they run one after the other.
+// Made by make_plan() and not changed then. Copies share the device, which begins its motion anew when asked
+// for an earlier time; so they run one after the other. Only options.stop may be set later.
 struct SessionPlan {
   SessionInput input;
-  SessionOptions options;
+  SessionOptions options;  // clock.seconds is what clock.length makes of it
   std::shared_ptr<Device> device;
   std::size_t frames = 0;
   std::vector<Vec3> motion = {};       // by frame, for a policy that knows it [m]; else empty
@@ -31,13 +32,20 @@ struct SessionPlan {
   int batch = 1;  // states of one job
 };
 
-// Throws InputError for what cannot be run: unknown names, a bad trace, no workers … Solves and writes nothing.
+// Makes the plan: reads the files of motion and arrivals, once. Throws InputError for what cannot be run:
+// unknown names, a bad trace, no workers … Solves and writes nothing.
 SessionPlan make_plan(SessionInput input, SessionOptions options);
 
 // The same session with these states known at the start besides those of the plan.
 SessionPlan with_known(SessionPlan plan, std::vector<State> known);
+// The same session, which appends the states that it solves to this file.
+SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file);
 
-// Whether several schedules are tried before the session itself is run: policy clairvoyant under the virtual clock.
+// The same session under another policy.
+SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy);
+
+// Whether several schedules are tried before the session itself is run: policy clairvoyant under the virtual
+// clock.
 bool is_rehearsed(const SessionPlan& plan);
 
 // What simulated workers charge; measures the body where the cost is RecordedCost.

@@ -33,12 +33,15 @@ void check_cell(const Study& study, const StudyCell& cell, const SessionInput& i
             key,
             "has no effect where states arrive at given times (session.arrivals), since nothing is "
             "solved; expected one or the other");
-  if (!study.sustained) return check_session(input, cell.options);
+  if (!study.sustained) {
+    make_plan(input, cell.options);
+    return;
+  }
   SessionOptions options = cell.options;
   for (const double speed : {study.sustained->low, study.sustained->high}) {
     options.motion.device = device_at_speed(cell.options.motion.device, speed, "study.sustained");
     options.clock.seconds = study.sustained->travel / speed;
-    check_session(input, options);
+    make_plan(input, options);
   }
 }
 

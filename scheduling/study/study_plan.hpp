@@ -1,6 +1,6 @@
 #pragma once
 // The cells of a study, worked out and checked before anything runs. Where a cell cannot run the InputError
-// names `study.speed`, `study.target_load`, `study.sustained`, or what check_session() names.
+// names `study.speed`, `study.target_load`, `study.sustained`, or what make_plan() names.
 
 #include <functional>
 #include <span>

@@ -79,7 +79,7 @@ using ShowPart = std::function<void(double)>;
 
 StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, const ShowPart& show) {
   const SessionResult result =
-      run_session(input, cell.options, [&](const SessionProgress& p) { show(part_of(p)); });
+      run_session(input, cell.options, {.progress = [&](const SessionProgress& p) { show(part_of(p)); }});
   return cell_result(result, input, cell.options);
 }
 

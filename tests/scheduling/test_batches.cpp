@@ -56,9 +56,8 @@ TEST_CASE("batches: neighbours on the lattice share a job, and every state is st
     options.planning.batch = batch;
     const SessionInput input = small_input();
     HeldWorkers workers(2);
-    LoopLink link;
     const SessionPlan plan = make_plan(input, options);
-    Planner planner(planner_setup(plan), workers, link, {.on_state = {}});
+    Planner planner(planner_setup(plan), workers, {.on_state = {}});
     std::set<std::tuple<long, long, long>> solved;
     std::size_t largest = 0;
     for (int round = 0; round < 200 && solved.size() < 125; ++round) {
@@ -97,9 +96,8 @@ TEST_CASE("batches: what was cancelled is open again, and goes on from where it 
   options.planning.batch = 4;
   options.planning.rest_first = false;  // rest has a job of its own
   HeldWorkers workers(1);
-  LoopLink link;
   const SessionPlan plan = make_plan(small_input(), options);
-  Planner planner(planner_setup(plan), workers, link, {.on_state = {}});
+  Planner planner(planner_setup(plan), workers, {.on_state = {}});
   planner.plan(0);
   const Job first = workers.jobs.at(0);
   REQUIRE(first.beside.size() == 3);

@@ -163,7 +163,7 @@ TEST_CASE("what nobody registered is refused with the names that are") {
   const auto refused = [](auto&& change) {
     SessionOptions options = virtual_options();
     change(options);
-    return refusal([&] { check_session(small_input(), options); });
+    return refusal([&] { make_plan(small_input(), options); });
   };
   CHECK_THAT(refused([](SessionOptions& o) { o.planning.policy = "wrapped"; }),
              Catch::Contains("unknown policy 'wrapped', expected one of ") && Catch::Contains("coverage") &&
@@ -183,7 +183,7 @@ TEST_CASE("settings of a registered part are checked against those that its fact
   const auto refused = [](PartSettings settings) {
     SessionOptions options = virtual_options();
     options.motion.device = Registered("wrapped-path", std::move(settings));
-    return refusal([&] { check_session(small_input(), options); });
+    return refusal([&] { make_plan(small_input(), options); });
   };
   CHECK(refused({{"speed", "0.1"}}).empty());
   CHECK(refused({{"speeed", "0.1"}}) ==
@@ -217,10 +217,10 @@ TEST_CASE("a kind of workers without simulation is refused under the virtual clo
   register_workers("only-real", {.real = make_wrapped_threads});
   SessionOptions options = virtual_options();
   options.workers.kind = "only-real";
-  CHECK_THAT(refusal([&] { check_session(small_input(), options); }),
+  CHECK_THAT(refusal([&] { make_plan(small_input(), options); }),
              Catch::Contains("has no workers for the virtual clock, expected --clock real"));
   options.clock.kind = Clock::real;
-  CHECK_NOTHROW(check_session(small_input(), options));
+  CHECK_NOTHROW(make_plan(small_input(), options));
 }
 
 TEST_CASE("parts are registered and found from several threads at the same time") {
@@ -244,7 +244,7 @@ TEST_CASE("a rehearsed session refuses objects that can be used once") {
   SessionOptions options = virtual_options(0.2);
   options.planning.policy = "clairvoyant";
   input.parts.predictor = make_predictor("kalman");
-  CHECK_THAT(refusal([&] { check_session(input, options); }), Catch::Contains("register it under a name"));
+  CHECK_THAT(refusal([&] { make_plan(input, options); }), Catch::Contains("register it under a name"));
   input.parts = {.policy = make_policy("clairvoyant-greedy")};
   CHECK_NOTHROW(run_session(input, options));  // a policy object is run as it is
 }

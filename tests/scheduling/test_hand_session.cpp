@@ -36,7 +36,7 @@ TEST_CASE("a policy that knows the motion is refused where the motion answers th
   SessionOptions options = virtual_options(0.2);
   options.planning.policy = "clairvoyant";
   options.motion.device = HandMotion{.profile = HandName::omega};
-  CHECK_THROWS_WITH(check_session(small_input(), options),
+  CHECK_THROWS_WITH(make_plan(small_input(), options),
                     Catch::Contains("depends on the force") && Catch::Contains("path:NAME"));
 }
 

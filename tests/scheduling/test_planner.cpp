@@ -56,7 +56,7 @@ struct Bench {
         input(testing::small_input()),
         plan(make_plan(input, options)),
         generator(workers),
-        planner(planner_setup(plan), generator, link,
+        planner(planner_setup(plan), generator,
                 {.on_state = [this](const State& s) { told.push_back(s); },
                  .future = {},
                  .expected_solve = expected}) {}
@@ -67,6 +67,8 @@ struct Bench {
   LoopLink link;
   std::vector<State> told;
   Planner planner;
+  ModelKeeper models{planner.space(), plan.model, link};
+  void update(double now) { models.update(now, planner.hip().at); }
 };
 
 }  // namespace
@@ -113,12 +115,11 @@ TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again")
   CHECK(b.planner.space().size() == 0);
   CHECK(b.told.empty());
   CHECK(b.planner.preempted() == 1);
-  CHECK(b.link.known.load() == 0);
   b.planner.plan(0.002);
   REQUIRE(b.generator.jobs.size() == 1);
   CHECK(b.generator.jobs.at(0).at == x);
   SessionResult result;
-  b.planner.finish(result);
+  b.planner.finish(result, b.models);
   REQUIRE(result.dispatch.size() == 2);
   CHECK(result.dispatch[0].status == DispatchStatus::preempted);
   CHECK(std::isnan(result.dispatch[0].known));  // nothing became known
@@ -166,7 +167,7 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
         if (b.generator.jobs.count(worker)) b.planner.receive(b.generator.end(worker, now), now);
     }
     SessionResult result;
-    b.planner.finish(result);
+    b.planner.finish(result, b.models);
     given.push_back(std::move(result.dispatch));
   }
   REQUIRE(given[0].size() == given[1].size());
@@ -196,7 +197,7 @@ TEST_CASE("planner: a failed solve is recorded and not tried again") {
   }
   CHECK(b.planner.space().size() == 124);
   SessionResult result;
-  b.planner.finish(result);
+  b.planner.finish(result, b.models);
   CHECK(result.counts.start == 0);
   CHECK(result.counts.solved == 124);
   CHECK(result.counts.failed == 1);
@@ -289,27 +290,27 @@ TEST_CASE("planner: publishes when states or travel call for it, and only then")
     if (model) b.link.returned.push(*model);
     return model.has_value();
   };
-  b.planner.update(0);
+  b.update(0);
   CHECK_FALSE(taken());  // nothing is known
   for (int i = 0; i < 60; ++i) {
     b.planner.plan(0.01 * i);
     b.planner.receive(b.generator.end(0, 0.01 * i), 0.01 * i);
-    b.planner.update(0.01 * i);
+    b.update(0.01 * i);
     if (i < 30)
       CHECK(taken());  // each state is within the neighbour set
     else
       taken();
   }
-  b.planner.update(1);
+  b.update(1);
   CHECK_FALSE(taken());  // nothing new
   b.planner.observe({.t = 1, .at = Vec3(0.001, 0, 0), .velocity = Vec3::Zero()});
-  b.planner.update(1);
+  b.update(1);
   CHECK_FALSE(taken());  // less than a quarter of a spacing
   b.planner.observe({.t = 1.1, .at = Vec3(0.012, 0.012, 0.012), .velocity = Vec3::Zero()});
-  b.planner.update(1.1);
+  b.update(1.1);
   CHECK(taken());
   SessionResult result;
-  b.planner.finish(result);
+  b.planner.finish(result, b.models);
   REQUIRE(result.switches.size() >= 31);
   CHECK(result.switches.front().cause == SwitchCause::first);
   CHECK(result.switches[1].cause == SwitchCause::states);
@@ -323,7 +324,7 @@ TEST_CASE("planner: recycles models even if the loop never takes one") {
   for (int i = 0; i < 125; ++i) {
     b.planner.plan(0.01 * i);
     b.planner.receive(b.generator.end(0, 0.01 * i), 0.01 * i);
-    b.planner.update(0.01 * i);
+    b.update(0.01 * i);
   }
   const auto model = b.link.models.take();
   REQUIRE(model);

@@ -11,7 +11,7 @@
 #include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/summary.hpp"
-#include "scheduling/session/session_parts.hpp"
+#include "scheduling/session/session.hpp"
 #include "small_body.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -33,9 +33,10 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   rest.status = SolveStatus::converged;
   input.known = {rest};
   std::size_t handed_over = 0, positions = 0;
-  const SessionResult result = run_session(
-      input, options, {}, [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); },
-      [&](const Vec3&) { ++positions; });
+  const SessionResult result =
+      run_session(input, options,
+                  {.when_run = [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); },
+                   .each_position = [&](const Vec3&) { ++positions; }});
   CHECK(result.interrupted());
   CHECK(result.end == RunEnd::not_begun);
   CHECK(result.frames.empty());
@@ -64,7 +65,7 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
   SessionInput wide = small_input();
   wide.touched.space.spacing = 0.001;
   try {
-    check_session(wide, options);
+    make_plan(wide, options);
     FAIL("accepted");
   } catch (const InputError& error) {
     CHECK(error.place().key == "model.neighbours");
@@ -72,7 +73,7 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
                Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
   }
   options.model.fit.neighbours = 100;
-  CHECK_NOTHROW(check_session(wide, options));
+  CHECK_NOTHROW(make_plan(wide, options));
 }
 
 TEST_CASE("a box without room for a lattice cell: a note says why nothing is a first visit") {
@@ -117,9 +118,10 @@ TEST_CASE("a second wish to end cuts the patience with references short") {
   options.stop.interrupted = &stop;
   options.stop.hurried = &hurry;
   options.stop.patience = 1e6;  // as long as it takes
-  const SessionResult result = run_session(small_input(), options, [&](const SessionProgress& p) {
-    stop = hurry = stop || p.phase == SessionPhase::references;
-  });
+  const SessionResult result =
+      run_session(small_input(), options, {.progress = [&](const SessionProgress& p) {
+                    stop = hurry = stop || p.phase == SessionPhase::references;
+                  }});
   CHECK(result.interrupted());
   CHECK(result.frames.size() == 1000);
   CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
@@ -157,9 +159,9 @@ TEST_CASE("a run that is interrupted while its references are solved ends withou
   options.workers.threads = 1;
   options.stop.interrupted = &stop;
   options.stop.patience = 0;
-  const SessionResult result = run_session(small_input(), options, [&](const SessionProgress& p) {
-    stop = stop || p.phase == SessionPhase::references;
-  });
+  const SessionResult result = run_session(
+      small_input(), options,
+      {.progress = [&](const SessionProgress& p) { stop = stop || p.phase == SessionPhase::references; }});
   CHECK(result.interrupted());
   CHECK(result.frames.size() == 1000);
   CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));

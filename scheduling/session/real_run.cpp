@@ -1,5 +1,4 @@
-// Real clock: the loop in a thread of real-time priority with locked memory where the system permits, the planner in
-// one of its own, the workers an OpenMP team.
+#include "scheduling/session/real_run.hpp"
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -14,7 +13,7 @@
 #include <cstring>
 #include <thread>
 
-#include "scheduling/session/session_parts.hpp"
+#include "scheduling/session/run_parts.hpp"
 #include "scheduling/workers/mpi_workers.hpp"
 
 namespace forefeel {
@@ -95,9 +94,11 @@ std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& ref
   return states;
 }
 
+// The planner's thread.
 struct PlannerRun {
   const SessionPlan& plan;
   Planner& planner;
+  ModelKeeper& models;
   RealWorkers& workers;
   LoopLink& link;
   std::vector<State> arriving;
@@ -110,9 +111,10 @@ struct PlannerRun {
     workers.collect(results, 0.0005);
     for (JobResult& result : results) planner.receive(std::move(result), now());
     while (arrived < arriving.size() && plan.arrivals[arrived].t <= now())
-      planner.arrive(arriving[arrived++], now());
+      planner.arrive(std::move(arriving[arrived++]), now());
     if (const auto hip = link.hip.take()) planner.observe(*hip);
-    planner.update(now(), true);
+    link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
+    models.update(now(), planner.hip().at, true);
     if (!plan.given_arrivals) planner.plan(now());
     link.planner_beat.store(now(), std::memory_order_relaxed);
   }
@@ -130,7 +132,7 @@ struct PlannerRun {
               .seconds = plan.options.clock.seconds,
               .known = planner.space().size(),
               .solved = planner.solved(),
-              .label = planner.label()});
+              .label = models.label()});
       }
     }
   }
@@ -172,8 +174,10 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   const std::shared_ptr<RealWorkers> given = workers_of(plan);
   RealWorkers& workers = *given;
   workers.begin(session_time);
-  Planner planner(planner_setup(plan), workers, link, hooks_of(plan, nullptr, writer.get()));
-  PlannerRun run{plan, planner, workers, link, std::move(arriving), start, show};
+  Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, writer.get()));
+  link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
+  ModelKeeper models(planner.space(), plan.model, link);
+  PlannerRun run{plan, planner, models, workers, link, std::move(arriving), start, show};
   LoopEnd end;
   std::exception_ptr failure;
 
@@ -201,7 +205,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   if (workers.failure()) std::rethrow_exception(workers.failure());
 
   take_loop(loop, plan.frames, result);
-  planner.finish(result);
+  planner.finish(result, models);
   result.solver.workers = plan.given_arrivals ? 0 : workers.workers();
   result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);

@@ -1,0 +1,191 @@
+#include "scheduling/judge/session_judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "scheduling/judge/visited_cells.hpp"
+#include "scheduling/render/session_model.hpp"
+
+namespace forefeel {
+namespace {
+
+void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double floor) {
+  const double scale = std::max(reference.norm(), floor);
+  Judgement& judged = frame.judged;
+  judged.reference = reference;
+  judged.error = (frame.force - reference).norm() / scale;
+  judged.approximation = (frame.undamped - reference).norm() / scale;
+  judged.switching = (frame.force - frame.undamped).norm() / scale;
+  judged.staleness = (frame.undamped - fresh).norm() / scale;
+}
+
+// Which frames are samples: by arc length, and first visits of lattice cells, of which every visit_stride-th
+// counts. The cells are cubes with corners in the box; their side is visit_cell.
+class Samples {
+ public:
+  Samples(const StateSpaceOptions& space, const JudgingOptions& options)
+      : visited_(space.box, visit_cell(options, space.spacing)),
+        step_(options.reference_step),
+        stride_(static_cast<std::size_t>(options.visit_stride)) {}
+
+  struct Choice {
+    bool sampled = false, first_visit = false;
+  };
+  Choice next(const Vec3& at) {
+    Choice choice;
+    if (begun_) travel_ += (at - last_).norm();
+    begun_ = true;
+    last_ = at;
+    if (travel_ >= next_) {
+      choice.sampled = true;
+      next_ = (std::floor(travel_ / step_) + 1) * step_;
+    }
+    if (visited_.first(at)) choice.first_visit = (visited_.count() - 1) % stride_ == 0;
+    return choice;
+  }
+
+ private:
+  VisitedCells visited_;
+  double step_, travel_ = 0, next_ = 0;
+  std::size_t stride_;
+  bool begun_ = false;
+  Vec3 last_ = Vec3::Zero();
+};
+
+// Published models become switches when the loop takes them.
+void keep_taken(SessionResult& result) {
+  std::vector<SwitchRecord> taken;
+  std::size_t published = 0;
+  for (const FrameRecord& frame : result.frames) {
+    if (!frame.step.took_model) continue;
+    while (published < result.switches.size() && result.switches[published].model != frame.model) ++published;
+    if (published == result.switches.size()) break;
+    SwitchRecord record = result.switches[published++];
+    record.t = frame.t;
+    record.jump_undamped = frame.step.undamped_jump;
+    taken.push_back(record);
+  }
+  result.switches = std::move(taken);
+}
+
+}  // namespace
+
+struct SessionJudge::Impl {
+  struct Found {
+    Label label;
+    Samples::Choice choice;
+    Vec3 fresh;  // of a sample: force of a model made anew from all states known then [N]
+  };
+
+  Impl(const JudgeSetup& setup, const StateSpace& all, ReferenceService& given)
+      : references(given),
+        end_early(setup.stop),
+        samples(all.options(), setup.judging),
+        known(all),
+        model(all, setup.model),
+        floor(setup.judging.error_floor) {}
+
+  std::vector<std::size_t> enter_labels(SessionResult& result) const;
+  std::optional<State> wait_for(const Vec3& at, bool interrupted);
+  void enter_errors(const std::vector<std::size_t>& chosen, SessionResult& result, const ShowProgress& show);
+
+  ReferenceService& references;
+  const StopOptions end_early;
+  Samples samples;
+  const StateSpace& known;
+  SessionModel model;
+  PathWalk walk;
+  Vec3 last = Vec3::Zero();
+  std::vector<Found> found;                                                                  // by frame
+  double floor;                                                                              // f0 [N]
+  std::chrono::steady_clock::time_point end = std::chrono::steady_clock::time_point::max();  // of waiting
+};
+
+SessionJudge::SessionJudge(const JudgeSetup& setup, const StateSpace& known, ReferenceService& references)
+    : impl_(std::make_unique<Impl>(setup, known, references)) {}
+SessionJudge::~SessionJudge() = default;
+
+void SessionJudge::frame(const PassedFrame& frame) {
+  Impl& my = *impl_;
+  const bool as_before = !my.found.empty() && !frame.grown && frame.at == my.last;  // a hand at rest
+  my.last = frame.at;
+  Impl::Found result{.label = as_before ? my.found.back().label : my.known.label(frame.at, my.walk),
+                     .choice = my.samples.next(frame.at),
+                     .fresh = Vec3::Zero()};
+  if (result.choice.sampled || result.choice.first_visit) {
+    my.references.request(frame.at);
+    my.model.forget();  // no set of an earlier moment has a say
+    result.fresh = my.model.model_at(frame.at).force(frame.at);
+  }
+  my.found.push_back(result);
+}
+
+// Labels of all frames, and which are samples. Returns the samples.
+std::vector<std::size_t> SessionJudge::Impl::enter_labels(SessionResult& result) const {
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < result.frames.size(); ++k) {
+    FrameRecord& frame = result.frames[k];
+    frame.label = found[k].label;
+    frame.judged.sampled = found[k].choice.sampled;
+    frame.judged.first_visit = found[k].choice.first_visit;
+    if (frame.judged.sampled || frame.judged.first_visit) chosen.push_back(k);
+  }
+  return chosen;
+}
+
+// Nothing where the patience of an interrupted session is at its end, whether it was interrupted before or
+// now.
+std::optional<State> SessionJudge::Impl::wait_for(const Vec3& at, bool interrupted) {
+  using Time = std::chrono::steady_clock;
+  for (;;) {
+    const auto now = Time::now();
+    if (end == Time::time_point::max() && (interrupted || end_early.is_interrupted()))
+      end =
+          now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(end_early.patience));
+    if (end != Time::time_point::max() && end_early.is_hurried()) end = std::min(end, now);
+    const auto turn = std::min(end, now + std::chrono::milliseconds(100));
+    std::optional<State> reference = references.get_until(at, turn);
+    if (reference || turn == end) return reference;
+  }
+}
+
+void SessionJudge::Impl::enter_errors(const std::vector<std::size_t>& chosen, SessionResult& result,
+                                      const ShowProgress& show) {
+  std::size_t failed = 0, late = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    FrameRecord& frame = result.frames[chosen[i]];
+    const std::optional<State> reference = wait_for(frame.at, result.interrupted());
+    if (!reference)
+      ++late;
+    else if (reference->usable())
+      judge(frame, reference->force, found[chosen[i]].fresh, floor);
+    else
+      ++failed;
+    if (show)
+      show({.phase = SessionPhase::references,
+            .t = static_cast<double>(i + 1),
+            .seconds = static_cast<double>(chosen.size()),
+            .known = result.states.size()});
+  }
+  if (late > 0) {
+    if (result.end == RunEnd::whole) result.end = RunEnd::interrupted;
+    result.notes.push_back(
+        fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
+                    chosen.size()));
+  }
+  if (failed > 0)
+    result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
+}
+
+void SessionJudge::finish(SessionResult& result, const ShowProgress& show) {
+  impl_->enter_errors(impl_->enter_labels(result), result, show);
+  keep_taken(result);
+}
+
+}  // namespace forefeel

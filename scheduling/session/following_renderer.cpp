@@ -1,0 +1,26 @@
+#include "scheduling/session/following_renderer.hpp"
+
+#include <limits>
+
+namespace forefeel {
+
+FollowingRenderer::FollowingRenderer(const StateSpace& known, const ModelRecipe& model,
+                                     const RenderOptions& options, std::size_t frames)
+    : models_(known, model, link_), loop_(motion_, link_, options, frames), frame_(options.frame) {}
+
+double FollowingRenderer::Motion::duration() const {
+  return std::numeric_limits<double>::infinity();
+}
+
+void FollowingRenderer::frame(const PassedFrame& frame) {
+  const double now = frame_time(frame.k, frame_);
+  models_.update(now, motion_.at);  // for where the HIP was seen last
+  motion_.at = frame.at;
+  link_.known.store(frame.known, std::memory_order_relaxed);
+  link_.planner_beat.store(now, std::memory_order_relaxed);
+  loop_.frame(frame.k);
+  force_.store(loop_.log()[frame.k].force.norm(), std::memory_order_relaxed);
+  label_.store(models_.label(), std::memory_order_relaxed);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,128 @@
+#include "scheduling/session/one_run.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "geometry/index/lattice_room.hpp"
+#include "scheduling/session/real_run.hpp"
+#include "scheduling/session/virtual_run.hpp"
+#include "scheduling/workers/cost.hpp"
+
+namespace forefeel {
+namespace {
+
+// A device shakes at a stiffness that it cannot render.
+void note_stiffness(const DeviceLimits& limits, const std::string& device, SessionResult& result) {
+  double stiffest = 0;
+  for (const State& state : result.states)
+    if (state.usable() && state.stiffness.allFinite())
+      stiffest = std::max(stiffest, state.stiffness.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+  if (stiffest > limits.stiffness)
+    result.notes.push_back(fmt::format("the body is as stiff as {:.0f} N/m, device {} renders {:.0f} N/m",
+                                       stiffest, device, limits.stiffness));
+}
+
+// Errors of first visits and the load belong to lattice cells. Where no cell fits the box there are none.
+void note_no_cells(const SessionPlan& plan, SessionResult& result) {
+  const Box& box = plan.input.touched.space.box;
+  const double side = visit_cell(plan.options.judging, plan.input.touched.space.spacing);
+  const Eigen::Array3d low = (box.low / side).array() - 1e-9, high = (box.high / side).array() + 1e-9;
+  std::string solved;
+  if (!plan.given_arrivals && result.solver.seconds.empty() && result.end != RunEnd::not_begun) {
+    const bool none = !holds_lattice_position(box, plan.input.touched.space.spacing);
+    if (result.counts.solved > 0)
+      solved = "nothing but rest was solved: there is no load";
+    else
+      solved = none ? fmt::format(
+                          "the box holds no position of the lattice of {:g} m: nothing could be solved, and "
+                          "there is no load",
+                          plan.input.touched.space.spacing)
+                    : "nothing was solved: there is no load";
+  }
+  if (((high.floor() - low.ceil()) < 1).any())
+    result.notes.push_back(
+        fmt::format("no cell of a lattice of {:g} m fits the box: there are no first visits{}{}", side,
+                    solved.empty() ? "" : "; ", solved));
+  else if (!holds_lattice_position(box, plan.input.touched.space.spacing) && !solved.empty())
+    result.notes.push_back(solved);
+}
+
+// Passes each position on to the caller.
+class PositionTeller final : public FrameStage {
+ public:
+  explicit PositionTeller(std::function<void(const Vec3&)> tell) : tell_(std::move(tell)) {}
+  void frame(const PassedFrame& frame) override { tell_(frame.at); }
+
+ private:
+  std::function<void(const Vec3&)> tell_;
+};
+
+bool is_virtual(const SessionPlan& plan) {
+  return plan.options.clock.kind == Clock::virtual_time;
+}
+
+// Notes and warnings that are known before the first frame.
+void note_start(const SessionPlan& plan, const ReferenceService& references, SessionResult& result) {
+  const WorkerOptions& workers = plan.options.workers;
+  if (!is_virtual(plan) && (to_text(workers.cost) != to_text(CostSpec()) || workers.latency > 0))
+    result.notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
+  if (references.note()) result.notes.push_back(*references.note());
+  if (references.damage() && !plan.input.references) result.warnings.push_back(*references.damage());
+}
+
+// planner -> pipeline -> renderer (where it can follow) -> judge -> the caller's each_position
+SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& references,
+                            const SessionHooks& hooks) {
+  SessionResult result;
+  std::shared_ptr<const CostModel> cost = plan.input.parts.cost;
+  if (is_virtual(plan) && !cost) cost = cost_model(plan, references);
+  note_start(plan, references, result);
+  const auto start = std::chrono::steady_clock::now();
+  FramePipeline pipeline(plan.input.touched.space);
+  std::shared_ptr<FollowingRenderer> renderer;
+  if (is_virtual(plan) && !plan.device->answers_force()) {
+    renderer = std::make_shared<FollowingRenderer>(pipeline.known(), plan.model, plan.render, plan.frames);
+    pipeline.add(renderer);
+  }
+  const auto judge = std::make_shared<SessionJudge>(judge_setup(plan), pipeline.known(), references);
+  pipeline.add(judge);
+  if (hooks.each_position) pipeline.add(std::make_shared<PositionTeller>(hooks.each_position));
+  if (is_virtual(plan))
+    run_virtual(plan, {*cost, references, pipeline, renderer.get()}, result, hooks.progress);
+  else
+    run_real(plan, references, result, hooks.progress);
+  if (hooks.when_run) hooks.when_run(result);
+  note_stiffness(plan.device->limits(), to_text(plan.options.motion.device), result);
+  pipeline.pass_rest(result.frames, result.states);
+  pipeline.wait(hooks.progress);
+  judge->finish(result, hooks.progress);
+  note_no_cells(plan, result);
+  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace
+
+std::shared_ptr<ReferenceService> references_of(const SessionPlan& plan) {
+  if (plan.input.references) return plan.input.references;
+  return std::make_shared<ReferenceService>(reference_options(plan.input), plan.options.workers.threads);
+}
+
+bool adds_rest(const SessionPlan& plan) {
+  const auto is_rest = [](const State& s) { return s.usable() && s.at.isZero(0); };
+  return plan.options.planning.rest_known && std::ranges::none_of(plan.input.known, is_rest);
+}
+
+SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks) {
+  const std::shared_ptr<ReferenceService> references = references_of(plan);
+  if (!adds_rest(plan)) return run_and_judge(plan, *references, hooks);
+  return run_and_judge(with_known(plan, {references->get(Vec3::Zero())}), *references, hooks);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,114 @@
+#include "scheduling/session/rehearsal.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "scheduling/session/one_run.hpp"
+#include "scheduling/session/run_parts.hpp"
+
+namespace forefeel {
+namespace {
+
+// Share of first visits within the JND; less than none where there are none.
+double first_visits_within(const SessionResult& result, const SwitchOptions& jnd) {
+  std::size_t visits = 0, within = 0;
+  for (const FrameRecord& f : result.frames) {
+    if (!f.judged.first_visit || !std::isfinite(f.judged.error)) continue;
+    ++visits;
+    within += (f.force - f.judged.reference).norm() <=
+              std::max(jnd.jnd_share * f.judged.reference.norm(), jnd.jnd_floor);
+  }
+  return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;
+}
+
+// The greedy one first: it is the best most of the time.
+std::vector<std::string> schedules_to_try() {
+  std::vector<std::string> names = policy_names();
+  std::erase_if(names, [](const std::string& name) {
+    return name == "clairvoyant" || name.find("shuffled") != std::string::npos;
+  });
+  std::ranges::stable_partition(names, [](const std::string& name) { return name == "clairvoyant-greedy"; });
+  return names;
+}
+
+ShowProgress as_rehearsal(const ShowProgress& show, std::size_t which, std::size_t of) {
+  if (!show) return {};
+  return [&show, which, of](SessionProgress progress) {
+    progress.rehearsal = which;
+    progress.rehearsals = of;
+    show(progress);
+  };
+}
+
+// What an interrupted rehearsal leaves of the session: nothing was rendered, and nothing solved that counts.
+SessionResult not_begun(const SessionPlan& plan, SessionResult tried, std::string note) {
+  open_state_file(plan.input);
+  SessionResult result;
+  tried.states.resize(tried.counts.start - (adds_rest(plan) ? 1 : 0));
+  result.states = std::move(tried.states);
+  result.counts.start = result.states.size();
+  result.end = RunEnd::not_begun;
+  result.notes.push_back(std::move(note));
+  return result;
+}
+
+struct Rehearsals {
+  std::string best;
+  std::size_t tried = 0, of = 0;     // schedules
+  std::optional<SessionResult> cut;  // of the rehearsal that was interrupted
+};
+
+Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
+  const std::vector<std::string> schedules = schedules_to_try();
+  Rehearsals found{.best = schedules.front(), .of = schedules.size(), .cut = {}};
+  double most = -2;
+  for (; found.tried < schedules.size() && most < 1; ++found.tried) {  // nothing is better than all
+    const std::string& name = schedules[found.tried];
+    SessionResult result = run_once(with_policy(plan, name),
+                                    {.progress = as_rehearsal(show, found.tried + 1, schedules.size())});
+    if (plan.options.stop.is_interrupted()) {
+      found.cut = std::move(result);
+      return found;
+    }
+    const double share = first_visits_within(result, plan.options.switching);
+    if (share > most) {
+      most = share;
+      found.best = name;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks) {
+  const auto start = std::chrono::steady_clock::now();
+  const bool own = !plan.input.references;
+  plan.input.references = references_of(plan);  // one for all rehearsals
+  const auto state_file = std::exchange(plan.input.files.states, std::nullopt);
+  Rehearsals rehearsed = rehearse(plan, hooks.progress);
+  plan.input.files.states = state_file;
+  if (rehearsed.cut) {
+    SessionResult result = not_begun(
+        plan, std::move(*rehearsed.cut),
+        fmt::format("interrupted while it rehearses, in schedule {} of {}: the session itself was not begun",
+                    rehearsed.tried + 1, rehearsed.of));
+    if (hooks.when_run) hooks.when_run(result);
+    result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+  const std::shared_ptr<ReferenceService> references = plan.input.references;
+  SessionResult result = run_once(with_policy(std::move(plan), rehearsed.best), hooks);
+  if (own && references->damage()) result.warnings.push_back(*references->damage());
+  result.notes.push_back(fmt::format(
+      "clairvoyant: {} was the best of {} schedules that were rehearsed{}", rehearsed.best, rehearsed.tried,
+      rehearsed.tried < rehearsed.of ? ": all first visits are within the JND, none can be better" : ""));
+  return result;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,61 @@
+#include "scheduling/session/run_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/common/quantiles.hpp"
+#include "scheduling/workers/cost.hpp"
+
+namespace forefeel {
+
+std::unique_ptr<StateWriter> open_state_file(const SessionInput& input) {
+  if (!input.files.states) return nullptr;
+  return std::make_unique<StateWriter>(
+      StateFile::open_or_create(*input.files.states, {.identity = input.touched.identity,
+                                                      .spacing = input.touched.space.spacing,
+                                                      .box = input.touched.space.box,
+                                                      .notes = {}}));
+}
+
+Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateWriter* writer) {
+  Planner::Hooks hooks;
+  if (writer) hooks.on_state = [writer](const State& state) { writer->push(state); };
+  if (!plan.motion.empty())
+    hooks.future = [&motion = plan.motion, frame = plan.options.clock.frame](double t) {
+      const auto k = static_cast<std::size_t>(std::max(0LL, std::llround(t / frame)));
+      return motion[std::min(k, motion.size() - 1)];
+    };
+  if (cost) {  // a body that has been solved before: its median is known
+    std::vector<double> seconds;
+    for (const Vec3& x :
+         lattice(plan.input.touched.space.box, plan.input.touched.space.box.size().maxCoeff() / 4))
+      seconds.push_back(cost->seconds(x));
+    if (!seconds.empty()) hooks.expected_solve = median(std::move(seconds));
+  }
+  return hooks;
+}
+
+void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
+  result.frames = loop.take_log();
+  if (result.frames.size() < frames) {
+    result.end = RunEnd::interrupted;
+    result.notes.push_back(fmt::format("interrupted after {} of {} frames", result.frames.size(), frames));
+  }
+  const SafetyCounts& counts = loop.safety().counts();
+  result.safety = {.clamped = counts.clamped,
+                   .slewed = counts.slewed,
+                   .stale = counts.stale,
+                   .non_finite = counts.non_finite,
+                   .generated = loop.safety().generated(),
+                   .work = loop.safety().work()};
+  if (counts.clamped > 0)
+    result.notes.push_back(fmt::format(
+        "{} of {} frames were clamped by safety: the device got less force than was rendered; the error is "
+        "that of the rendered force",
+        counts.clamped, result.frames.size()));
+}
+
+}  // namespace forefeel
