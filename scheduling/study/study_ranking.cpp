@@ -71,15 +71,15 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
                                       const std::vector<StudySlice>& slices) {
   const std::size_t levels = study.axes[axis].values.size();
   const std::vector<std::size_t> blocks = blocks_without(study, axis);
-  struct Settings {  // one block: everything but the axis is the same
+  struct FineBlock {  // one block: everything but the axis is the same
     std::vector<double> values;
     std::pair<std::size_t, std::size_t> unit;  // trace, seed
   };
-  std::map<std::size_t, Settings> fine;
+  std::map<std::size_t, FineBlock> fine;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::vector<std::size_t> choice = study.choice(study.combination_of(i));
     if (!in_slices(choice, slices)) continue;
-    Settings& block = fine[blocks[i]];
+    FineBlock& block = fine[blocks[i]];
     block.values.resize(levels, std::nan(""));
     block.values[choice[axis]] = value_of(study, cells[i], metric);
     block.unit = {trace_of(study, choice, axis), i % study.seeds.size()};
