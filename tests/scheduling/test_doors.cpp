@@ -208,7 +208,10 @@ TEST_CASE("no name is registered twice, none that cannot be written") {
   }
   CHECK_THAT(refusal([&] { register_device("hand", {}); }), Catch::Contains("'hand' is built in"));
   CHECK_THAT(refusal([&] { register_cost("paper", {}); }), Catch::Contains("'paper' is built in"));
-  CHECK_THAT(refusal([&] { register_predictor("kalman", {}); }), Catch::Contains("registered already"));
+  CHECK_THAT(refusal([&] {
+               register_predictor("kalman", [](FactoryContext&) { return make_predictor("kalman"); });
+             }),
+             Catch::Contains("registered already"));
   CHECK_THAT(refusal([&] { register_workers("none", {}); }), Catch::Contains("makes no workers"));
   CHECK_THAT(refusal([&] { register_device("nothing", {}); }), Catch::Contains("has no factory"));
 }
