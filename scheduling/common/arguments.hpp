@@ -1,11 +1,12 @@
 #pragma once
-// The settings that a user writes behind the name of a registered part, "mine:gain=2,file=a.csv", for the part's factory.
+// The settings that a user writes behind the name of a registered part, "mine:gain=2,file=a.csv", for the
+// part's factory.
 //
-//   const double gain = arguments.number("gain", 1.0, 0.0, 10.0);   // 1 where it is not given; InputError outside 0 to 10
+//   const double gain = arguments.number("gain", 1.0, 0.0, 10.0);   // default 1; InputError outside 0 to 10
 //   const std::string file = arguments.text("file", "default.csv");
 //
-// Whoever calls the factory calls expect_all_read() after it: a setting that the factory has not asked for is an error
-// that lists those it has asked for.
+// Whoever calls the factory calls expect_all_read() after it: a setting that the factory has not asked for is
+// an error that lists those it has asked for.
 
 #include <limits>
 #include <map>
@@ -37,7 +38,8 @@ std::string to_text(const Registered& part);  // "mine:a.csv,gain=2", as it was 
 class Arguments {
  public:
   Arguments() = default;
-  // place: for errors, as {.key = "policy", .value = "mine:gain=2"}. InputError for a key that is given twice.
+  // place: for errors, as {.key = "policy", .value = "mine:gain=2"}. InputError for a key that is given
+  // twice.
   Arguments(InputPlace place, const PartSettings& settings);
 
   bool has(const std::string& key);

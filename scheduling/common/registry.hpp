@@ -1,6 +1,6 @@
 #pragma once
-// A table from names to factories: the built-in ones and those of the user. Any thread may use it at any time, also before
-// main() begins: each table is made at its first use.
+// A table from names to factories: the built-in ones and those of the user. Any thread may use it at any
+// time, also before main() begins: each table is made at its first use.
 
 #include <fmt/format.h>
 

@@ -21,8 +21,8 @@ struct DispatchRow {
   bool became_known() const;  // the status is solved or arrived
 };
 
-// In the order of the file. InputError that names file and line for a missing file, a missing column of x, y, z,
-// finished, status, or a row of another length than the header.
+// Rows in the order of the file. InputError with file and line if the file is missing, a column x, y, z,
+// finished or status is missing, or a row differs from the header in length.
 std::vector<DispatchRow> read_dispatch(const std::filesystem::path& file);
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 #pragma once
-// What a run writes down: a row for each frame, each dispatched solve and each model that the loop took.
-// Plain data in SI units; `unknown` (NaN) where there is no value.
+// The records of a run: one for each frame, each dispatched solve and each model that the loop took. Plain
+// data in SI units; `unknown` (NaN) marks a missing value.
 
 #include <cstdint>
 #include <string_view>
@@ -11,17 +11,17 @@
 
 namespace forefeel {
 
-// What the change from one model to the next does to the force in a frame (approx/switch/force_switch.hpp).
+// How the change from one model to the next affects the force in a frame (approx/switch/force_switch.hpp).
 struct SwitchStep {
   bool took_model = false;       // a newer model is rendered from this frame on
   Vec3 delta = Vec3::Zero();     // dF [N]
-  double change = 0, bound = 0;  // |dF| and what the rule allows [N]
-  double motion_change = 0;      // |change of the force - dF|: what the motion did [N]
+  double change = 0, bound = 0;  // |dF| and its limit by the rule [N]
+  double motion_change = 0;      // |change of the force - dF|, due to the motion [N]
   double undamped_jump = 0;      // |f~' - f~| where a model is taken [N]
 };
 
-// Where a frame is a sample: the force of a tight solve and how far the rendered force is from it. The errors
-// are relative to max(|reference|, error_floor); judge/session_judge.hpp says how each is made.
+// For sampled frames: the force of a tight solve, and the errors of the rendered force. Errors are relative
+// to max(|reference|, error_floor); judge/session_judge.hpp defines them.
 struct Judgement {
   bool sampled = false;                      // by arc length
   bool first_visit = false;                  // of a lattice cell
@@ -38,9 +38,9 @@ struct FrameRecord {
   double t = 0;                  // [s]
   Vec3 at = Vec3::Zero();        // of the HIP [m]
   Vec3 force = Vec3::Zero();     // as rendered by the switch [N]
-  Vec3 sent = Vec3::Zero();      // after safety: what the device gets [N]
+  Vec3 sent = Vec3::Zero();      // after safety, to the device [N]
   Vec3 undamped = Vec3::Zero();  // of the newest model [N]
-  Label label = Label::blank;    // of the HIP's place, with the states known in this frame
+  Label label = Label::blank;    // at the HIP, from the states known in this frame
   std::uint32_t model = 0;       // serial number of the model that is rendered
   std::uint32_t known = 0;       // number of known states
   SwitchStep step = {};

@@ -1,4 +1,5 @@
-// register_device() and make_device() of device.hpp. A file of its own: the built-in devices include that header.
+// register_device() and make_device() of device.hpp. They have their own file because the built-in devices
+// include that header.
 
 #include "scheduling/motion/device.hpp"
 

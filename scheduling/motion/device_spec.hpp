@@ -1,6 +1,6 @@
 #pragma once
-// Which device a session has, as a typed choice. What a user types for it ("path:press,speed=0.06") is read in
-// apps/scene_input/spec_text.hpp; to_text() gives that text back.
+// The device of a session, as a typed choice. apps/scene_input/spec_text.hpp parses the user's text for it
+// ("path:press,speed=0.06"); to_text() returns that text.
 //
 //   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.1};
 //   options.motion.device = HandMotion{.profile = HandName::omega, .grip = 800};
@@ -29,13 +29,13 @@ constexpr double usual_speed = 0.06;  // [m/s]
 // A closed curve, run for ever (path_shapes.hpp).
 struct PathMotion {
   PathName path = PathName::press;
-  std::optional<double> speed = {};  // [m/s], 1e-6 to 1000; usual_speed where nobody says it
-  double amplitude = 0;  // distance of the farthest point from rest [m], at most 10; 0: as the box allows
+  std::optional<double> speed = {};  // [m/s], 1e-6 to 1000; unset: usual_speed
+  double amplitude = 0;  // distance of the farthest point from rest [m], at most 10; 0: fits the box
   double tremor = 0;     // RMS per axis, 8 to 12 Hz [m], at most 1
   double noise = 0;      // RMS per axis, white [m], at most 1
 };
 
-// Samples t,x,y,z of a file: position = scale * sample + offset (trace.hpp).
+// A recorded motion, samples t,x,y,z of a file: position = scale * sample + offset (trace.hpp).
 struct TraceMotion {
   std::filesystem::path file;  // relative: to the scene's folder, else to the working directory
   double scale = 1;
@@ -58,7 +58,7 @@ class DeviceSpec {
   DeviceSpec(TraceMotion motion) : motion_(std::move(motion)) {}
   DeviceSpec(HandMotion motion) : motion_(std::move(motion)) {}
   DeviceSpec(Registered device) : motion_(std::move(device)) {}
-  // The same, printed as it was written: digits and order of settings are the user's.
+  // `written` is the user's text; to_text() returns it unchanged.
   DeviceSpec(Motion motion, std::string written) : motion_(std::move(motion)), written_(std::move(written)) {}
 
   const Motion& motion() const { return motion_; }
@@ -70,7 +70,7 @@ class DeviceSpec {
 };
 
 std::string to_text(const DeviceSpec& device);
-// InputError("device TEXT: …") for a value outside its range. Does not look for files or registered names.
+// InputError("device TEXT: …") for a value outside its range. Does not check files or registered names.
 void check(const DeviceSpec& device);
 
 }  // namespace forefeel

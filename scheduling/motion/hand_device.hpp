@@ -1,10 +1,10 @@
 #pragma once
-// A simulated hand that holds a haptic device. It follows a target and yields to the force that it is given:
+// A simulated hand that holds a haptic device. It follows a target and yields to the rendered force:
 //   m x'' = k (x_t - x) + b (x_t' - x') + F,   b = 2 zeta sqrt(k m)
-// m effective mass of hand and device [kg], k stiffness of the grip [N/m], zeta damping ratio, x_t target [m], F rendered
-// force [N]. From frame to frame F is constant and x_t a straight line; for these the step is exact at any k and m. So the
-// loop of device, body and one frame's delay is as stable as the sampled system, whatever the step.
-// Positions are rounded to the profile's resolution, as encoders give them.
+// m effective mass of hand and device [kg], k stiffness of the grip [N/m], zeta damping ratio, x_t target
+// [m], F rendered force [N]. Within a frame F is constant and x_t moves on a straight line. The integration
+// step is exact for these at any k and m, so it adds no instability to the loop of device, body and one frame
+// of delay. Positions are rounded to the profile's resolution, like those of encoders.
 
 #include <memory>
 
@@ -17,11 +17,11 @@ class Device;
 struct HandProfile {
   HandName name;
   double force_limit;  // [N]
-  double stiffness;    // highest that the device renders [N/m]
+  double stiffness;    // highest the device can render [N/m]
   double resolution;   // of position [m]
 };
-// Data of the makers: touch (3D Systems Touch, formerly Omni), premium (Premium 1.5), omega (Force Dimension omega.3), falcon
-// (Novint).
+// Manufacturers' data: touch (3D Systems Touch, formerly Omni), premium (Premium 1.5), omega (Force Dimension
+// omega.3), falcon (Novint).
 const HandProfile& profile_of(HandName hand);
 
 struct HandOptions {

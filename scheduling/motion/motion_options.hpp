@@ -1,5 +1,5 @@
 #pragma once
-// Where the hand goes and how its way is foretold.
+// The motion of the hand, and the predictor that extrapolates it.
 
 #include <filesystem>
 #include <optional>
@@ -12,11 +12,11 @@ namespace forefeel {
 struct MotionOptions {
   DeviceSpec device = {};  // path:press,speed=0.06
   PredictorSpec predictor = "kalman";
-  // The folder of a run whose motion and arrivals are repeated; `device` is ignored then.
+  // Folder of an earlier run. Its motion and arrivals are repeated, and `device` is ignored.
   std::optional<std::filesystem::path> replay = {};
 };
 
-// InputError names the key of a value that cannot be used.
+// Throws InputError with the key of an invalid value.
 void check(const MotionOptions& options);
 
 }  // namespace forefeel

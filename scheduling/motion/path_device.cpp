@@ -13,7 +13,7 @@ namespace {
 
 constexpr double two_pi = 6.283185307179586476925286766559;
 
-// Tremor and sensor noise on top of a motion. Both fade in over 0.25 s, so that the motion starts exactly at rest.
+// Adds tremor and sensor noise to a motion. Both fade in over 0.25 s: the motion starts exactly at rest.
 class Disturbance {
  public:
   Disturbance(double tremor, double noise, std::uint64_t seed) : noise_(noise), seed_(seed) {
@@ -47,7 +47,7 @@ class Disturbance {
   std::uint64_t seed_;
 };
 
-// A curve by arc length: the lead once, then the loop for ever.
+// A curve parametrised by arc length: the lead once, then the loop for ever.
 class Curve {
  public:
   explicit Curve(const PathShape& shape) {
@@ -81,7 +81,7 @@ class Curve {
   double loop_start_ = 0;
 };
 
-// out_i = mean of the `window` values of `in` up to i; before the start the first value counts.
+// out_i = mean of the `window` values of `in` up to i; indices before the start use the first value.
 std::vector<Vec3> sliding_mean(const std::vector<Vec3>& in, std::size_t window) {
   std::vector<Vec3> out(in.size());
   Vec3 sum = static_cast<double>(window) * in.front();
@@ -92,8 +92,9 @@ std::vector<Vec3> sliding_mean(const std::vector<Vec3>& in, std::size_t window) 
   return out;
 }
 
-// The curve at constant speed, averaged twice over a short window: corners are rounded and slower, the speed never exceeds
-// the given one, the start is smooth. It is tabulated; a look-up interpolates linearly.
+// The curve at constant speed, averaged twice over a short window. This rounds the corners and slows the
+// motion there, makes the start smooth, and never exceeds the given speed. Positions are tabulated; a look-up
+// interpolates linearly.
 class PathDevice final : public Device {
  public:
   PathDevice(const PathShape& shape, double speed, Disturbance disturbance)
@@ -101,7 +102,7 @@ class PathDevice final : public Device {
     const Curve curve(shape);
     const double window = std::min(0.010, curve.loop_length() / 8);
     const std::size_t half = 16;
-    // The step divides the loop, so that the table closes on itself.
+    // The step divides the loop's length, so that the table is periodic.
     const auto steps =
         std::max<std::size_t>(64, static_cast<std::size_t>(std::ceil(curve.loop_length() / (window / 32))));
     step_ = curve.loop_length() / static_cast<double>(steps);

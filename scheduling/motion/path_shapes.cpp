@@ -13,8 +13,8 @@ namespace {
 
 constexpr double two_pi = 6.283185307179586476925286766559;
 
-// Distance from rest to the border of the box along a direction [m]; a quarter of the box's largest side where rest is
-// outside.
+// Distance from rest to the border of the box along a direction [m]. If rest is outside the box: a quarter of
+// the box's largest side.
 double reach(const Box& box, const Vec3& direction) {
   double distance = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
@@ -25,12 +25,12 @@ double reach(const Box& box, const Vec3& direction) {
   return distance > 0 && std::isfinite(distance) ? distance : 0.25 * size;
 }
 
-// Axes of the hand: w into the body, u and v along its surface; and how far the box reaches along each [m].
+// Axes of the hand (w into the body, u and v along its surface), and the extent of the box along each [m].
 struct Frame {
   Vec3 u, v, w;
   double u_low, u_high, v_low, v_high, depth;
 
-  // Shares of these reaches: a along u and b along v in [-1, 1], c along w in [0, 1].
+  // The point at fractions of these extents: a along u and b along v in [-1, 1], c along w in [0, 1].
   Vec3 at(double a, double b, double c) const {
     return (a < 0 ? -a * u_low : a * u_high) * (a < 0 ? Vec3(-u) : u) +
            (b < 0 ? -b * v_low : b * v_high) * (b < 0 ? Vec3(-v) : v) + c * depth * w;
@@ -80,7 +80,7 @@ PathShape lissajous(const Frame& f) {
   return shape;
 }
 
-// From target to target; 16 targets are drawn in the box.
+// Moves from target to target; 16 random targets in the box.
 PathShape reach_targets(const Frame& f, std::uint64_t seed) {
   PathShape shape{{Vec3::Zero()}, {}};
   for (std::uint64_t i = 0; i < 16; ++i) {
@@ -121,8 +121,8 @@ PathShape mower(const Frame& f) {
   return shape;
 }
 
-// Close parallel lines over the whole box, layer by layer into the body: nearly every lattice cell is visited, most of
-// them once. The way is about 5 m in a box of 7 cm.
+// Close parallel lines over the whole box, layer by layer into the body: the path visits nearly every lattice
+// cell, most of them once. It is about 5 m long in a box of 7 cm.
 PathShape raster(const Frame& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   constexpr int lines = 12, layers = 5;

@@ -10,7 +10,7 @@ namespace forefeel {
 
 struct PathShape {
   std::vector<Vec3> lead;  // from rest to the first point of the loop; starts at 0
-  std::vector<Vec3> loop;  // repeated; closed from its last point to its first
+  std::vector<Vec3> loop;  // repeated; the last point connects to the first
 };
 
 // Scaled to the box of the context; `reach` draws its targets from the seed.

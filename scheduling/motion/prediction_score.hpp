@@ -1,5 +1,5 @@
 #pragma once
-// How far a predictor misses, against horizon.
+// The error of a predictor as a function of the horizon.
 
 #include <cstddef>
 #include <deque>
@@ -12,13 +12,13 @@ namespace forefeel {
 
 class Predictor;
 
-// Of a motion sampled every `step` seconds.
+// Error at one horizon, over a motion sampled every `step` seconds.
 struct PredictionError {
   double horizon = 0;           // [s]
   double p50 = 0, p95 = 0;      // quantiles of |predicted - true| [m]
-  double within_deviation = 0;  // share of true positions within twice the deviation per axis
+  double within_deviation = 0;  // share of true positions within 2 deviations, per axis
 };
-// Takes the motion position by position.
+// Accumulates the errors over a motion, one position at a time.
 class PredictionScore {
  public:
   // horizons [s]. The predictor must outlive this.
@@ -39,7 +39,7 @@ class PredictionScore {
   std::size_t seen_ = 0;
   std::vector<Ahead> ahead_;
 };
-// All of a motion at once.
+// The same for a whole motion at once.
 std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
                                               double step, std::span<const double> horizons);
 

@@ -1,9 +1,9 @@
 #pragma once
-// Where the HIP will be, guessed from where it was.
+// Predicts the position of the HIP from its past positions.
 //
 // To write one: derive from Predictor, define observe() and predict(), register it under a name.
 //
-//   struct Still final : forefeel::Predictor {               // the hand stays where it is, give or take v * horizon
+//   struct Still final : forefeel::Predictor {               // the hand stays here; deviation v * horizon
 //     forefeel::HipSample last;
 //     void observe(const forefeel::HipSample& sample) override { last = sample; }
 //     forefeel::Prediction predict(double horizon) const override {
@@ -15,10 +15,11 @@
 //
 // Scenes (session.predictor), studies and --predictor then know it.
 //
-// Order of calls: observe() for each new sample of the HIP, under the virtual clock each frame, under the real clock the
-// newest whenever the planner gets to it; then predict() for several horizons, at least once between two samples.
-// Thread: the planner's alone. It may allocate, but its time delays every decision: a few microseconds a call.
-// Under the virtual clock it must be a function of the samples and the seed, so that a run repeats bit by bit.
+// Order of calls: observe() for each new sample of the HIP, then predict() for several horizons, at least
+// once between two samples. Under the virtual clock there is a sample each frame; under the real clock the
+// planner observes the newest sample at each of its steps. Thread: the planner's alone. It may allocate. Its
+// time delays every decision: stay within a few microseconds a call. Under the virtual clock the result must
+// depend on the samples and the seed alone, so that runs repeat bit by bit.
 
 #include <functional>
 #include <memory>
@@ -41,10 +42,10 @@ class Predictor {
 using PredictorSpec = Registered;
 using PredictorFactory = std::function<std::unique_ptr<Predictor>(FactoryContext&)>;
 
-// From any thread and also before main() begins. InputError for a name that is taken.
+// May be called from any thread, and before main() begins. InputError for a name that is taken.
 void register_predictor(const std::string& name, PredictorFactory factory);
 std::vector<std::string> predictor_names();  // sorted
-// InputError lists the names.
+// Throws InputError for an unknown name; the error lists the known ones.
 std::unique_ptr<Predictor> make_predictor(const PredictorSpec& predictor, const FactoryContext& context = {});
 
 }  // namespace forefeel

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double memory = 0.03;  // [s] over which the velocity is smoothed
 
-// The deviation is measured: predictions over a probing horizon of 0.1 s are kept until the position is known, and their
-// mean square error tells how much acceleration a constant velocity misses.
+// The deviation is measured. Predictions over a probing horizon of 0.1 s are kept and later compared with the
+// true position. Their mean square error gives the acceleration that the model of constant velocity neglects.
 class ConstantVelocity final : public Predictor {
  public:
   void observe(const HipSample& sample) override {
@@ -43,7 +43,7 @@ class ConstantVelocity final : public Predictor {
   bool seen_ = false;
   HipSample last_;
   Vec3 velocity_ = Vec3::Zero();
-  std::deque<HipSample> made_;  // predictions, by the time that they are for
+  std::deque<HipSample> made_;  // predictions, by target time
   double error2_ = 1e-6;        // mean square per axis over the probing horizon [m^2]
 };
 

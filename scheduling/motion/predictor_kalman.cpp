@@ -1,8 +1,9 @@
 // State (x, v, a) of each axis, with an acceleration that decays over tau (Singer 1970):
 //   dx = v,  dv = a - v / tau_v,  da = -a / tau + white noise
-// Constant acceleration over short horizons, no runaway over long ones. While the filter follows the motion the velocity
-// does not decay (tau_v infinite). In predictions it does, as hands turn: tau_v is learnt from the motion and stays
-// infinite as long as the motion is straight. The standard deviation is the filter's own, scaled by the errors seen so far.
+// The model has constant acceleration over short horizons and stays bounded over long ones. The filter itself
+// uses tau_v = infinity. Predictions use a finite tau_v, because hands turn: it is learnt from the motion and
+// stays infinite while the motion is straight. The standard deviation is that of the filter, scaled by the
+// errors measured so far.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -15,9 +16,9 @@
 namespace forefeel {
 namespace {
 
-// One filter serves the three axes: covariance and gain do not depend on the data, so that the axes share them. tau_v comes
-// from the share of the predicted way that the hand really went within 0.4 s. The deviation is that of the filter times
-// the ratio of measured to expected error over 0.1 s.
+// One filter serves the three axes: covariance and gain do not depend on the data, so the axes share them.
+// tau_v follows from the fraction of the predicted distance that the hand covered within 0.4 s. The deviation
+// is that of the filter times the ratio of measured to expected error over 0.1 s.
 class Kalman final : public Predictor {
  public:
   void observe(const HipSample& sample) override {
@@ -27,7 +28,7 @@ class Kalman final : public Predictor {
       covariance_ = Eigen::Vector3d(noise * noise, 0.01, 0.25).asDiagonal();
     } else if (sample.t > t_) {
       const double dt = sample.t - t_;
-      if (dt != step_) {  // frames are evenly spaced, so that the matrices are computed once
+      if (dt != step_) {  // frames are evenly spaced: computed once
         step_ = dt;
         transition_ = transition(dt, forever);
         process_ = process(dt, forever);
@@ -55,8 +56,8 @@ class Kalman final : public Predictor {
   }
 
  private:
-  static constexpr double noise = 5e-4;   // of a position [m]; large, since tremor is no white noise
-  static constexpr double tau = 0.1;      // of the acceleration [s]: voluntary motion is below 2 Hz
+  static constexpr double noise = 5e-4;   // of a position [m]; large because tremor is not white
+  static constexpr double tau = 0.1;      // of the acceleration [s]; voluntary motion is below 2 Hz
   static constexpr double spread = 0.25;  // standard deviation of the acceleration [m/s^2]
   static constexpr double probe = 0.1, long_probe = 0.4;  // [s]
   static constexpr double forever = 1e6;                  // [s]
@@ -66,7 +67,7 @@ class Kalman final : public Predictor {
     double deviation;
   };
 
-  // Compares the predictions that were made for times up to this sample with it.
+  // Compares this sample with the predictions made for its time or earlier.
   void compare(const HipSample& sample, double dt) {
     for (; !made_.empty() && made_.front().t <= sample.t; made_.pop_front()) {
       const double error2 = (made_.front().at - sample.at).squaredNorm() / 3;
@@ -74,7 +75,7 @@ class Kalman final : public Predictor {
       ratio2_ = std::max(ratio2_ + (1 - std::exp(-dt / 0.5)) * (seen2 - ratio2_), 0.1);
     }
   }
-  // beta = way gone along v / (|v| T) over T = 0.4 s, a mean over the last seconds. tau_v solves
+  // beta = distance covered along v / (|v| T) over T = 0.4 s, averaged over the last seconds. tau_v solves
   //   tau_v (1 - exp(-T / tau_v)) = beta T
   void persist(const HipSample& sample, double dt) {
     constexpr double long_memory = 2;  // [s]
@@ -131,8 +132,8 @@ class Kalman final : public Predictor {
   double t_ = 0, step_ = 0;
   Mat3 mean_ = Mat3::Zero();  // rows x, v, a; a column per axis
   Mat3 covariance_ = Mat3::Zero(), transition_ = Mat3::Identity(), process_ = Mat3::Zero();
-  std::deque<Made> made_;       // predictions, by the time that they are for
-  std::deque<HipSample> gone_;  // position and velocity 0.4 s ago; t: when the way gone is to be measured
+  std::deque<Made> made_;       // predictions, by target time
+  std::deque<HipSample> gone_;  // position and velocity 0.4 s ago; t: when to measure the distance
   double ratio2_ = 1;           // mean of (measured error / expected error)^2
   double along_ = 0, length2_ = 0, tau_v_ = forever;
 };

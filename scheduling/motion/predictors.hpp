@@ -1,5 +1,5 @@
 #pragma once
-// The predictors that come with the toolkit, one file each: predictor_NAME.cpp.
+// The built-in predictors, one file each: predictor_NAME.cpp.
 
 #include <memory>
 

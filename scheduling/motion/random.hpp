@@ -1,6 +1,6 @@
 #pragma once
-// Counter-based random numbers: each is a function of a key alone, so that a draw depends neither on the order of draws
-// nor on threads. Mixed by the finaliser of splitmix64 (Steele, Lea, Flood 2014).
+// Counter-based random numbers. Each is a function of its key alone: neither the order of draws nor the
+// number of threads matters. Mixed by the finaliser of splitmix64 (Steele, Lea, Flood 2014).
 //
 //   random::uniform(random::mix(seed, i))    // the i-th number of a seed, in (0, 1)
 
@@ -33,7 +33,7 @@ inline double normal(std::uint64_t key) noexcept {
   return std::sqrt(-2 * std::log(uniform(key))) * std::cos(two_pi * uniform(mix(key, 0x5bd1e995)));
 }
 
-// Key of a position, rounded to a micrometre so that the same place always draws the same.
+// Key of a position, rounded to a micrometre: the same place always gives the same draw.
 inline std::uint64_t position_key(const Vec3& x) noexcept {
   std::uint64_t key = 0;
   for (int i = 0; i < 3; ++i) key = mix(key, static_cast<std::uint64_t>(std::llround(x[i] * 1e6)));

@@ -1,7 +1,7 @@
 #pragma once
-// A motion given by samples, as --device trace:FILE and --replay play it:
-// x(t) by cubic Hermite interpolation between the samples (slopes by central differences, zero at both ends), held after
-// the last one.
+// A motion given by samples, for --device trace:FILE and --replay. x(t) interpolates the samples by cubic
+// Hermite polynomials (slopes by central differences, zero at both ends). After the last sample the position
+// is held.
 
 #include <filesystem>
 #include <memory>
@@ -14,16 +14,16 @@ namespace forefeel {
 class Device;
 
 struct Trace {
-  std::vector<double> times;    // growing, the first 0 [s]
+  std::vector<double> times;    // strictly increasing, the first is 0 [s]
   std::vector<Vec3> positions;  // [m]
 };
 
-// CSV t,x,y,z in SI units; the first time becomes 0. InputError(file:line) for short rows, values that are not finite,
-// times that do not grow, a file without rows.
+// Reads CSV t,x,y,z in SI units; times are shifted so that the first is 0. InputError(file:line) for short
+// rows, values that are not finite, times that do not increase, a file without rows.
 Trace read_trace(const std::filesystem::path& file);
 std::unique_ptr<Device> make_trace_device(Trace trace);
 
-// The file in the folder where there is one, else the path as it is: relative to the working directory.
+// folder/file if that exists; else the path unchanged, relative to the working directory.
 std::filesystem::path found_from(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 }  // namespace forefeel

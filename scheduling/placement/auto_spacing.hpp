@@ -3,16 +3,16 @@
 //
 // A calibration of the label safe, cut down to what a choice needs: for falling spacings
 //   h = L/2, L/3, L/4, L/6, L/8, L/12, L/16, L/24,   L the longest side of the box,
-// the lattice of the box is solved, and at n = 200 positions, drawn independently and evenly among those that are
-// safe on it, the model is compared with tight solves on the reference branch. With k of them above the tolerance
-// the share p of all safe positions that are above it is, at 95 % confidence, at most
+// the lattice of the box is solved, and at n = 200 positions, drawn independently and evenly among those that
+// are safe on it, the model is compared with tight solves on the reference branch. With k of them above the
+// tolerance the share p of all safe positions that are above it is, at 95 % confidence, at most
 //   b(k, n):  sum_{i <= k} C(n, i) b^i (1 - b)^(n - i) = 0.05        (Clopper, Pearson 1934, one-sided).
-// The first h is taken with b <= 5 %: k <= 4 of 200. That is the claim: with 95 % confidence at least 95 % of what
-// is safe lies within the tolerance; of the worst error it says nothing but what was met. Positions are judged
-// some at a time and a spacing is left when more than 4 are above, so that spacings far too coarse cost some
-// dozens of solves. Where few positions of the box are safe n is smaller and k with it (59 and none at the least).
-// A safe position without an equilibrium counts as above. Depends on its arguments alone, neither on threads nor
-// on what was solved before.
+// The first h is taken with b <= 5 %: k <= 4 of 200. That is the claim: with 95 % confidence at least 95 % of
+// what is safe lies within the tolerance; of the worst error it says nothing but what was met. Positions are
+// judged some at a time and a spacing is left when more than 4 are above, so that spacings far too coarse
+// cost some dozens of solves. Where few positions of the box are safe n is smaller and k with it (59 and none
+// at the least). A safe position without an equilibrium counts as above. Depends on its arguments alone,
+// neither on threads nor on what was solved before.
 
 #include <atomic>
 #include <functional>

@@ -191,7 +191,8 @@ class Placement {
     }
   }
 
-  // One sample after the other until one holds that decided nothing. Where one does not, worst_truth() is of it.
+  // One sample after the other until one holds that decided nothing. Where one does not, worst_truth() is of
+  // it.
   bool truth_holds() {
     for (std::size_t round = 0; round < most_rounds; ++round) {
       if (!look_at_truth(round)) return false;
@@ -225,8 +226,8 @@ class Placement {
     progress_({.states = space_.size(), .most_states = limit_, .estimate = report_.estimate.held()});
   }
 
-  // Random positions in the box, then its corners and random ones on its edges and faces, where a model that was
-  // made within extrapolates; those that are states already are left out there.
+  // Random positions in the box, then its corners and random ones on its edges and faces, where a model that
+  // was made within extrapolates; those that are states already are left out there.
   std::vector<Vec3> truth_positions(std::size_t round) const {
     const Box& box = options_.space.box;
     const std::uint64_t seed = random::mix(options_.seed, round);

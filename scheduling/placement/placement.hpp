@@ -7,10 +7,10 @@
 // largest.
 //   rest, four corners of a tetrahedron at 3/4 of the box, while needed its other four, then the point of the
 //   largest estimate, until the estimate holds;
-// then the truth is looked at: tight solves on the reference branch at random positions, and, for the largest,
-// at corners, edges and faces of the box. Where it does not hold, the worst of them becomes a state (it is
-// solved already) and placing goes on; where it does, but only after some of them became states, others are
-// drawn, up to four times. What comes next depends
+// then the truth is looked at: tight solves on the reference branch at random positions, and, for the
+// largest, at corners, edges and faces of the box. Where it does not hold, the worst of them becomes a state
+// (it is solved already) and placing goes on; where it does, but only after some of them became states,
+// others are drawn, up to four times. What comes next depends
 // on the states so far alone, so that a run that was cut goes on as if it had not been. A linear body takes
 // three solves.
 //
@@ -88,8 +88,8 @@ PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOp
                              std::span<const State> known, const std::function<void(State)>& sink,
                              const std::function<void(const PlacementProgress&)>& progress);
 
-// The relative errors of the model at the given truth: |f~ - f| / max(|f|, floor). Quantiles of the first `uniform`, the
-// largest of all.
+// The relative errors of the model at the given truth: |f~ - f| / max(|f|, floor). Quantiles of the first
+// `uniform`, the largest of all.
 ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor,
                           std::size_t uniform = static_cast<std::size_t>(-1));
 

@@ -187,7 +187,8 @@ void Planner::plan(double now) {
 }
 
 // While no state is known, one worker solves rest. The others wait until the hand has moved a third of a
-// spacing or rest is known: a job takes them ten times as long, and is better chosen once the direction shows.
+// spacing or rest is known: a job takes them ten times as long, and is better chosen once the direction
+// shows.
 bool Planner::rest_comes_first(double now) {
   if (!setup_.rest_first || !space_.empty()) return false;
   if (dispatches_.empty()) {

@@ -1,5 +1,6 @@
 #pragma once
-// Decides and updates, the same under both clocks; whoever calls it gives the time.
+// Decides which states are solved and keeps the state space. It is the same under both clocks: the caller
+// passes the time.
 //   HIP -> predictor -> policy -> job to a worker, or its cancellation
 //   state from a worker -> state space; whoever renders makes models of it (render/model_keeper.hpp)
 // One thread owns it.
@@ -22,11 +23,11 @@
 
 namespace forefeel {
 
-// What a planner is made of. `known` is read while the planner is made, never later.
+// What a planner is made of. `known` is read by the constructor only.
 struct PlannerSetup {
   StateSpaceOptions space = {};
-  std::span<const State> known = {};  // at the start; failed ones are not tried again
-  std::size_t nodes = 0;              // of the body's mesh: bounds how many solutions are kept to start from
+  std::span<const State> known = {};  // at the start; failed states are not tried again
+  std::size_t nodes = 0;              // of the body's mesh; limits how many solutions are kept as starts
   std::shared_ptr<Policy> policy = {};
   std::shared_ptr<Predictor> predictor = {};
   Placement placement = Placement::lattice;
@@ -34,20 +35,20 @@ struct PlannerSetup {
   bool preempt = true, rest_first = true;
   double latency = 0;  // of a message to or from a worker [s]
   ModelRecipe model = {};
-  SwitchOptions jnd = {};  // a policy's surprises are measured in its JND
+  SwitchOptions jnd = {};  // unit of PlannerView::surprises
 };
 
 class Planner {
  public:
   struct Hooks {
-    std::function<void(const State&)> on_state;  // each new one, failed solves included; may be empty
-    std::function<Vec3(double)> future = {};     // the motion itself, for a policy that knows it
-    double expected_solve = 0.01;                // time of a solve, until some were seen [s]
+    std::function<void(const State&)> on_state;  // called for each new state, also failed ones; may be empty
+    std::function<Vec3(double)> future = {};     // the true motion, for policies that read it
+    double expected_solve = 0.01;                // assumed until solves are measured [s]
   };
   Planner(PlannerSetup setup, Generator& generator, Hooks hooks);  // the generator must outlive it
 
   void receive(JobResult result, double now);  // from the generator
-  void arrive(State state, double now);        // a state that becomes known without a solve
+  void arrive(State state, double now);        // adds a state that needs no solve
   void observe(const HipSample& sample);
   void plan(double now);  // dispatches, preempts
 
@@ -57,7 +58,8 @@ class Planner {
   std::size_t failed() const { return counts_.failed; }
   std::size_t preempted() const { return counts_.preempted; }
   bool idle() const;  // nothing runs
-  // Ends the records; `models` made the models that were rendered. The planner must not be used after.
+  // Completes the records. `models` is the keeper of the rendered models. The planner must not be used
+  // afterwards.
   void finish(SessionResult& result, ModelKeeper& models);
 
  private:
@@ -67,12 +69,12 @@ class Planner {
   };
   struct Slot {  // one per worker
     bool cancelling = false, counted = false;
-    std::vector<Member> members;  // states of its job that are not back yet, in the order they are solved
+    std::vector<Member> members;  // unfinished states of its job, in solving order
     double since = 0;
     bool rest = false;  // its job is the state at rest
     bool busy() const { return !members.empty(); }
   };
-  struct Ranked {  // a heap of them has the best on top
+  struct Ranked {  // in a heap, the best is on top
     double priority = 0;
     Candidate candidate;
     std::size_t pending = 0;  // number of pending positions when it was ranked
@@ -111,9 +113,9 @@ class Planner {
   Generator& generator_;
   Hooks hooks_;
   StateSpace space_;
-  std::vector<std::int64_t> dispatch_of_;  // by state id: row of dispatch, -1 from the start
+  std::vector<std::int64_t> dispatch_of_;  // by state id: row of dispatch; -1: known at the start
   std::unique_ptr<Candidates> candidates_;
-  std::unique_ptr<SessionModel> judge_;  // models at states that come; null unless the policy asks
+  std::unique_ptr<SessionModel> judge_;  // predicts states as they come; null unless requested
   std::vector<float> surprises_;         // by state id
 
   HipSample hip_;
@@ -124,7 +126,7 @@ class Planner {
   std::size_t start_limit_ = 4096;
   std::unordered_map<std::uint32_t, int> preemptions_;  // by candidate order
   std::unordered_map<std::uint32_t, std::shared_ptr<const Equilibrium>>
-      partial_;  // by candidate order: where a solve was broken off
+      partial_;  // by candidate order: last iterate of a cancelled solve
   double preemption_checked_ = 0, solve_seconds_;
   std::vector<double> recent_costs_, costs_;
 

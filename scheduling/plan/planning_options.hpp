@@ -1,5 +1,5 @@
 #pragma once
-// What is solved next.
+// How a session chooses the next states to solve.
 
 #include <filesystem>
 #include <optional>
@@ -11,21 +11,22 @@ namespace forefeel {
 struct PlanningOptions {
   PolicySpec policy = "coverage";
   Placement placement = Placement::lattice;  // where states may be placed
-  bool preempt = true;                       // a running solve is cancelled where another is worth far more
-  // The first job of a session that knows nothing is the state at rest: its force is zero, its stiffness one
-  // factorisation (cost.hpp). It is there long before any other, and the first model is the body's tangent at
-  // rest.
+  bool preempt = true;                       // cancel a running solve if another is worth far more
+  // If no state is known, solve the state at rest first. Its force is zero and its stiffness takes one
+  // factorisation (cost.hpp), so it is ready long before any other state. The first model is then the body's
+  // tangent at rest.
   bool rest_first = true;
-  // Rest is known from the start: the hand feels the body's tangent at once, and nothing fades in from zero.
+  // The state at rest is known from the start: the tangent of the body is rendered at once, without a fade-in
+  // from zero.
   bool rest_known = false;
-  // States of one job: the chosen one and its neighbours, solved on its factor, 1 to 8. 0: 8 in real time and
-  // 1 under the virtual clock, whose cost models know single solves.
+  // States per job, 1 to 8: the chosen state and neighbours solved with its factorisation. 0 means 8 under
+  // the real clock and 1 under the virtual clock, whose cost models describe single solves.
   int batch = 0;
-  // CSV t,x,y,z, rows in any order: states become known at given times, nothing is dispatched.
+  // A file CSV t,x,y,z, rows in any order. States become known at these times; nothing is dispatched.
   std::optional<std::filesystem::path> arrivals = {};
 };
 
-// InputError names the key of a value that cannot be used.
+// Throws InputError with the key of an invalid value.
 void check(const PlanningOptions& options);
 
 }  // namespace forefeel

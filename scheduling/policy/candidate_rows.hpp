@@ -1,5 +1,6 @@
 #pragma once
-// Candidates sorted by the cubes of a grid, so that those within a distance of a place lie in a few runs of one array.
+// Candidates sorted by the cubes of a grid. All candidates near a position lie in a few contiguous runs of
+// one array.
 
 #include <algorithm>
 #include <array>
@@ -13,14 +14,15 @@ namespace forefeel {
 
 class CandidateRows {
  public:
-  // side: of the cubes [m]; doubled until there are no more cubes than a fourth of the candidates.
+  // side: of the cubes [m]. It is doubled until there are at least four candidates per cube.
   CandidateRows(std::span<const Candidate> candidates, double side);
 
-  const double* xyz() const { return xyz_.data(); }  // 3 x #candidates, a coordinate a row [m]
-  // Index of the candidate that stands at a place of xyz.
+  const double* xyz() const { return xyz_.data(); }  // 3 x #candidates, one coordinate per row [m]
+  // Index of the candidate in a column of xyz.
   std::uint32_t candidate(std::size_t place) const { return order_[place]; }
 
-  // visit(first, last) for disjoint runs of places that hold all candidates within `radius` of q, and some others.
+  // Calls visit(first, last) for disjoint runs of columns. They hold all candidates within `radius` of q, and
+  // some that are farther.
   template <class Visit>
   void near(const Vec3& q, double radius, Visit&& visit) const;
 
@@ -36,9 +38,9 @@ class CandidateRows {
   std::size_t count_;
   Vec3 low_;
   std::int64_t cubes_[3]{};
-  std::vector<std::uint32_t> begin_;  // #cubes + 1: first place of each cube
-  std::vector<std::uint32_t> order_;  // place -> candidate
-  std::vector<double> xyz_;           // 3 x #candidates, by place
+  std::vector<std::uint32_t> begin_;  // #cubes + 1: first column of each cube
+  std::vector<std::uint32_t> order_;  // column -> candidate
+  std::vector<double> xyz_;           // 3 x #candidates, by column
 };
 
 template <class Visit>

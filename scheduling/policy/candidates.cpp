@@ -33,7 +33,8 @@ Candidates::Candidates(const StateSpace& space, std::span<const State> failed, P
   }
 }
 
-// Rounded to a tenth of the spacing: tells lattice points apart, which lie a spacing apart, and ignores round-off.
+// Rounded to a tenth of the spacing: tells lattice points apart, which lie a spacing apart, and ignores
+// round-off.
 std::uint64_t Candidates::key(const Vec3& x) const {
   std::uint64_t packed = 0;
   for (int i = 0; i < 3; ++i) {

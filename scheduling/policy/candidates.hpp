@@ -1,9 +1,10 @@
 #pragma once
-// The positions that a policy ranks: where a state may be solved next, is not known and is not being solved.
+// The positions that a policy ranks: those where a state may be solved next. They are neither known nor being
+// solved.
 //   lattice    the points {k h}^3 in the box
 //   adaptive   the corners of an octree whose leaves are 4 h wide. A leaf that the predicted path enters is split, down to
 //              h, once its corners are known or being solved
-//   path       every second lattice point along each axis, and points of the predicted path, chosen anew in each planning
+//   path       every second lattice point along each axis, and points of the predicted path, chosen again in each planning
 //              step. None is nearer than h / 2 to a state that is known or being solved
 
 #include <cstdint>
@@ -30,21 +31,21 @@ class Candidates {
   std::span<const Candidate> open() const { return open_; }
   bool empty() const { return open_.empty(); }
   bool may_grow() const { return placement_ != Placement::lattice; }  // by follow()
-  // Takes out the i-th open one, to be solved. Indices of the others change. Under `path` those within h / 2 of it are
-  // held back until put_back() or fail() tells that it will not become known.
+  // Takes out the i-th open candidate, to be solved. Indices of the others change. Under `path`, candidates
+  // within h / 2 of it are held back until put_back() or fail() says that it will not become known.
   Candidate take(std::size_t i);
-  // The one at rest, under any placement; nothing where that state was taken or is known.
+  // Takes out the candidate at rest, under any placement; nullopt if that state was taken or is known.
   std::optional<Candidate> take_rest();
   std::optional<std::size_t> index_of(const Candidate& candidate) const;  // among the open ones
   void put_back(Candidate candidate);  // its solve was cancelled: open again
   void fail(const Vec3& at);           // its solve failed: never open again
-  void learn(const Vec3& known);       // a state became known: no candidate any more; updates the distances
+  void learn(const Vec3& known);       // a state became known: removes its candidate, updates the distances
   void request_near(const Vec3& hip, double now);  // sets Candidate::requested of those within 2.5 spacings
-  // Tells the path ahead: `adaptive` and `path` place new candidates from it.
+  // Sets the path ahead, from which `adaptive` and `path` place new candidates.
   void follow(std::span<const Prediction> path, double now);
-  // Sets the labels as the space is now. Labels never get worse, so safe candidates are not looked up again.
+  // Updates the labels from the space. Labels never get worse, so safe candidates are skipped.
   void refresh_regions();
-  Candidate refreshed(Candidate candidate) const;  // label and distance as of now
+  Candidate refreshed(Candidate candidate) const;  // with its present label and distance
 
  private:
   std::uint64_t key(const Vec3& x) const;

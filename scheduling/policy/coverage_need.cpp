@@ -35,8 +35,8 @@ double lack(Label label, int scale) {
   return 0;
 }
 
-// A hand that leaves the box turns back. A position predicted outside is mirrored at the faces of the box, as often as
-// needed to be inside.
+// A hand that leaves the box turns back. A position predicted outside is mirrored at the faces of the box, as
+// often as needed to be inside.
 Vec3 folded(const Vec3& x, const Box& box) {
   Vec3 inside = box.low;
   for (int i = 0; i < 3; ++i) {
@@ -48,7 +48,8 @@ Vec3 folded(const Vec3& x, const Box& box) {
   return inside;
 }
 
-// out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a coordinate a row.
+// out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a
+// coordinate a row.
 FOREFEEL_CLONES
 void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz,
                const double* q, const double* need, const double* inverse, double* __restrict out) {
@@ -98,8 +99,8 @@ struct CoverageNeed::Index {
     if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
     return gap ? Label::gap : Label::blank;
   }
-  // Whether a state at p may change the label of the place q. A sparse place or a gap: if p is within 2 H. A blank place: if
-  // p is near enough to make it sparse, or within 8 H and inside the empty cone.
+  // Whether a state at p may change the label of the place q. A sparse place or a gap: if p is within 2 H. A
+  // blank place: if p is near enough to make it sparse, or within 8 H and inside the empty cone.
   bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale,
                   double h) const {
     const Vec3 to = p - q;
@@ -140,7 +141,8 @@ void CoverageNeed::relabel(Place& place, std::size_t s) const {
   if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s, &place.axis[s]);
 }
 
-// Labels never get worse: places that are safe at a spacing, and those that no new state can change, keep their label.
+// Labels never get worse: places that are safe at a spacing, and those that no new state can change, keep
+// their label.
 void CoverageNeed::learn(const StateSpace& space, std::span<const float> surprises) {
   const double h = space.options().spacing;
   for (; known_ < space.size(); ++known_) {
@@ -168,8 +170,8 @@ void CoverageNeed::teach(const Vec3& at, double surprise) {
   }
 }
 
-// Shares of misses by Laplace's rule with a prior. They do not fall towards coarser spacings: where a fine spacing misses,
-// a coarser one misses too.
+// Shares of misses by Laplace's rule with a prior. They do not fall towards coarser spacings: where a fine
+// spacing misses, a coarser one misses too.
 void CoverageNeed::weigh_scales(bool with_stiffness) {
   constexpr double strength = 4;  // states that the prior counts as
   const std::array<double, scales> prior =
@@ -180,17 +182,17 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
   }
 }
 
-// A state asked for now is there after T, the time of a solve. Places that the hand reaches at about that time count most;
-// those it passes earlier are helped less, those it reaches later can wait.
+// A state asked for now is there after T, the time of a solve. Places that the hand reaches at about that
+// time count most; those it passes earlier are helped less, those it reaches later can wait.
 double CoverageNeed::urgency(double t, double solve) {
   const double late = (solve - t) / solve;
   return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
 }
 
-// path_share of the weight is on the path. A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its weight on the
-// predicted point, and the rest on the places of the box around it, as a Gaussian of width s. The remaining weight is on
-// the whole box, by the time to reach each place. Before the hand has moved there is no path, and all weight is on the
-// box: the first states spread over it.
+// path_share of the weight is on the path. A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its
+// weight on the predicted point, and the rest on the places of the box around it, as a Gaussian of width s.
+// The remaining weight is on the whole box, by the time to reach each place. Before the hand has moved there
+// is no path, and all weight is on the box: the first states spread over it.
 void CoverageNeed::weigh(const PlannerView& view) {
   const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
   const Box& box = view.space.options().box;

@@ -1,22 +1,26 @@
 #pragma once
-// What the labels say is lacking where the hand will be, and how much of it one more state would mend.
+// How badly states are needed where the hand will be, judged by the labels, and how much of that need one
+// more state would remove.
 //
 // A place q has a need at each of three spacings H = 4 h, 2 h, h:
 //   n_H(q) = w(q) N_H lack(label of q at spacing H)               lack: blank > gap > sparse > safe
-// The label at H is that of coverage.hpp with H for h; w(q) says how soon the hand may be at q.
-// N_H, how much a lack at H counts, is learnt during the session. Of the states that came into a blank or gap at H, but
-// not at 2 H, it is the share whose force the model had missed by more than the JND (with a prior that counts as a few
-// states). A smooth body soon needs coarse spacings alone, a harder one needs fine ones.
+// The label at H is that of coverage.hpp with H in place of h. The weight w(q) is the larger the sooner the
+// hand may be at q. N_H, the importance of spacing H, is learnt during the session. It looks at the states
+// solved in a place that was blank or a gap at H, but not at 2 H. N_H is the share of them whose force the
+// model had missed by more than the JND (just noticeable difference), with a prior worth a few states. A
+// smooth body soon needs coarse spacings only; a strongly nonlinear one also needs fine ones.
 //
-// A state at c mends the places within its reach 2 H, a little farther than where it makes a place sparse. Its worth is
+// A state at c reduces the need of the places within 2 H, slightly more than the distance at which it makes a
+// place sparse. Its worth is
 //   V(c) = sum_q sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (2 H)^2)_+
-// with p over the states that are being solved.
+// where p runs over the states being solved.
 //
-// The places are points of the path ahead, predicted or known, folded into the box where it leaves the box; and the
-// centres of cubes of 2 h that fill the box, which take the weight that an uncertain prediction does not give to the path.
+// The places q are of two kinds. First, points of the path ahead, predicted or known; points outside the box
+// are mirrored into it. Second, the centres of cubes of side 2 h that fill the box; they take the weight that
+// an uncertain prediction withholds from the path.
 //
-// A model that interpolates in lattice cells needs more than labels tell. Each unknown corner of a cell that the path ahead
-// crosses gets w / (unknown corners of that cell) in addition.
+// A model that interpolates in lattice cells needs all corners of a cell, which labels do not express. For
+// it, each unknown corner of a cell on the path ahead gains w / (number of unknown corners of that cell).
 
 #include <array>
 #include <cstdint>
@@ -31,7 +35,7 @@
 namespace forefeel {
 
 struct NeedOptions {
-  double path_share = 0.75;  // of the weight that is on the path ahead; the rest is on the box
+  double path_share = 0.75;  // share of the weight on the path ahead; the box has the rest
   bool shuffle = false;      // the placebo: labels are permuted among all places
   std::uint64_t seed = 0;    // of the permutation
 };
@@ -42,9 +46,9 @@ class CoverageNeed {
   explicit CoverageNeed(NeedOptions options);
   ~CoverageNeed();
 
-  // Once a planning step: takes in new states, labels all places, sets w and the states that are being solved.
+  // Call once per planning step: takes in new states, labels all places, sets w and the states being solved.
   void look(const PlannerView& view);
-  void pend(std::span<const Vec3> pending);  // other states are being solved than at look() [m]
+  void pend(std::span<const Vec3> pending);  // replaces the states being solved, between two look() [m]
   // V of each candidate; never negative. out: #candidates.
   void worth(std::span<const Candidate> candidates, std::span<double> out) const;
 
@@ -53,7 +57,7 @@ class CoverageNeed {
     Vec3 at;
     double weight = 0;
     std::array<Label, scales> label{Label::blank, Label::blank, Label::blank};
-    // Of an empty cone, which proves that the place is blank; zero: unknown.
+    // Axis of an empty cone that proves the place blank; zero: unknown.
     std::array<Vec3, scales> axis{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
     std::array<bool, scales> due{};  // the label may have changed
   };
@@ -73,7 +77,7 @@ class CoverageNeed {
   struct Index;
   std::unique_ptr<Index> index_;                  // one triangulation of the states serves the three spacings
   std::array<double, scales> importance_{};       // N_H
-  std::array<double, scales> missed_{}, seen_{};  // of states that came into a lack at H: misses, all
+  std::array<double, scales> missed_{}, seen_{};  // states solved in a blank or gap at H: misses, all
   std::size_t known_ = 0;
   std::vector<Place> box_;                        // fixed; labels kept up to date
   std::vector<Place> places_;                     // of this step: the path ahead, then the box

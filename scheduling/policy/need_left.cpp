@@ -11,8 +11,8 @@ namespace {
 // Lists of fewer states than this are multiplied out again; from longer ones states are left out by division.
 constexpr std::size_t few = 32;
 
-// Less than this counts as zero. It is many orders above denormal numbers, which are slow; and a state that leaves a
-// millionth of a need can be left out without making it count again.
+// Less than this counts as zero. It is many orders above denormal numbers, which are slow; and a state that
+// leaves a millionth of a need can be left out without making it count again.
 constexpr double nothing = 1e-200;
 
 // left_i *= 1 - m(q_i, p), one scale
@@ -68,8 +68,8 @@ void NeedLeft::anew(std::span<const Vec3> under_way) {
   for (const Vec3& p : under_way) multiply(p);
 }
 
-// Divides by the factors of the states that are left out. Where these are nearly zero the product of the place is computed
-// again. False where this does not pay or the list is no part of the longest one.
+// Divides by the factors of the states that are left out. Where these are nearly zero the product of the
+// place is computed again. False where this does not pay or the list is no part of the longest one.
 bool NeedLeft::leave_out(std::span<const Vec3> under_way) {
   if (all_.size() < few || under_way.size() > all_.size() || all_.size() - under_way.size() > few / 4)
     return false;

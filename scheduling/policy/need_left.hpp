@@ -1,8 +1,8 @@
 #pragma once
-// What places still need once the states that are being solved ("under way") are known, for each scale s:
+// The need that remains at each place once the states being solved ("under way") are known, for each scale s:
 //   left_s(q) = need_s(q) prod_p (1 - m_s(q, p)),    m_s(q, p) = (1 - |q - p|^2 inverse_s)_+
-// with p over the states under way, in their order. The products are kept from call to call: one state more costs one pass
-// over the places, and so does leaving out a few of many.
+// where p runs over the states under way, in their order. The products are kept between calls: adding a state
+// costs one pass over the places, and so does removing a few of many.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ class NeedLeft {
 
   // New places with their needs, nothing under way; inverses [1/m^2].
   void begin(std::span<const Vec3> at, std::span<const Needs> needs, const Needs& inverses);
-  // These states are under way, and no others [m].
+  // Sets the complete list of states under way [m].
   void set(std::span<const Vec3> under_way);
 
   std::size_t places() const { return at_.size(); }
@@ -39,16 +39,16 @@ class NeedLeft {
   bool leave_out(std::span<const Vec3> under_way);
 
   static constexpr std::uint32_t none = 0xffffffffu;
-  struct Row {  // of a scale: the places with a need at it
+  struct Row {  // of one scale: the places with a need there
     double inverse = 0;
     std::vector<std::uint32_t> place, of;  // #row -> place, #places -> row or none
-    std::vector<double> xyz, need, left;   // a coordinate a row; #row
+    std::vector<double> xyz, need, left;   // one coordinate per row; #row
   };
   std::vector<Vec3> at_;
   std::array<Row, scales> rows_;
   std::vector<Vec3> counted_;  // the states under way
-  // The longest list of states since the last one that was no part of it, and what it leaves: from these a few states can
-  // be left out by division.
+  // The longest recent list of states that contains all lists since, and its products. A shorter list is
+  // obtained from them by division.
   std::vector<Vec3> all_;
   std::array<std::vector<double>, scales> all_left_;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// The policies that come with the toolkit, one file each: policy_NAME.cpp. clairvoyant and the shuffled ones are variants
-// of coverage and stand in its file.
+// The built-in policies, one file each: policy_NAME.cpp. clairvoyant and the shuffled policies are variants
+// of coverage and share its file.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
-// A state is worth what the labels of the places within its reach lack, weighted by how soon the hand may be at each
-// (coverage_need.hpp): blank, gap and sparse places on the predicted path turn safe soonest. Where nothing is lacking, the
-// order is outward from the HIP.
+// A state is worth what the labels of the places within its reach lack, weighted by how soon the hand may be
+// at each (coverage_need.hpp): blank, gap and sparse places on the predicted path turn safe soonest. Where
+// nothing is lacking, the order is outward from the HIP.
 //   coverage               the path as predicted
 //   clairvoyant-greedy     the path as it will be
 //   clairvoyant            the same; under the virtual clock the session rehearses all schedules first (rehearsal)

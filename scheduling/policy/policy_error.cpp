@@ -1,8 +1,9 @@
 // Expected error times the chance that the state is needed:
 //   min(delta / h, 4)^3 max_j exp(-d_j^2 / (2 (s_j^2 + h^2))) T / (T + horizon_j)
-// The error of a kernel of order 3 grows with the cube of delta, the distance to the nearest state that is known or being
-// solved. The chance is that of the HIP being within a spacing h of the candidate at the j-th prediction: a normal density
-// of deviation s_j, at distance d_j from the predicted position, discounted by the horizon; T is the time of a solve.
+// The error of a kernel of order 3 grows with the cube of delta, the distance to the nearest state that is
+// known or being solved. The chance is that of the HIP being within a spacing h of the candidate at the j-th
+// prediction: a normal density of deviation s_j, at distance d_j from the predicted position, discounted by
+// the horizon; T is the time of a solve.
 
 #include <algorithm>
 #include <cmath>

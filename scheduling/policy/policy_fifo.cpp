@@ -1,5 +1,5 @@
-// First come, first served: what the HIP came near first is solved first, 1 / (1 + time). What it never came near follows,
-// outward from rest.
+// First come, first served: what the HIP came near first is solved first, 1 / (1 + time). What it never came
+// near follows, outward from rest.
 
 #include <cmath>
 

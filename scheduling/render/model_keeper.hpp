@@ -1,6 +1,7 @@
 #pragma once
-// Makes the models that the loop renders, from the states of a space, when states or travel call for one:
-// publishes them through the link and recycles them as the loop gives them back.
+// Makes the models that the loop renders, from the states of a space. It makes a new model when states have
+// come or the HIP has moved far enough, publishes it through the link, and reuses models that the loop
+// returns.
 
 #include <cstdint>
 #include <memory>
@@ -14,12 +15,12 @@ namespace forefeel {
 
 class ModelKeeper {
  public:
-  // The space and the link must outlive it; one thread owns it and the space.
+  // The space and the link must outlive the keeper. One thread owns keeper and space.
   ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link);
 
   void update(double now, const Vec3& hip, bool time_it = false);
   Label label() const { return label_; }  // of the region that chose the newest model
-  // When the state first was in a model [s], by id; NaN or not there: never.
+  // When each state first entered a model [s], by id; NaN or missing: never.
   const std::vector<double>& first_used() const { return first_used_; }
   std::vector<SwitchRecord> take_switches() { return std::move(updates_); }  // one per published model
 

@@ -18,12 +18,13 @@
 
 namespace forefeel {
 
-// Time of frame k [s], the double next to its nanoseconds: prints short and means the same everywhere.
+// Time of frame k [s], rounded to whole nanoseconds: prints short and is the same on every machine.
 inline double frame_time(std::size_t k, double frame) {
   return static_cast<double>(std::llround(static_cast<double>(k) * frame * 1e9)) / 1e9;
 }
 
-// Where the HIP is in frame k, after the frame before it. A device that fails holds its last place.
+// The HIP in frame k, given that of the frame before. If the device returns a non-finite position, the last
+// one is held.
 inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, double frame,
                           const Vec3& sent) noexcept {
   const double t = frame_time(k, frame);
@@ -32,12 +33,12 @@ inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, 
   return {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - last.at) / frame)};
 }
 
-// All that planner and loop share. Each member has one writer and one reader.
+// All data that planner and loop share. Each member has one writer and one reader.
 struct LoopLink {
   TripleBuffer<const Model*> models;     // planner -> loop
   SpscQueue<const Model*, 32> returned;  // loop -> planner, which alone frees or refills them
   TripleBuffer<HipSample> hip;           // loop -> planner
-  std::atomic<std::uint32_t> known{0};   // planner -> loop: states known
+  std::atomic<std::uint32_t> known{0};   // planner -> loop: number of known states
   std::atomic<double> planner_beat{0};   // planner -> loop: session time of its last step [s]
 };
 
@@ -51,16 +52,16 @@ class RenderLoop {
  public:
   RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames);
 
-  // Frame k at t = k * frame. Returns what the planner is told of the HIP.
+  // Runs frame k, at t = k * frame.
   void frame(std::size_t k) noexcept;
-  // Cost and wake-up lateness of the last frame; what happens outside of a frame's own work.
+  // Records the cost and the wake-up lateness of the last frame; the caller measures them.
   void note_timing(double cost_us, double lateness_us) noexcept;
 
   const HipSample& hip() const { return hip_; }
   const std::vector<FrameRecord>& log() const { return log_; }
   std::vector<FrameRecord> take_log();  // the frames done so far
   const Safety& safety() const { return safety_; }
-  std::size_t lost_models() const { return lost_models_; }  // the return queue was full: never, by its size
+  std::size_t lost_models() const { return lost_models_; }  // return queue full; its size prevents that
 
  private:
   void give_back(const Model* model) noexcept;
@@ -74,7 +75,7 @@ class RenderLoop {
   std::size_t done_ = 0, lost_models_ = 0;
   HipSample hip_;
   Vec3 rendered_ = Vec3::Zero(), sent_ = Vec3::Zero();
-  std::uint32_t model_ = 0, newest_ = 0;  // serials: taken, and last handed over
+  std::uint32_t model_ = 0, newest_ = 0;  // serial numbers: rendered, newest received
 };
 
 }  // namespace forefeel

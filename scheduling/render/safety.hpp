@@ -1,13 +1,13 @@
 #pragma once
-// Between the rendered force and a device, in this order:
+// Safety rules between the rendered force and a device, applied in this order:
 //   non-finite guard   a force that is not finite counts as zero
-//   watchdog           without a sign of the planner for stale_seconds the force fades out over 0.2 s; it
+//   watchdog           if the planner is silent for stale_seconds the force fades out over 0.2 s, and
 //                      fades in again when the planner is back
 //   start-up ramp      share t / ramp_seconds of the force
 //   clamp              |F| <= force_limit
-//   slew               |F - F_before| <= slew_limit dt, so that none of the above makes a step
-// and an energy observer (Hannaford and Ryu 2002): the work of the hand, -sum F . dx by the trapezoid rule; a
-// passive body never gives back more than was put in. Nothing here allocates or throws.
+//   slew               |F - F_before| <= slew_limit dt, so that none of the above causes a jump
+// An energy observer (Hannaford and Ryu 2002) sums the work of the hand, -sum F . dx, by the trapezoid rule.
+// A passive body never returns more energy than it received. Nothing here allocates or throws.
 
 #include <cstddef>
 
@@ -16,13 +16,13 @@
 namespace forefeel {
 
 struct SafetyOptions {
-  double force_limit = 12;     // that of an omega.3; a device with a lower limit of its own keeps that [N]
+  double force_limit = 12;     // that of an omega.3 [N]; a device's lower limit prevails
   double slew_limit = 1000;    // [N/s]
   double ramp_seconds = 0.1;   // start-up [s]
   double stale_seconds = 0.5;  // watchdog [s]
 };
 
-// InputError names the key of a value that cannot be used.
+// Throws InputError with the key of an invalid value.
 void check(const SafetyOptions& options);
 
 struct SafetyCounts {
@@ -32,13 +32,13 @@ struct SafetyCounts {
 class Safety {
  public:
   Safety(SafetyOptions options, double frame) : options_(options), frame_(frame) {}  // frame [s]
-  // rendered: by the switch; age: time since the planner's last sign of life [s]. Returns what the device
-  // gets [N].
+  // rendered: the force of the switch [N]; age: time since the planner's last step [s]. Returns the force for
+  // the device [N].
   Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept;
 
   const SafetyCounts& counts() const { return counts_; }
   double work() const { return work_; }            // sum of |F . dx| [J]
-  double generated() const { return generated_; }  // most that was given back beyond what was put in [J]
+  double generated() const { return generated_; }  // largest energy returned beyond that received [J]
 
  private:
   void observe_energy(const Vec3& force, const Vec3& x) noexcept;

@@ -1,12 +1,12 @@
 #pragma once
-// Makes the models of a session from the states known so far:
+// Makes the models of a session from the states known so far, by one of three methods:
 //   rbf                    radial basis functions on a neighbour set that follows the HIP
 //                          (approx/select/updater.hpp). With stiffness the first three states reach twice as
 //                          far as states of the lattice do.
 //   trilinear, tricubic    interpolation in the lattice cell around the HIP, as before RBF models
 //                          (approx/model/lattice_field.hpp). Where a corner of the cell is not known: the
 //                          force of the nearest state.
-// While no state is known it makes the tangent of the first guess, if there is one.
+// While no state is known, the model is the linear force of the first guess, if there is one.
 
 #include <memory>
 #include <optional>
@@ -20,10 +20,11 @@ namespace forefeel {
 
 class SessionModel {
  public:
-  // The space must outlive it; both belong to one thread.
+  // The space must outlive this object; both belong to one thread.
   SessionModel(const StateSpace& space, const ModelRecipe& recipe);
 
-  // As ModelUpdater: false while no state is known and there is no first guess either. That has no states.
+  // As ModelUpdater::update(). Returns false while there is neither a known state nor a first guess. The
+  // model of a first guess has no states.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr);
   Model model_at(const Vec3& hip);
   void forget();

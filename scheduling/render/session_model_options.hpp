@@ -15,21 +15,21 @@ struct SessionModelOptions {
   ModelOptions fit = {};  // of method rbf
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
-  // While nothing is known the hand feels the stiffness that a disc on a half-space of the body's material
-  // would have (solver/body/contact_stiffness.hpp): no solve, no state. The first true state replaces it,
-  // faded in like any newer model. Not where states come from files, nor where some are known from the start.
+  // While no state is known, render the stiffness of a rigid disc on a half-space of the body's material
+  // (solver/body/contact_stiffness.hpp). This needs no solve. The first solved state replaces it, faded in
+  // like any new model. Ignored if states come from files or are known at the start.
   bool first_guess = true;
 };
 
-// InputError names the key of a value that cannot be used.
+// Throws InputError with the key of an invalid value.
 void check(const SessionModelOptions& options);
 
-// The same once a session's plan has decided what the options leave open.
+// The same options after the session's plan has filled in what they leave open.
 struct ModelRecipe {
-  ModelOptions fit = {};  // no more neighbours than there can be states (for_states)
+  ModelOptions fit = {};  // neighbours capped at the number of states (for_states)
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // [spacings]
-  Mat3 guess = Mat3::Zero();    // stiffness felt while nothing is known [N/m]; zero: none
+  Mat3 guess = Mat3::Zero();    // stiffness while no state is known [N/m]; zero: none
 };
 
 }  // namespace forefeel

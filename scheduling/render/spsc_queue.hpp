@@ -12,7 +12,7 @@ namespace forefeel {
 template <class T, std::size_t Capacity>
 class SpscQueue {
  public:
-  // Writer. False, and nothing queued, when it is full.
+  // Writer. Returns false, and queues nothing, if the queue is full.
   bool push(const T& value) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     const std::size_t next = (tail + 1) % Capacity;
@@ -22,7 +22,7 @@ class SpscQueue {
     return true;
   }
 
-  // Reader. Oldest first.
+  // Reader. Returns the oldest value; nullopt if empty.
   std::optional<T> pop() noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_.load(std::memory_order_acquire)) return std::nullopt;

@@ -1,7 +1,8 @@
 #pragma once
-// Lock-free hand-over of the newest value from one writer to one reader. Three slots: the writer fills one,
-// the reader keeps one, the third holds the latest published value; both sides swap with it by one atomic
-// exchange. Wait-free on both sides, never blocks, never allocates (as long as T's assignment does not).
+// Passes the newest value from one writer to one reader without locks. There are three slots: the writer
+// fills one, the reader keeps one, and the third holds the latest published value. Each side swaps its slot
+// with the third by one atomic exchange. Wait-free on both sides, never blocks, never allocates (as long as
+// T's assignment does not).
 
 #include <array>
 #include <atomic>
@@ -13,7 +14,7 @@ namespace forefeel {
 template <class T>
 class TripleBuffer {
  public:
-  // Writer. Returns the value published before if the reader never took it (it is the writer's again).
+  // Writer. Returns the previous value if the reader never took it; it belongs to the writer again.
   std::optional<T> publish(const T& value) noexcept {
     slots_[back_].value = value;
     const std::uint8_t old =
@@ -23,7 +24,7 @@ class TripleBuffer {
     return std::nullopt;
   }
 
-  // Reader. The newest value published since the last take, or nothing.
+  // Reader. Returns the newest value published since the last take; nullopt if there is none.
   std::optional<T> take() noexcept {
     if (!(middle_.load(std::memory_order_relaxed) & fresh)) return std::nullopt;
     const std::uint8_t old = middle_.exchange(front_, std::memory_order_acq_rel);

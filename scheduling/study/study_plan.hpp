@@ -59,7 +59,8 @@ double states_needed_per_second(const SessionInput& input, const SessionOptions&
 //   load = demand / (workers b / (c (1 + (b - 1) batch_share) + 2 latency))
 // InputError where c is not above 0 (the messages alone are more than the load) or is more than 1e6 s.
 CostSpec cost_for_load(double load, const SessionOptions& options, double demand);
-// The path at that speed, printed as "path:NAME,…,speed=V". InputError names `where` for a device that is no path or that names its speed already.
+// The path at that speed, printed as "path:NAME,…,speed=V". InputError names `where` for a device that is no
+// path or that names its speed already.
 DeviceSpec device_at_speed(const DeviceSpec& device, double speed, const std::string& where);
 
 }  // namespace forefeel

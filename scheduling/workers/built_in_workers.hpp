@@ -1,5 +1,5 @@
 #pragma once
-// The kinds of workers that come with the toolkit.
+// The built-in kinds of workers.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a solve costs under the virtual clock, as a typed choice. What a user types for it ("lognormal:0.1,0.5") is read in
-// apps/scene_input/spec_text.hpp; to_text() gives that text back.
+// The cost model of the virtual clock, as a typed choice. apps/scene_input/spec_text.hpp parses the user's
+// text for it ("lognormal:0.1,0.5"); to_text() returns that text.
 //
 //   options.workers.cost = LogNormalCost{.median = 0.1, .sigma = 0.5};
 //   options.workers.cost = Registered("mine", {{"gain", "2"}});   // registered with register_cost()
@@ -21,10 +21,10 @@ struct LogNormalCost {
   double median = 0.01;  // [s], above 0, at most 1e6
   double sigma = 0;      // 0 to 1e6
 };
-// Log-normal with 95 % between 0.1 and 1 s, clamped to that range ("hundreds of milliseconds to seconds", Peterlik and
-// Filipovic 2.2).
+// Log-normal with 95 % between 0.1 and 1 s, clamped to that range ("hundreds of milliseconds to seconds",
+// Peterlik and Filipovic 2.2).
 struct PaperCost {};
-// Drawn from solves of this body that were measured once and kept in the cache folder.
+// Drawn from times of solves of this body, measured once and kept in the cache folder.
 struct RecordedCost {};
 
 class CostSpec {
@@ -37,7 +37,7 @@ class CostSpec {
   CostSpec(PaperCost cost) : cost_(cost) {}
   CostSpec(RecordedCost cost) : cost_(cost) {}
   CostSpec(Registered cost) : cost_(std::move(cost)) {}
-  // The same, printed as it was written: the digits are the user's.
+  // `written` is the user's text; to_text() returns it unchanged.
   CostSpec(Cost cost, std::string written) : cost_(std::move(cost)), written_(std::move(written)) {}
 
   const Cost& cost() const { return cost_; }
@@ -49,7 +49,8 @@ class CostSpec {
 };
 
 std::string to_text(const CostSpec& cost);
-// InputError("cost TEXT") for a value outside its range. Measures nothing and looks up no names.
+// InputError("cost TEXT") for a value outside its range. Measures nothing and does not check registered
+// names.
 void check(const CostSpec& cost);
 
 }  // namespace forefeel

@@ -1,11 +1,12 @@
 #pragma once
-// Who solves states: the planner hands jobs to idle workers and may cancel them; results come back to the planner.
-//   Generator        what the planner sees of them
+// The workers that solve states. The planner gives jobs to idle workers and may cancel them; results return
+// to the planner.
+//   Generator        the interface that the planner uses
 //   RealWorkers      under the real clock: threads, other processes, other machines
-//   VirtualWorkers   under the virtual clock: nothing runs, the session goes from event to event
+//   VirtualWorkers   under the virtual clock: a discrete-event simulation, nothing runs
 //
-// To write a kind: derive from RealWorkers, from VirtualWorkers or from both, register them under one name. A kind that
-// lacks one of the two is refused under that clock.
+// To write a kind: derive from RealWorkers, VirtualWorkers or both, and register the classes under one name.
+// A kind that lacks one of the two is refused under the corresponding clock.
 //
 //   struct Pool final : forefeel::RealWorkers { … };              // of its own threads
 //   const bool known = (forefeel::register_workers("pool", {.real = [](forefeel::RealWorkersContext& with) {
@@ -13,13 +14,14 @@
 //
 // Scenes (session.workers_kind), studies and --workers-kind then know it as "pool".
 //
-// Order of calls, real clock: begin() once; then from the planner's thread dispatch(), cancel() and collect(); at the end
-// stop() and collect() once more. Where serves() is true the session starts a team of threads, each of which calls serve()
-// between begin() and stop(). collect() is called about every half millisecond and must not wait longer than it was told.
-// Order of calls, virtual clock, all from one thread: set_now() before each dispatch() and cancel(); next_event() after
-// each step; take_event() where that event is the next of the session. Bits must repeat: no wall time, no threads' order.
-// A worker gets a job only while it is idle. For each state of a job, one result comes back, cancelled or not; the worker
-// is idle again with the last of them.
+// Order of calls, real clock: begin() once; then dispatch(), cancel() and collect() from the planner's
+// thread; at the end stop() and a last collect(). If serves() is true, the session starts a team of threads,
+// and each calls serve() between begin() and stop(). collect() is called about every half millisecond and
+// must not wait longer than its timeout. Order of calls, virtual clock, all from one thread: set_now() before
+// each dispatch() and cancel(); next_event() after each step; take_event() when that event is the session's
+// next one. Runs must repeat bit by bit: results must depend neither on wall time nor on the order of
+// threads. A worker gets a job only while it is idle. Each state of a job returns one result, cancelled or
+// not; with the last result the worker is idle again.
 
 #include <chrono>
 #include <cstdint>
@@ -46,18 +48,19 @@ struct Job {
   };
   std::uint32_t dispatch = 0;  // row of dispatch.csv
   Vec3 at = Vec3::Zero();      // [m]
-  // Where to start: the nearest known solution, or where a solve of this state was broken off. Null: rest.
+  // Where to start: the nearest known solution, or the last iterate of a cancelled solve of this state. Null:
+  // rest.
   std::shared_ptr<const Equilibrium> start;
-  std::vector<Neighbour> beside = {};  // solved after it, on its factor
+  std::vector<Neighbour> beside = {};  // solved after it, reusing its factorisation
 };
 
 struct JobResult {
   std::uint32_t dispatch = 0;
   int worker = 0;
   double started = unknown, finished = unknown;  // session time [s]
-  State state;                                   // status cancelled: nothing but the worker is given back
+  State state;                                   // cancelled: only the worker is released
   std::shared_ptr<const Equilibrium> equilibrium;
-  std::shared_ptr<const Equilibrium> partial = {};  // cancelled: where it stood
+  std::shared_ptr<const Equilibrium> partial = {};  // cancelled: the last iterate
 };
 
 class Generator {
@@ -65,19 +68,19 @@ class Generator {
   virtual ~Generator() = default;
   virtual int workers() const = 0;                 // ready to take jobs; may grow
   virtual void dispatch(int worker, Job job) = 0;  // to an idle worker
-  virtual void cancel(int worker) = 0;  // results still come: cancelled, or solved if it was too late
+  virtual void cancel(int worker) = 0;             // results still come: cancelled, or solved if too late
 };
 
 // Workers of the real clock.
 class RealWorkers : public Generator {
  public:
   virtual void begin(std::function<double()> now) = 0;  // now(): session time [s], from any thread
-  virtual bool serves() const { return false; }         // whether threads of the session are to call serve()
-  virtual void serve() {}  // a worker's life; returns after stop(). Does not throw
+  virtual bool serves() const { return false; }         // whether the session's threads must call serve()
+  virtual void serve() {}  // runs one worker; returns after stop(). Does not throw
   // Results since the last call; waits up to `timeout` seconds for one.
   virtual void collect(std::vector<JobResult>& out, double timeout) = 0;
-  virtual void stop() = 0;  // running solves are cancelled; collect() once more for what is left
-  virtual std::exception_ptr failure() const = 0;  // of a worker; null: none. The session then ends with it
+  virtual void stop() = 0;                         // cancels running solves; collect() then returns the rest
+  virtual std::exception_ptr failure() const = 0;  // of a worker; null: none. Ends the session
 };
 
 // Workers of the virtual clock.
@@ -85,8 +88,8 @@ class VirtualWorkers : public Generator {
  public:
   using Time = std::chrono::nanoseconds;  // of the session
   virtual void set_now(Time now) = 0;
-  virtual std::optional<Time> next_event() const = 0;  // not before now; nothing: no job is under way
-  // The results of the next event, perhaps none: it was of a job that has been cancelled since.
+  virtual std::optional<Time> next_event() const = 0;  // not before now; nullopt: no job is running
+  // The results of the next event. There may be none, if its job has been cancelled since.
   virtual void take_event(std::vector<JobResult>& results) = 0;
 };
 
@@ -97,11 +100,11 @@ struct RealWorkersContext {
   Arguments arguments = {};         // the user's settings; empty for built-in kinds
 };
 struct VirtualWorkersContext {
-  ReferenceService& references;  // the values of states: request() early, get() when one is due
+  ReferenceService& references;  // gives values of states: request() early, get() when due
   const CostModel& cost;
   int count = 1;             // workers asked for
   bool rest_first = true;    // a job at rest is charged CostModel::rest_seconds()
-  double batch_share = 0.5;  // of its cost that a neighbour in a job is charged
+  double batch_share = 0.5;  // share of its cost that a neighbour is charged
   double latency = 0;        // of a message to or from a worker [s]
   Arguments arguments = {};  // the user's settings; empty for built-in kinds
 };
@@ -114,14 +117,15 @@ struct WorkersKind {
 // The workers of a session: a name and the settings behind it. Built in: "threads".
 using WorkersSpec = Registered;
 
-// From any thread and also before main() begins. InputError for a name that is taken.
+// May be called from any thread, and before main() begins. InputError for a name that is taken.
 void register_workers(const std::string& name, WorkersKind kind);
 std::vector<std::string> workers_names();  // sorted
-// InputError lists the names, and says where the kind has no workers for that clock.
+// Throws InputError for an unknown name (the error lists the known ones), and for a kind without workers for
+// that clock.
 std::unique_ptr<RealWorkers> make_real_workers(const WorkersSpec& workers, const RealWorkersContext& context);
 std::unique_ptr<VirtualWorkers> make_virtual_workers(const WorkersSpec& workers,
                                                      const VirtualWorkersContext& context);
-// InputError as the two above, without making any.
+// Throws the same InputError as the two above, but makes no workers.
 void check_workers(const WorkersSpec& workers, bool virtual_clock);
 
 }  // namespace forefeel

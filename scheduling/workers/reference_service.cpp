@@ -207,7 +207,8 @@ std::vector<double> ReferenceService::measured_costs() {
   return seconds;
 }
 
-// Between solves at other positions, as in a session. The first solve, which lays out the factor, is not counted.
+// Between solves at other positions, as in a session. The first solve, which lays out the factor, is not
+// counted.
 std::vector<double> ReferenceService::measured_rest_costs() {
   constexpr int samples = 15;
   StateSolver solver(body_, linear_, solver_options_);

@@ -1,7 +1,8 @@
 #pragma once
-// Tight solves on the reference branch, done by threads and kept on disk. A value is a function of (body, x) alone, so that
-// neither the number of threads nor the order of requests changes it. The cache is a state file named for the body's
-// identity, the continuation step and the revision of the solver.
+// Solves states to a tight tolerance on the reference branch (the primary equilibrium path), by threads, and
+// caches them on disk. A value depends on (body, x) alone: neither the number of threads nor the order of
+// requests changes it. The cache is a state file named after the body's identity, the continuation step and
+// the revision of the solver.
 
 #include <chrono>
 #include <condition_variable>
@@ -35,27 +36,28 @@ struct ReferenceOptions {
 
 class ReferenceService {
  public:
-  // threads: 0 for as many as the machine has. They start with the first request that is not in the cache.
+  // threads: 0 means all of the machine. They start at the first request that is not in the cache.
   ReferenceService(const ReferenceOptions& options, int threads);
-  ~ReferenceService();  // drops requests that are not begun
+  ~ReferenceService();  // drops requests that have not begun
   ReferenceService(const ReferenceService&) = delete;
   ReferenceService& operator=(const ReferenceService&) = delete;
 
   // Any thread may call these at any time; x [m] is the position of the HIP.
-  void request(const Vec3& x);  // queues it unless it is known; returns at once
-  State get(const Vec3& x);     // waits for it; throws what a solving thread threw
+  void request(const Vec3& x);  // queues x unless it is known; returns at once
+  State get(const Vec3& x);     // waits for the state; rethrows a solving thread's exception
   std::optional<State> get_until(const Vec3& x,
-                                 std::chrono::steady_clock::time_point end);  // nothing: not there in time
-  std::size_t solved() const;  // how many were not in the cache
-  // Takes states that were solved elsewhere, tight and on the reference branch. They do not enter the file.
+                                 std::chrono::steady_clock::time_point end);  // nullopt: not ready in time
+  std::size_t solved() const;  // number of solves not found in the cache
+  // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
   void learn(std::span<const State> states);
-  // Why there is no cache, or why it is only read, where one was asked for.
+  // If a cache was requested: why there is none, or why it is read-only.
   const std::optional<std::string>& note() const { return note_; }
-  // One line where records of the cache had a wrong checksum: file and count. They are solved again and replaced.
+  // Set if records of the cache had a wrong checksum: one line with file and count. They are solved again and
+  // replaced.
   const std::optional<std::string>& damage() const { return damage_; }
 
-  // Times of a fixed sample of solves from a neighbour, and of the state at rest. Measured once for a body and kept beside
-  // the cache.
+  // Times of a fixed sample of solves from a neighbour, and of the state at rest. They are measured once per
+  // body and kept beside the cache.
   RecordedCosts recorded_costs();
 
  private:
@@ -82,7 +84,7 @@ class ReferenceService {
   std::size_t thread_count_;
   std::vector<double> measured_costs();
   std::vector<double> measured_rest_costs();
-  // The times in the file; where there is none, measured now and written there.
+  // The times in the file. If there is no file, measures them and writes it.
   std::vector<double> kept(const std::filesystem::path& file,
                            std::vector<double> (ReferenceService::*measured)());
   std::mutex costs_mutex_;

@@ -1,8 +1,8 @@
-// Workers of the virtual clock. A job reaches its worker a message later; each of its states takes what the cost model
-// says, a neighbour of the first a share of that; its result comes a message after. A cancellation that arrives in time
-// gives the worker back two messages after it was sent; the work done on a state until then is not done again. Values are
-// the reference branch's, solved on real threads from the moment they are dispatched: how long that takes changes nothing
-// but the wait.
+// Workers of the virtual clock. A job reaches its worker a message later; each of its states takes what the
+// cost model says, a neighbour of the first a share of that; its result comes a message after. A cancellation
+// that arrives in time gives the worker back two messages after it was sent; the work done on a state until
+// then is not done again. Values are the reference branch's, solved on real threads from the moment they are
+// dispatched: how long that takes changes nothing but the wait.
 
 #include <algorithm>
 #include <cmath>

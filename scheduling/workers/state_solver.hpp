@@ -1,6 +1,6 @@
 #pragma once
-// Solves states of one body for one thread: with a Solver, or for a linear body by superposition of three states that
-// all threads share (solver/equilibrium/linear_body.hpp).
+// Solves states of one body in one thread. It uses a Solver; for a linear body, it superposes three states
+// that all threads share (solver/equilibrium/linear_body.hpp).
 
 #include <memory>
 #include <optional>
@@ -24,11 +24,11 @@ class StateSolver {
   // linear: null unless is_linear(*body).
   StateSolver(std::shared_ptr<const Body> body, std::shared_ptr<LinearBasis> linear, Options options);
 
-  void prepare();                         // lays out the factor before the first job
+  void prepare();                         // symbolic factorisation, before the first job
   SolveOutcome reference(const Vec3& x);  // tight, on the reference branch
-  // From a known solution (null: rest); the reference branch where that fails.
+  // Solves from a known solution (null: rest); if that fails, along the reference branch.
   SolveOutcome from(const Equilibrium* start, const Vec3& x, std::stop_token stop);
-  // Neighbours of one just solved; those that fail as from().
+  // Solves neighbours of a state just solved; those that fail are solved by from().
   std::vector<SolveOutcome> beside(const Equilibrium* near, const std::vector<Vec3>& xs,
                                    std::stop_token stop);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Workers of the real clock on threads of this process: each thread that calls serve() is one worker. All calls share one
-// lock, which is held for a few instructions.
+// Workers of the real clock: threads of this process. Each thread that calls serve() is one worker. All calls
+// share one lock, held for a few instructions.
 
 #include <condition_variable>
 #include <deque>

@@ -1,6 +1,6 @@
 #pragma once
-// Counts every heap allocation of the calling thread (malloc and what is built on it), where the allocator may be
-// replaced: not under a sanitizer, which brings its own.
+// Counts every heap allocation of the calling thread (malloc and what is built on it), where the allocator
+// may be replaced: not under a sanitizer, which brings its own.
 
 #include <cstddef>
 

@@ -1,5 +1,5 @@
-// The parts of a session that a user may bring: each registered under a name and each given as an object does what the
-// built-in part that it wraps does, bit by bit.
+// The parts of a session that a user may bring: each registered under a name and each given as an object does
+// what the built-in part that it wraps does, bit by bit.
 
 #include <algorithm>
 #include <catch2/catch.hpp>

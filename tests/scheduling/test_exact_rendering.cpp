@@ -32,7 +32,8 @@ std::vector<std::size_t> all_of(const std::vector<Vec3>& motion) {
 
 // With f = -k x, x = v t and |e|' = -a (k v t - |e|), a = 7 / s, from |e| = k v T at T on:
 //   |e| = k v (t + 1 / a - exp(a (t - T)) / a)
-// whatever k and v are. It is gone at 1 + a t = exp(a (t - T)), and below 7 % of |f| from 1 + 0.93 a t = exp(a (t - T)) on.
+// whatever k and v are. It is gone at 1 + a t = exp(a (t - T)), and below 7 % of |f| from 1 + 0.93 a t =
+// exp(a (t - T)) on.
 TEST_CASE("Exact models on a spring pulled at constant speed fade in as their equation says") {
   for (const double known : {0.06, 0.1, 0.2}) {
     CAPTURE(known);
@@ -62,7 +63,8 @@ TEST_CASE("Without a switch to wait for only what comes before the first state i
   const ExactRendering at_rest = render_exact(motion, all_of(motion), 0, {}, 0.07, spring);
   CHECK(at_rest.settled == 0);
   CHECK(at_rest.within == at_rest.visits);
-  // Held at 2 N: 1 mN a frame up to 1 / 7 N, then 0.7 % a frame up to 1.86 N. 143 + ln(13.02) / ln(1.007) = 511 frames.
+  // Held at 2 N: 1 mN a frame up to 1 / 7 N, then 0.7 % a frame up to 1.86 N. 143 + ln(13.02) / ln(1.007) =
+  // 511 frames.
   const ExactRendering held = render_exact(still, all_of(still), 0.1, {}, 0.07, spring);
   CHECK(static_cast<double>(held.visits - held.within) == Approx(100 + 511).margin(2));
   // Never known: all is lost.
@@ -71,8 +73,8 @@ TEST_CASE("Without a switch to wait for only what comes before the first state i
   CHECK(std::isinf(never.settled));
 }
 
-// F = c f while f is unknown; then |e| = |c - 1| |f| at first. Held at f: F = c f grows by 0.7 % a frame up to 0.93 f, or
-// falls by as much down to 1.07 f.
+// F = c f while f is unknown; then |e| = |c - 1| |f| at first. Held at f: F = c f grows by 0.7 % a frame up
+// to 0.93 f, or falls by as much down to 1.07 f.
 TEST_CASE("A first guess leaves what it is off to fade out") {
   const std::vector<Vec3> still(1000, Vec3(0.02, 0, 0));
   for (const double c : {0.25, 0.5, 0.8, 1.0, 1.5, 4.0}) {

@@ -21,7 +21,8 @@ State stiffening(const Vec3& x) {
   return state;
 }
 
-// A planner reduced to what the loop needs: a new model every few frames, recycled as the loop gives them back.
+// A planner reduced to what the loop needs: a new model every few frames, recycled as the loop gives them
+// back.
 class Feeder {
  public:
   Feeder(LoopLink& link, ModelOptions options)

@@ -90,7 +90,8 @@ TEST_CASE("energy: a spring gives nothing it did not get, an active body does") 
     const double angle = 2 * M_PI * k / 1000.0;
     const Vec3 x(0.01 * (1 - std::cos(angle)), 0.005 * std::sin(angle), 0);
     spring.apply(-100 * x, x, 1, 0);
-    // A force that turns with the motion puts energy in at every loop: curl c gives c times the area enclosed.
+    // A force that turns with the motion puts energy in at every loop: curl c gives c times the area
+    // enclosed.
     active.apply(Vec3(20 * x.y(), -20 * (x.x() - 0.01), 0), x, 1, 0);
     if (k == 1000) gross = spring.work();
   }
