@@ -1,6 +1,6 @@
 #pragma once
-// The four benches of `forefeel bench`: each prints its rows and returns the exit code. scene "": the
-// built-in one.
+// The four benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
+// selects the built-in scene.
 
 #include <cstddef>
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace forefeel {
 
-// folder: for approx.csv and approx.svg; "" writes none.
+// folder: where approx.csv and approx.svg are written; "" writes no file.
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder);
 int bench_coverage(const Globals& globals);
-// most_states: 0 for the scene's whole lattice.
+// most_states: at most so many states are solved; 0 means the scene's whole lattice.
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states);
 int bench_switch(const Globals& globals, const std::string& scene);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Parts of `forefeel bench approx`: the states and references it measures with, what it times, and the picture
-// of speed against error.
+// Parts of `forefeel bench approx`: its states and references, the times it measures, and the picture of
+// speed against error.
 
 #include <memory>
 #include <optional>
@@ -13,22 +13,22 @@
 
 namespace forefeel::bench {
 
-// A full lattice of states, and tight solves elsewhere to judge by.
+// A full lattice of states, and tight solves at other positions, which are the references for errors.
 struct Case {
   std::shared_ptr<const Body> body;
   StateSpaceOptions options;
   std::string name;
   std::vector<State> states;
-  Box reach;                  // of the lattice that was filled: the box, or less where it is no multiple of h
-  std::vector<State> inside;  // at random positions of that
+  Box reach;                  // extent of the lattice: the scene's box, rounded down to multiples of h
+  std::vector<State> inside;  // references at random positions in reach
   double front = 0;           // known half-space x <= front [m], a lattice plane
-  // At random positions of the planes this far beyond the front; none where the box does not reach.
+  // References at random positions of planes beyond the front; none where a plane lies outside the box.
   struct Outside {
     double distance;  // [m]
     std::vector<State> references;
   };
   std::vector<Outside> outside;
-  std::vector<std::string> notes;  // what could not be had, one a line
+  std::vector<std::string> notes;  // what could not be measured, one note a line
 };
 
 Case take_case(const Globals& globals, const std::string& scene, Progress& progress);
@@ -37,7 +37,7 @@ struct Errors {
   double p50 = unknown, p95 = unknown, max = unknown;
 };
 
-// What one method with one n does; times in microseconds, unknown where it has no such step.
+// Results of one method with n neighbours. Times in microseconds; unknown if the method has no such step.
 struct Measured {
   std::string method;
   std::size_t n = 0;
@@ -50,7 +50,8 @@ struct Measured {
 
 double now_us();
 
-// Pareto front: nothing faster is as exact. Two panels, evaluation and update (k = 5; refit where there is none).
+// Draws the Pareto front: no faster method has as small an error. Two panels: evaluation, and update with k =
+// 5 (or refit, for a method without updates).
 std::string pareto_plot(const std::vector<Measured>& all);
 std::string table_csv(const Case& bench, const std::vector<Measured>& all);
 

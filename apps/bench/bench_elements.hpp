@@ -1,5 +1,6 @@
 #pragma once
-// How far each element locks: force at a given depth over Poisson's ratio, beside a refined quadratic reference.
+// Locking of each element type: force at a given depth as a function of Poisson's ratio, compared with a
+// refined quadratic reference.
 
 #include "apps/console/console.hpp"
 

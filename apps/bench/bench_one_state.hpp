@@ -1,5 +1,5 @@
 #pragma once
-// One state of a large body: what it costs from nothing, analysis and memory included.
+// Cost of the first state of a large body: time, including the analysis of the matrix, and memory.
 
 #include <memory>
 #include <string>

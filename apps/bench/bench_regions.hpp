@@ -1,6 +1,6 @@
 #pragma once
-// What `forefeel bench coverage` measures beyond the indexes: the cost of keeping regions up to date, and how far the
-// two indexes agree on the built-in setups.
+// Two further measurements of `forefeel bench coverage`: the cost of keeping regions up to date, and how far
+// the two indexes agree on the built-in setups.
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -13,20 +13,20 @@ namespace forefeel {
 
 struct RegionCost {
   std::string name;
-  double look_us =
-      0;  // one insertion, and the labels of the way 2 h ahead of it, every h/4, as a planner asks
-  double whole_us = 0;  // and working out everything else that it may have changed; nothing is left pending
+  double look_us = 0;   // an insertion, then labels every h/4 over the next 2 h of the path
+  double whole_us = 0;  // the same, then all other labels that may have changed; nothing is left pending
   std::size_t states = 0;
-  double sum = 0;  // of the labels: keeps the optimiser honest
+  double sum = 0;  // of the labels, so that the compiler does not remove the work
 };
 
-// Medians over insertions into n states; regions of 24 spacings a side around them, settled before each insertion.
+// Medians over insertions into n states. The regions have 24 spacings a side; all labels are up to date
+// before each insertion. setup:
 //   path       along a path through a populated area
 //   scattered  anywhere in an area where two thirds of the volume is sparse
-//   front      states that leave the populated area into the blank
+//   front      states that advance from the populated area into the blank
 std::vector<RegionCost> bench_regions(std::size_t n, std::uint64_t seed);
 
-// Key `agreement` and a table: every setup, with the widths 48 and 120 mm.
+// The JSON key `agreement` and a table: every built-in setup, at widths of 48 and 120 mm.
 void report_agreement(const Globals& globals, nlohmann::ordered_json& out);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// `forefeel classify [STATES] --calibrate SCENE [-o DIR/]`: what a label says about the error on this body.
+// `forefeel classify [STATES] --calibrate SCENE [-o DIR/]`: error statistics per label on this body.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace forefeel {
 
-// states: a file, or "" for the lattice of the scene. Returns the exit code.
+// states: a file; "" uses the lattice of the scene. Returns the exit code.
 int calibrate_labels(const Globals& globals, const std::string& scene, const std::string& states,
                      const std::string& output);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What `forefeel classify` is made of: its options, a set of states prepared for labelling, and its three tasks.
+// Parts of `forefeel classify`: its options, a set of states prepared for labelling, and its three tasks.
 
 #include <array>
 #include <memory>
@@ -21,12 +21,12 @@ struct ClassifyArguments {
   std::string states, index = "delaunay", box, points, line, output, scene, through, known, calibrate;
   std::vector<std::string> diff;
   std::optional<double> spacing, grid;
-  std::optional<std::size_t> snapshots;  // 40 unless said
+  std::optional<std::size_t> snapshots;  // default 40
   bool agreement = false;
   CoverageOptions coverage;
 };
 
-// States under the chosen index. The triangulation is built only where it is the index.
+// States in the chosen index. The triangulation is built only for the index `delaunay`.
 struct Classified {
   std::vector<State> states;  // usable ones, in the order of the file
   std::size_t unusable = 0;
@@ -35,25 +35,25 @@ struct Classified {
   Box box;
   std::unique_ptr<StateSpace> space;      // index delaunay
   std::unique_ptr<OctreeIndex> octree;    // index octree
-  std::vector<std::array<Vec3, 3>> body;  // outline, where a scene is given
+  std::vector<std::array<Vec3, 3>> body;  // triangles of the outline; empty without a scene
   RegionSummary regions;
   double fill_distance = unknown,
-         fill_bound = unknown;  // largest distance to a state: found, upper bound [m]
+         fill_bound = unknown;  // largest distance to a state: as found, and an upper bound [m]
   std::optional<LargestHole> hole;
-  std::shared_ptr<const AdaptiveLattice> lattice;  // where the states have spacings of their own
+  std::shared_ptr<const AdaptiveLattice> lattice;  // set if the spacing varies from place to place
 
   Coverage coverage(const Vec3& q) const { return space ? space->coverage(q) : octree->coverage(q); }
   Label label(const Vec3& q) const { return space ? space->label(q) : octree->label(q); }
 };
 
-constexpr double largest_spacing = 1e6;  // [m]; squares of more would overflow somewhere
+constexpr double largest_spacing = 1e6;  // [m]; larger values may overflow when squared
 
-// What a set of states says of itself: its spacing [m], NaN if unknown; a box, if it is not just the extent
-// of the states; the body they belong to.
+// What a file says about its states: the spacing [m], NaN if unknown; the box, unless it is just the extent
+// of the states; and the body.
 struct OwnFrame {
   double spacing = unknown;
   std::optional<Box> box = std::nullopt;
-  BodyIdentity identity = {};  // of a state file
+  BodyIdentity identity = {};  // known for a state file only
 };
 struct StatesInFrame {
   std::vector<State> states;
@@ -64,21 +64,21 @@ StatesInFrame load_set(const std::string& file);
 
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments,
                            const std::string& file);
-// Spacing, box and outline without labelling; states may be empty where a box is given.
+// Spacing, box and outline, without labels. If a box is given, the states may be empty.
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where,
                           std::vector<State> states, const OwnFrame& own, const Globals& globals);
-// Builds the index (spatially sorted) and the regions.
+// Sorts the states by place, then builds the index and the regions.
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals,
                    bool with_holes);
 
-// Keys volume, components, gaps, fill_distance, largest_hole of the contract.
+// The JSON keys volume, components, gaps, fill_distance and largest_hole.
 void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance,
                   double fill_bound, const std::optional<LargestHole>& hole);
 
-int classify_run(const Globals& globals, const ClassifyArguments& arguments);   // RUN/ to a .pvd series
+int classify_run(const Globals& globals, const ClassifyArguments& arguments);  // writes a .pvd series of RUN/
 int classify_diff(const Globals& globals, const ClassifyArguments& arguments);  // --diff A B
 
-// Both indexes over the same states and box, compared by volume at the centres of cubes of h/2.
+// Compares both indexes on the same states and box, by volume. Sampled at the centres of cubes of h/2.
 Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments);
 nlohmann::ordered_json agreement_json(const Agreement& agreement);
 void print_agreement(const Globals& globals, const Agreement& agreement);

@@ -12,8 +12,8 @@ namespace forefeel {
 bool contradict(const State& a, const State& b);
 
 struct RepeatedStates {
-  std::size_t repeated = 0;       // at the position of one before them
-  std::size_t contradicting = 0;  // usable ones that contradict the first usable one of their position
+  std::size_t repeated = 0;       // at the position of an earlier state
+  std::size_t contradicting = 0;  // usable states that contradict the first usable state at their position
 };
 RepeatedStates repeated_states(std::span<const State> states);
 

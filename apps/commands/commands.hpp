@@ -1,12 +1,13 @@
 #pragma once
-// The subcommands of forefeel. Each adds itself to the command line; a file command_NAME.cpp holds it.
+// The subcommands of forefeel. Each function adds its command to the command line. Most live in a file
+// command_NAME.cpp of their own.
 
 #include "apps/console/command.hpp"
 
 namespace forefeel {
 
 void add_mesh(CommandLine& line);
-void add_import(CommandLine& line);  // this and the two below: command_states.cpp
+void add_import(CommandLine& line);  // import, export and info live in command_states.cpp
 void add_export(CommandLine& line);
 void add_info(CommandLine& line);
 void add_solve(CommandLine& line);

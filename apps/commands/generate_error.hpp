@@ -1,5 +1,6 @@
 #pragma once
-// forefeel generate --error E: as few states as hold the estimated error below E (scheduling/placement/placement.hpp).
+// forefeel generate --error E: solves as few states as needed to keep the estimated error below E
+// (scheduling/placement/placement.hpp).
 
 #include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
@@ -7,10 +8,10 @@
 
 namespace forefeel {
 
-// InputError where a model of that many neighbours cannot be made; before a file is touched.
+// Throws InputError if no model with that many neighbours can be made. Called before any file is written.
 void check_generate_to_error(const Scene& scene);
 
-// Appends to the open file; the exit code. error is positive and finite.
+// Appends the states to the open file. Returns the exit code. error must be positive and finite.
 int generate_to_error(const Globals& globals, const Scene& scene, StateFile file, const std::string& output,
                       double error);
 

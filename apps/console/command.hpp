@@ -1,6 +1,6 @@
 #pragma once
-// The command line: `forefeel <command> …`. A command is a name, its options and what runs; each stands in a
-// file of its own (apps/commands). The parser, CLI11, is known to command.cpp alone.
+// The command line: `forefeel <command> …`. A command has a name, options and a function to run. The commands
+// are in apps/commands. Only command.cpp includes the parser, CLI11.
 //
 //   Command solve = line.add("solve", "Tight solves …");
 //   solve.option("SCENE", arguments->scene, "Scene (TOML)").required();
@@ -23,23 +23,23 @@ class Option;
 
 namespace forefeel {
 
-// One option or positional argument; the calls chain. It lives as long as its command line.
+// One option or positional argument. Calls can be chained. It lives as long as its command line.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
 
   Option& required();
-  Option& shows(const std::string& value);  // what --help calls the value: "H", "OUT.csv"
-  Option& shows_default();                  // the variable's value now, in --help
+  Option& shows(const std::string& value);  // name of the value in --help: "H", "OUT.csv"
+  Option& shows_default();                  // --help shows the current value of the variable
   Option& group(const std::string& heading);
-  // Refusals: empty where the text is good, else what is wrong with it ("is x, expected …").
+  // A check returns an empty text if the value is valid, else the error ("is x, expected …").
   Option& check(const std::function<std::string(const std::string&)>& refusal);
   Option& one_of(const std::vector<std::string>& words);
-  Option& between(int low, int high);  // both included, as below
+  Option& between(int low, int high);  // bounds included, also below
   Option& between(double low, double high);
   Option& between(std::size_t low, std::size_t high);
-  Option& takes(int values);  // exactly so many after one mention
-  Option& takes_one();        // of a list: one value a mention, so that what follows is not taken for another
+  Option& takes(int values);  // exactly this many values each time the option is given
+  Option& takes_one();        // for a list: one value each time, so that the next word is not read as a value
   Option& splits_at(char delimiter);
   Option& excludes(const Option& other);
 
@@ -47,7 +47,7 @@ class Option {
   CLI::Option* option_;
 };
 
-// A subcommand; it lives as long as its command line.
+// A subcommand. It lives as long as its command line.
 class Command {
  public:
   explicit Command(CLI::App* app, std::function<int(const Globals&)>* run) : app_(app), run_(run) {}
@@ -61,7 +61,8 @@ class Command {
   // Called after parsing; returns the exit code and may throw InputError (exit 2).
   void runs(std::function<int(const Globals&)> run) { *run_ = std::move(run); }
 
-  bool given(const std::string& name) const;  // after parsing: whether the option was on the command line
+  bool given(
+      const std::string& name) const;  // true if the option was on the command line; call after parsing
 
  private:
   CLI::App* app_;
@@ -76,10 +77,10 @@ class CommandLine {
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
-  // A new subcommand, with the options that all commands share.
+  // Adds a subcommand. It already has the options that all commands share.
   Command add(const std::string& name, const std::string& description);
   // Parses, runs the chosen command and returns its exit code; --help and --version print and return 0.
-  // InputError for whatever is wrong on the command line: one line, with a suggestion for a mistyped word.
+  // Throws InputError for a bad command line: one line, with a suggestion for a mistyped word.
   int run(int argc, const char* const* argv);
 
  private:

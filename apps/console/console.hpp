@@ -1,6 +1,6 @@
 #pragma once
-// What every command shares with the terminal: the options that all commands take, lines for people,
-// warnings, and one progress line.
+// Output to the terminal, shared by all commands: their common options, lines for people, warnings, and one
+// progress line.
 
 #include <cstdint>
 #include <string>
@@ -9,28 +9,28 @@
 namespace forefeel {
 
 struct Globals {
-  bool json = false;  // one document on stdout, all else on stderr
+  bool json = false;  // print one JSON document to stdout and all other text to stderr
   bool quiet = false;
   int threads = 0;  // 0: all cores
   std::uint64_t seed = 0;
-  std::vector<std::string> set;  // --set key.path=value, overrides of the scene
+  std::vector<std::string> set;  // each "key.path=value" of --set, which overrides the scene
 };
 
-// A line for people: to stdout, or to stderr with --json. Silent with --quiet.
+// Prints a line for people to stdout, or to stderr with --json. Prints nothing with --quiet.
 void say(const Globals& globals, const std::string& line);
-// A result for people: as say(), but --quiet shows it too.
+// Prints a result for people: as say(), but also with --quiet.
 void answer(const Globals& globals, const std::string& line);
-// "forefeel: warning: …" on stderr. A warning waits until the command shows something else or ends well, so
-// that an input error that follows is the only line on stderr.
+// Prints "forefeel: warning: …" to stderr. It is held back until the command prints something else or
+// succeeds, so that a later input error is the only line on stderr.
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
 
-// One progress line on stderr, redrawn at most 10 times a second. Silent where stderr is no terminal.
+// One progress line on stderr, redrawn at most 10 times a second. Prints nothing if stderr is not a terminal.
 class Progress {
  public:
   Progress(const Globals& globals, std::string title);
   ~Progress();                                       // clears the line
-  void show(double share, const std::string& text);  // share in [0, 1]; the remaining time follows from it
+  void show(double share, const std::string& text);  // share in [0, 1]; gives the remaining time
 
  private:
   bool live_;

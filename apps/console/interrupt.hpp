@@ -1,5 +1,6 @@
 #pragma once
-// Ctrl-C (SIGINT) and SIGTERM ask a command to stop: it ends at its next step and writes what it has.
+// Ctrl-C (SIGINT) and SIGTERM ask a command to stop. It finishes its current step and writes its results so
+// far.
 
 #include <atomic>
 #include <stdexcept>
@@ -7,25 +8,25 @@
 
 namespace forefeel {
 
-// From now on signals are noted, as under an InterruptWatch. Called by main before commands that make one
-// later.
+// Starts to record signals, as an InterruptWatch does. main calls it before commands that create their
+// InterruptWatch later.
 void watch_from_the_start();
 // Interrupted before anything could be saved. main prints the text and exits with 1.
 class Interrupted : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-// Throws Interrupted if a signal was noted: "interrupted before <what>: nothing was written".
+// Throws Interrupted if a signal was recorded: "interrupted before <what>: nothing was written".
 void end_if_interrupted(const std::string& what);
 const std::atomic<bool>& interrupt_flag();
 
-// While one lives, the first signal raises flag(), the second hurry(), and the third ends the program.
-// Signals within a quarter of a second count as one: timeout(1) signals its child and then its whole process
-// group.
+// While an object lives, the first signal sets flag(), the second sets hurry(), and the third ends the
+// program. Signals within a quarter of a second count as one, because timeout(1) signals its child and then
+// the whole process group.
 class InterruptWatch {
  public:
-  InterruptWatch();   // lowers the flag, unless the signals were noted from the start
-  ~InterruptWatch();  // from then on a signal ends the program
+  InterruptWatch();   // clears the flag, unless signals were recorded from the start
+  ~InterruptWatch();  // afterwards a signal ends the program again
   InterruptWatch(const InterruptWatch&) = delete;
   InterruptWatch& operator=(const InterruptWatch&) = delete;
 

@@ -6,8 +6,8 @@
 
 namespace forefeel {
 
-nlohmann::ordered_json number(double value);  // null where not finite
+nlohmann::ordered_json number(double value);  // null if not finite
 nlohmann::ordered_json vector3(const Eigen::Ref<const Eigen::Vector3d>& value);
-void print_json(const nlohmann::ordered_json& document);  // to stdout, after the warnings that wait
+void print_json(const nlohmann::ordered_json& document);  // to stdout, after the warnings held back
 
 }  // namespace forefeel

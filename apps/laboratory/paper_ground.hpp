@@ -1,10 +1,10 @@
 #pragma once
-// The ground of the paper's Figs. 1 to 3: a lattice of states around a path that leaves a fully known slab
-// and goes into the body, and what of it each situation knows (geometry/coverage/setups.hpp). The path runs
+// The states used in the paper's Figs. 1 to 3: a lattice around a path that starts in a fully known slab and
+// leads into the body. Each situation knows a part of them (geometry/coverage/setups.hpp). The path runs
 // along the lattice axis nearest to the inward direction of the contact,
 //   x(s) = s a,  0 <= s <= depth,   a a signed unit axis
-// The known slab lies at s <= 0; in the situation `gap` another one begins beyond the gap (8 h). Nothing is
-// known beyond the end of the path.
+// The known slab lies at s <= 0; in the situation `gap`, a second known slab begins beyond the gap (8 h).
+// Nothing is known beyond the end of the path.
 
 #include <string>
 #include <string_view>
@@ -17,7 +17,7 @@ namespace forefeel {
 
 class PaperGround {
  public:
-  // depth and width of the gap in spacings.
+  // depth of the path and width of the gap, in spacings.
   PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap = 8);
 
   double spacing() const { return h_; }
@@ -29,7 +29,7 @@ class PaperGround {
 
   const std::vector<State>& complete() const { return complete_; }
   std::vector<State> known(std::string_view setup) const;  // full, sparse, gap or blank
-  std::size_t unsolved() const { return unsolved_; }       // positions of the lattice without a solution
+  std::size_t unsolved() const { return unsolved_; }       // number of lattice positions without a solution
   StateSpace space(const std::vector<State>& known) const;
 
  private:
@@ -37,19 +37,19 @@ class PaperGround {
   Box box_;
   Mat3 frame_;
   double depth_;
-  int gap_;  // layers that the situation gap leaves out
+  int gap_;  // unknown layers in the situation `gap`
   int layers_ = 5, half_width_ = 5;
-  int beyond_;  // layers past the slab
+  int beyond_;  // layers beyond the slab
   std::vector<State> complete_;
   std::size_t unsolved_ = 0;
 };
 
-// One method as the paper or we would use it.
+// One method with the settings of the paper or with our defaults.
 struct PathMethod {
   std::string name;  // "r, n 100"
   ModelOptions model;
   bool ours = false;
 };
-std::vector<PathMethod> paper_methods();  // r and r^3 with the 100 nearest, then ours
+std::vector<PathMethod> paper_methods();  // r and r^3 with the 100 nearest states, then our default
 
 }  // namespace forefeel

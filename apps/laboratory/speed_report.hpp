@@ -1,5 +1,5 @@
 #pragma once
-// What `reproduce speed` found, and how it is shown.
+// The results of `reproduce speed` and their presentation.
 
 #include <filesystem>
 #include <string>
@@ -11,24 +11,24 @@ namespace forefeel {
 
 struct Findings;  // reproduce.hpp
 
-// What the damped switch alone leaves, whoever schedules (scheduling/study/speed_bound.hpp); means over the
-// seeds, geometric ones of the speeds.
+// Upper bound on the speed that the damped switch allows with any schedule
+// (scheduling/study/speed_bound.hpp). Means over the seeds; geometric means of speeds.
 struct SpeedBounds {
-  double guessed = 1, without = 1;  // with the first guess and without it [m/s]
-  double known = 0;                 // from when on the force is known [s]
-  double settled = 0;               // how long the force fades in then, after the guess [s]
-  double settled_without = 0;       // the same after no force at all [s]
+  double guessed = 1, without = 1;  // bound with and without the first guess [m/s]
+  double known = 0;                 // time from which the force is known [s]
+  double settled = 0;               // duration of the fade-in after that, starting from the guess [s]
+  double settled_without = 0;       // the same, starting from zero force [s]
 };
 
 struct SpeedFindings {
   std::vector<int> workers;
   std::vector<std::vector<double>>
-      speeds;  // [step][number of workers], geometric mean over the seeds; 0: below the least
+      speeds;  // [step][number of workers], geometric mean over the seeds; 0: below the lowest speed tried
   SpeedBounds bounds;
-  double travel = 5;  // of each run [m]
+  double travel = 5;  // path length of each run [m]
   int seeds = 1;
 
-  // Of the steps with this role the best for the w-th number of workers [m/s].
+  // Best speed among the steps with this role, for the w-th number of workers [m/s].
   double speed(SpeedRole role, std::size_t w) const;
 };
 

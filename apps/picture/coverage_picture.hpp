@@ -1,7 +1,7 @@
 #pragma once
-// Slices through labelled regions in three directions, with states, the outline of a body and a legend. Four
-// colours that differ in luminance as well, and hatching on top, so that grey print and colour blindness lose
-// nothing.
+// Slices through labelled regions in three directions, with states, the outline of a body and a legend. The
+// four colours differ in luminance and carry hatching, so they can be told apart in grey print and with
+// colour blindness.
 
 #include <array>
 #include <filesystem>
@@ -29,7 +29,7 @@ struct CoveragePicture {
 };
 
 void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture& picture);
-// InputError where gnuplot is missing.
+// Throws InputError if gnuplot is missing.
 void write_coverage_png(const std::filesystem::path& file, const CoveragePicture& picture);
 
 }  // namespace forefeel

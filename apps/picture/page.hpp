@@ -1,5 +1,5 @@
 #pragma once
-// What every HTML page of the toolkit shares: one style, escaping, no file beside it.
+// Shared by all HTML pages: the style and the escaping. A page needs no other file.
 
 #include <string>
 #include <string_view>
@@ -7,7 +7,7 @@
 namespace forefeel {
 
 std::string html_escaped(std::string_view text);
-// A whole page around `body` (HTML); title is plain text.
+// A complete page around `body` (HTML). title is plain text.
 std::string html_page(const std::string& title, const std::string& body);
 
 }  // namespace forefeel

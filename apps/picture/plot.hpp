@@ -10,8 +10,8 @@
 
 namespace forefeel {
 
-// Dark blue, light blue, amber, near-white: told apart by every kind of colour vision. In grey, darker is
-// safer.
+// Dark blue, light blue, amber, near-white: can be told apart with every kind of colour vision. In grey
+// print, darker means better known.
 std::string_view colour(Label label);
 
 namespace ink {  // curves, by meaning
@@ -21,16 +21,16 @@ inline constexpr std::string_view rendered = "#1b1b1b", undamped = "#d1495b", re
 }
 
 bool have_gnuplot();
-// Runs a script (terminal and output are set here) and returns the picture, ready to stand in an HTML page;
-// `name` keeps its ids apart from those of other pictures. Empty where gnuplot is missing or fails.
+// Runs a script and returns the picture as SVG to embed in an HTML page. Sets the terminal and the output
+// itself. `name` makes the ids unique within a page. Returns an empty text if gnuplot is missing or fails.
 std::optional<std::string> draw_svg(const std::string& name, int width, int height,
                                     const std::string& script);
 
 // A data block: "$name << EOD", the lines, "EOD".
 std::string data_block(const std::string& name, const std::string& lines);
 
-// Least and largest value of each of `bins` equal parts of a long curve, in order: what a screen can show of
-// it.
+// Reduces a long curve to what a screen can show: the least and largest value of each of `bins` equal parts,
+// in order.
 std::string thinned_curve(std::span<const double> x, std::span<const double> y, std::size_t bins);
 
 }  // namespace forefeel

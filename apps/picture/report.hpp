@@ -13,17 +13,17 @@ namespace forefeel {
 
 using Picture = std::shared_future<std::string>;  // HTML; empty without gnuplot
 
-// Each picture is drawn on a thread of its own. time, start and deadlines read the frames of the result while
-// they are drawn, so the result must outlive them.
+// Each picture is drawn on its own thread. time, start and deadlines read the frames of the result meanwhile,
+// so the result must outlive them.
 struct ReportPictures {
   Picture slices, time, start, deadlines;  // deadlines: only with a real clock
 };
-// What was known where, from a session that has run. It copies what it needs of the result.
+// Draws what was known where, after a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
 ReportPictures begin_pictures(const SessionResult& result, Picture slices);
 
 // Writes run_folder/report.html. document: summary.json, printed in full at the end of the page. Without
-// gnuplot the report has no plots and says so. Throws InputError where the file cannot be written.
+// gnuplot the report has no plots and says so. Throws InputError if the file cannot be written.
 void write_report(const std::filesystem::path& run_folder, const SessionSummary& summary,
                   const nlohmann::ordered_json& document, const Scene& scene, const ReportPictures& pictures);
 

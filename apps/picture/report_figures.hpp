@@ -9,16 +9,16 @@
 
 namespace forefeel {
 
-extern const char* const figure_style;  // of axes, tics and grid
+extern const char* const figure_style;  // gnuplot style of axes, tics and grid
 
 struct Figure {
-  std::string name;  // of its ids
+  std::string name;  // prefix of its ids
   std::string caption;
   int width = 960, height = 400;
   std::string script;
 };
 
-// Force, label strip, states known, error and its parts over one time axis.
+// Over one time axis: force, labels, number of known states, error and its parts.
 Figure time_figure(std::span<const FrameRecord> frames);
 // Force over the first 0.6 s.
 Figure start_figure(std::span<const FrameRecord> frames);

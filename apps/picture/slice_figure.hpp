@@ -1,5 +1,5 @@
 #pragma once
-// What a session knew where, as slices through the box (a gnuplot script, see plot.hpp).
+// Slices through the box that show what a session knew where (a gnuplot script, see plot.hpp).
 
 #include <array>
 #include <utility>
@@ -10,14 +10,14 @@
 
 namespace forefeel {
 
-// What the slices show: when each state became known [s], growing, and the motion.
+// Input of the slices: the time at which each state became known [s], ascending, and the motion.
 struct SliceInput {
-  std::array<std::vector<double>, 3> path;  // by frame [m]
+  std::array<std::vector<double>, 3> path;  // x, y, z of each frame [m]
   std::vector<double> t;                    // [s]
   std::vector<std::pair<double, State>> states;
 };
 
-// Labels in the plane of most motion, states and path, at an eighth, at half and at the end of the session.
+// Labels, states and path in the plane of most motion, after an eighth, half and all of the session.
 Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space);
 
 }  // namespace forefeel

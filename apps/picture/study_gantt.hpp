@@ -1,6 +1,6 @@
 #pragma once
-// Who solved what when: one row a worker, one bar a solve, coloured by the label of the region it was meant
-// for.
+// Gantt chart of the solves: one row per worker, one bar per solve. The colour is the label of the region
+// that the state was planned for.
 
 #include <string>
 
@@ -9,8 +9,8 @@
 
 namespace forefeel {
 
-// Bars of cancelled solves are thin, bars of states that no model took are half as high. Below: the label at
-// the HIP.
+// Bars of cancelled solves are thin; bars of states that no model used have half the height. The lowest row
+// shows the label at the HIP.
 Figure gantt_figure(const SessionResult& result, double seconds, int workers);
 
 }  // namespace forefeel

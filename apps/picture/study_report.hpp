@@ -9,7 +9,7 @@
 
 namespace forefeel {
 
-// What a reader must know of sustained speeds in these cells; empty where none were sought.
+// Notes for readers about the sustained speeds of these cells; empty if no cell searches one.
 std::vector<std::string> sustained_notes(const Study& study, const std::vector<StudyCellResult>& cells);
 
 std::string study_page(const PlannedStudy& planned, const StudyResult& result,

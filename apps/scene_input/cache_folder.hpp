@@ -1,12 +1,12 @@
 #pragma once
-// Where results that are expensive to make again are kept between runs: meshes of phantoms, reference states,
-// chosen spacings.
+// The cache folder. It keeps results that are expensive to compute between runs: meshes of phantoms,
+// reference states, chosen spacings.
 
 #include <filesystem>
 
 namespace forefeel {
 
-// $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel, made if missing; empty where neither can be written.
+// $XDG_CACHE_HOME/forefeel or ~/.cache/forefeel, created if missing. Empty if neither can be written.
 std::filesystem::path cache_folder();
 
 }  // namespace forefeel

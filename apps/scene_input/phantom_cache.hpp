@@ -1,6 +1,6 @@
 #pragma once
-// Meshes of phantoms (synthetic bodies), kept in the cache folder; making one takes a tenth of a second. A
-// file is valid for one revision of the meshing sources, compiler and machine. A damaged file is replaced.
+// Meshes of phantoms (synthetic bodies), kept in the cache folder because making one takes 0.1 s. A file is
+// valid for one revision of the meshing sources, one compiler and one machine. A damaged file is replaced.
 
 #include <cstddef>
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace forefeel {
 
-// phantom(name, elements), from the cache if it is there; the same bits either way.
+// phantom(name, elements), from the cache if possible. The result has the same bits either way.
 TetMesh cached_phantom(std::string_view name, std::size_t elements);
 
-// The mesh as bytes that end in their own SHA-256, and back; nothing if the sum does not match.
+// The mesh as bytes with their SHA-256 at the end, and back. Returns nothing if the sum does not match.
 std::string mesh_bytes(const TetMesh& mesh);
 std::optional<TetMesh> mesh_of_bytes(std::string_view bytes);
 

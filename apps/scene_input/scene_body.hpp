@@ -12,17 +12,17 @@ struct BodySections {
   SceneTable body, material, clamp, contact;
 };
 
-// Reads, tetrahedralises or makes the mesh and fills the node sets; warnings of mesh and material are
-// appended.
+// Makes the mesh (reads a file, fills a surface or builds a phantom) and the node sets. Appends warnings
+// about mesh and material.
 Body read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
                std::vector<std::string>& warnings);
 
-// Opposite to the area-weighted mean outward normal of the contact (the grasped patch): the direction of
-// pressing.
+// Direction of pressing: opposite to the area-weighted mean outward normal of the contact (the grasped
+// patch).
 Vec3 inward_direction(const Body& body);
 
-// Where states are placed when a scene gives no box: per axis a sixth of the body's longest side, at most 0.4
-// of its own side, in whole spacings.
+// Default box for states if the scene gives none. Its reach along each axis is a sixth of the body's longest
+// side, at most 0.4 of the side along that axis, in whole spacings.
 Box default_box(const TetMesh& mesh, double spacing);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// What is known of the keys of a scene beside their values.
+// Rules about the keys of a scene: which exclude each other, and which have no effect.
 
 #include <string>
 #include <utility>
@@ -7,13 +7,13 @@
 
 namespace forefeel {
 
-// Sections with keys of which only one may be given: {"contact", {"node", "nodes", "nearest", "group"}}, … An
-// override of one of them removes the others.
+// Sections with keys that exclude each other: {"contact", {"node", "nodes", "nearest", "group"}}, … An
+// override of one key removes the others.
 const std::vector<std::pair<std::string, std::vector<std::string>>>& alternative_keys();
-// True for two different keys of one such list, with their section: "contact.node", "contact.group".
+// True for two different keys of one such list, given with their section: "contact.node", "contact.group".
 bool exclude_each_other(const std::string& key, const std::string& other);
 
-// Keys of [session] that only say what is solved, by whom and when. They have no effect where states arrive
+// Keys of [session] that only control what is solved, by whom and when. They have no effect if states arrive
 // at given times.
 const std::vector<std::string>& scheduling_keys();
 // "has no effect where states arrive at given times (<arrivals>), …"

@@ -1,5 +1,5 @@
 #pragma once
-// From a scene to what a session runs on.
+// Makes the input and the options of a session from a scene.
 
 #include "apps/scene_input/scene.hpp"
 #include "scheduling/session/session_input.hpp"
@@ -7,13 +7,13 @@
 
 namespace forefeel {
 
-// The scene's body, box and spacing; no known states, no state file; references are kept in the cache folder,
-// and files that the scene names are sought beside it.
+// The scene's body, box and spacing, without known states or a state file. References are kept in the cache
+// folder. Relative file names in the scene are relative to the scene file.
 SessionInput session_input(const Scene& scene);
 
-// [session], whole. InputError("device TEXT: …") for a device or a cost that cannot be read.
+// All of [session]. Throws InputError("device TEXT: …") if the device or the cost cannot be read.
 SessionOptions session_options(const Scene& scene);
-// The two that are read late: a command that needs no session accepts a scene whose device is wrong.
+// Device and cost are read late, so that a command without a session accepts a scene with a wrong device.
 DeviceSpec device_of(const Scene& scene);
 CostSpec cost_of(const Scene& scene);
 

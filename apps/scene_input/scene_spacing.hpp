@@ -11,18 +11,19 @@
 namespace forefeel {
 
 struct SpacingChoice {
-  double spacing = unknown;                      // h [m]
-  double tolerance = 0.07;                       // of the error [1]
-  double p95 = unknown, max = unknown;           // errors at the safe positions that were looked at [1]
-  std::size_t safe = 0, states = 0, solves = 0;  // those positions; of the lattice; in all
-  std::size_t above = 0;                         // of those positions: above the tolerance
-  double share_bound = 1;  // of all safe positions above it, at most, with that confidence [1]
+  double spacing = unknown;             // h [m]
+  double tolerance = 0.07;              // of the error [1]
+  double p95 = unknown, max = unknown;  // errors at the safe positions checked [1]
+  std::size_t safe = 0, states = 0,
+              solves = 0;  // safe positions checked; states of the lattice; solves in all
+  std::size_t above = 0;   // safe positions checked whose error exceeds the tolerance
+  double share_bound = 1;  // upper bound on the share of all safe positions above the tolerance [1]
   double allowed_share = 0.05, confidence = 0.95;
   bool holds = false;  // share_bound <= allowed_share
-  bool kept = false;   // taken from the cache folder: nothing was solved
+  bool kept = false;   // read from the cache folder; nothing was solved
 };
 
-// Values depend on the arguments alone. folder empty: nothing is kept.
+// The values depend only on the arguments. If folder is empty, nothing is cached.
 SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
                                 const AutoSpacingOptions& options, const std::filesystem::path& folder);
 

@@ -1,6 +1,6 @@
 #pragma once
-// A scene file as parsed, and its tables: typed reading with one-line errors that name file, line, key and
-// what was expected. The parser, toml++, is known to scene_table.cpp alone.
+// A parsed scene file and its tables. Values are read by type; each error is one line that names file, line,
+// key and what was expected. Only scene_table.cpp includes the parser, toml++.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,7 +17,7 @@
 
 namespace forefeel {
 
-// Accepted interval of a number; `text` is how a message calls it ("above 0").
+// Accepted interval of a number; `text` describes it in messages ("above 0").
 struct Interval {
   double low, high;
   bool open_low = false, open_high = false;
@@ -38,12 +38,12 @@ class SceneTable {
   std::optional<Vec3> vector(const std::string& key) const;
   std::optional<std::vector<std::int64_t>> integers(const std::string& key) const;
   std::optional<Box> box(const std::string& key) const;
-  // A table in this one; where it is absent all its keys are unset. InputError where the key is no table, or
-  // the table has a key that is not in `known`.
+  // A table inside this one; if absent, all its keys are unset. Throws InputError if the key is not a table
+  // or the table has a key that is not in `known`.
   SceneTable sub(const std::string& key, std::vector<std::string> known) const;
   // Throws unless exactly one of the keys is set; returns it.
   std::string exactly_one_of(const std::vector<std::string>& keys) const;
-  // One of the words; message lists them.
+  // Reads one of the words; the error lists them.
   template <class Word>
   std::optional<Word> word(const std::string& key,
                            const std::vector<std::pair<std::string, Word>>& words) const;
@@ -54,28 +54,28 @@ class SceneTable {
 
  private:
   friend class SceneDocument;
-  struct Source;  // where its keys are
+  struct Source;  // places of its keys
   SceneTable(std::shared_ptr<const Source> source, const std::vector<std::string>& known);
   std::string full(const std::string& key) const;
 
   std::shared_ptr<const Source> source_;
 };
 
-// A scene file with its overrides. Its tables point into it: they are read while it lives.
+// A scene file with its overrides. It must outlive its tables, which point into it.
 class SceneDocument {
  public:
-  // overrides: "key.path=value" as given to --set; value is TOML, or a bare string. InputError for a file
-  // that is missing or no TOML, and for an override without key or value.
+  // overrides: "key.path=value" as given to --set; value is TOML, or a bare string. Throws InputError
+  // if the file is missing or not TOML, or an override lacks key or value.
   static SceneDocument read(const std::filesystem::path& file, std::span<const std::string> overrides);
-  // name: what messages call the text, in place of a file.
+  // name: used in messages in place of the file name.
   static SceneDocument parse(std::string_view text, const std::string& name,
                              std::span<const std::string> overrides);
   SceneDocument(SceneDocument&&) noexcept;
   ~SceneDocument();
 
   SceneTable root(const std::vector<std::string>& known) const;
-  // As TOML, as overridden: keys sorted, without comments. The second of one section; nothing where it is
-  // absent.
+  // The file with its overrides as TOML: keys sorted, no comments. The second function gives one section, or
+  // nothing if it is absent.
   std::string text() const;
   std::optional<std::string> section_text(const std::string& section) const;
 
@@ -85,7 +85,7 @@ class SceneDocument {
   std::unique_ptr<Parsed> parsed_;
 };
 
-// Helper of word(): the entry that equals text, or the error that lists all.
+// Helper of word(): finds the entry equal to text, or throws the error that lists all entries.
 std::size_t chosen_word(const SceneTable& table, const std::string& key, const std::string& text,
                         const std::vector<std::string>& words);
 

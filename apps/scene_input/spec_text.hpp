@@ -1,6 +1,6 @@
 #pragma once
-// What a user types for a device, a cost model, a policy, a predictor or workers, read into typed choices. Each keeps the
-// text as it was written, so that it is printed as written. The only place where such text is read.
+// Reads the text that a user types for a device, a cost model, a policy, a predictor or workers into typed
+// choices. Each choice keeps its text, so that it is printed as written. Such text is read nowhere else.
 //
 //   device   path:NAME[,speed=V][,amplitude=A][,tremor=S][,noise=S]    NAME: path_names()
 //            trace:FILE[,scale=F][,offset=X/Y/Z]
@@ -21,7 +21,7 @@ namespace forefeel {
 
 DeviceSpec device_from_text(const std::string& text);
 CostSpec cost_from_text(const std::string& text);
-// kind: for errors, as "policy". The name is not looked up.
+// kind: the word for errors, such as "policy". Does not check that the name is registered.
 Registered part_from_text(const std::string& kind, const std::string& text);
 
 }  // namespace forefeel

@@ -1,8 +1,8 @@
 #pragma once
-// Runs a study in a folder. Each cell is a file of its own there, DIR/cells/KEY.json, written whole or not at
-// all the moment it is done: a kill loses only the cells under way, and a rerun resumes. KEY is the content
-// of the cell (scene, body, options, seed, traces, version), so a cell is found again whatever else of the
-// study changes, and never mistaken for another.
+// Runs a study in a folder. Each finished cell is written at once to its own file, DIR/cells/KEY.json,
+// completely or not at all. A kill loses only the cells being run; a rerun resumes. KEY is a hash of the
+// cell's content (scene, body, options, seed, traces, version). A cell is therefore found again when the rest
+// of the study changes, and never mistaken for another.
 
 #include <filesystem>
 
@@ -11,8 +11,8 @@
 
 namespace forefeel {
 
-// A first SIGINT or SIGTERM ends it: finished cells are kept, those under way are left out. InputError where
-// another process writes to the same folder.
+// The first SIGINT or SIGTERM ends the study: finished cells are kept, running cells are dropped. Throws
+// InputError if another process writes to the same folder.
 StudyResult run_study_in(const std::filesystem::path& folder, const StudyPlan& plan, const Globals& globals);
 
 }  // namespace forefeel

@@ -9,14 +9,13 @@
 
 namespace forefeel {
 
-// cells.csv: one row a cell, in the order of the study; the same bytes for the same study however many
-// threads ran it and however often it was resumed. A column for each varied key, seed, then the columns of
-// the cells: all that occur, in order of first appearance, without those that are varied keys already.
-// Unknown values are empty.
+// cells.csv: one row per cell, in the order of the study. The same study gives the same bytes for any number
+// of threads and resumptions. Columns: one per varied key; seed; then every result column that occurs in a
+// cell and is not a varied key, in order of first appearance. Unknown values are empty.
 std::string cells_csv(const Study& study, const std::vector<StudyCellResult>& cells);
 
-// Rankings and contrasts. won, lost and verdict (1 better, -1 worse, 0 not shown) are those of the metric, of
-// which less may be better.
+// Rankings and contrasts. won, lost and verdict (1 better, -1 worse, 0 not shown) follow the metric's
+// direction: for some metrics less is better.
 nlohmann::ordered_json ranking_json(const Study& study, const std::vector<AxisRanking>& rankings,
                                     const std::vector<Contrast>& contrasts);
 
