@@ -34,7 +34,7 @@ Box reach_of(const std::vector<Vec3>& positions) {
   return reach;
 }
 
-// Positions to solve at: within the lattice, and on planes beyond the front where it goes so far.
+// Positions of the references: inside the lattice, and on planes beyond the front that lie in the lattice.
 void take_positions(Case& bench, std::uint64_t seed) {
   const Box& box = bench.reach;
   const double h = bench.options.spacing;
@@ -77,7 +77,7 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
   options.tolerance = tolerance;
   const std::vector<Vec3> positions = lattice(bench.options.box, bench.options.spacing);
   const std::size_t expected = positions.size();
-  bench.reach = reach_of(positions);  // rest at least
+  bench.reach = reach_of(positions);  // contains at least rest
   generate_lattice(bench.body, options, {},
                    [&](State s) {
                      if (s.usable()) bench.states.push_back(std::move(s));

@@ -23,7 +23,7 @@ struct Point {
   std::string name;
 };
 
-// Data blocks `name` (all points, with labels) and `name`_front, and the panel that shows them.
+// The data blocks `name` (all points, with labels) and `name`_front, and the panel that draws them.
 std::string panel(const std::string& name, const std::string& title, std::vector<Point> points) {
   std::erase_if(points, [](const Point& p) { return !(p.time > 0) || !(p.error > 0); });
   std::ranges::sort(points, {}, &Point::time);

@@ -1,5 +1,5 @@
-// forefeel bench coverage: the indexes against plain CGAL and nanoflann, all in one run and with the flags of this
-// file on both sides. Columns of `ratio` are baseline / ours, medians of repeated batches.
+// forefeel bench coverage: our indexes against plain CGAL and nanoflann, in one run and with the same
+// compiler flags. `ratio` is time of the baseline / our time, as medians of repeated batches.
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -56,8 +56,8 @@ Point point(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-// n states of a jittered lattice (density one a cell of h), in boustrophedon order so that a plain hint works well,
-// and a smooth path through the middle, new states on it off the lattice.
+// n states of a jittered lattice (one per cell of h), in boustrophedon order so that a plain hint works well.
+// A smooth path leads through the middle; the new states on it lie off the lattice.
 struct Field {
   std::vector<Vec3> states;
   double half = 0;  // side of the populated cube / 2 [m]
@@ -96,7 +96,7 @@ struct Row {
   std::size_t n;
 };
 
-struct Sums {  // keeps the optimiser honest
+struct Sums {  // results are summed so that the compiler does not remove the work
   double value = 0;
 };
 
@@ -136,8 +136,8 @@ class CoverageBench {
     return microseconds(start) / static_cast<double>(count);
   }
 
-  // Labels along a path against CGAL's locate from the last cell; the octree against the k-d tree's nearest. Both of
-  // ours carry a walk as CGAL carries its hint.
+  // Labels along a path: ours against CGAL's locate from the last cell, the octree against the k-d tree's
+  // nearest. Ours keep a walk between queries, as CGAL keeps its hint.
   void query_path(std::vector<Row>& rows) {
     constexpr std::size_t steps = 4000;
     std::vector<double> ours, cgal, octree, nano;
@@ -182,7 +182,7 @@ class CoverageBench {
     rows.push_back({"octree query random", "nanoflann", median(octree), median(nano), field_.states.size()});
   }
 
-  // New states every quarter spacing along a path, into all three.
+  // Inserts a new state every quarter spacing along a path into all three indexes.
   void insert_path(std::vector<Row>& rows) {
     const std::size_t count = std::clamp<std::size_t>(field_.states.size() / 20, 50, 400);
     std::vector<double> ours, cgal, octree;

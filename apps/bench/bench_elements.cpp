@@ -1,6 +1,7 @@
-// forefeel bench solver elements: F(nu) / F(0.3) of a pressed liver phantom with linear tetrahedra, the same after one
-// refinement (each into eight), quadratic ones, and quadratic ones after one refinement, which serve as reference.
-// What locks rises too fast with nu. Time and free nodes beside it say what the cure costs.
+// forefeel bench solver elements: F(nu) / F(0.3) of a pressed liver phantom with four kinds of elements:
+// linear tetrahedra; linear ones refined once (each into eight); quadratic ones; quadratic ones refined once,
+// which are the reference. An element locks if its force rises too fast with nu. Time and number of free
+// nodes show the cost.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -37,7 +38,8 @@ constexpr Variant variants[] = {{"linear", Element::linear, false},
                                 {"quadratic, refined once", Element::quadratic, true}};
 constexpr std::size_t reference = 3;
 
-// Each tetrahedron into eight; of the inner octahedron's diagonals the one that joins the middles of 02 and 13.
+// Splits each tetrahedron into eight. The inner octahedron is cut along the diagonal from the middle of edge
+// 02 to that of edge 13.
 Body refined(const Body& body) {
   Body fine = body;
   fine.mesh.tets.clear();
@@ -58,14 +60,15 @@ Body refined(const Body& body) {
                             Tet{m02, m03, m13, m23}, Tet{m02, m13, m12, m23}})
       fine.mesh.tets.push_back(part);
   }
-  const auto complete = [&](std::vector<NodeIndex>& set) {  // the middle of two nodes of a set is in it
-    const std::vector<NodeIndex> corners = set;
-    for (const auto& [edge, node] : middles)
-      if (std::binary_search(corners.begin(), corners.end(), edge[0]) &&
-          std::binary_search(corners.begin(), corners.end(), edge[1]))
-        set.push_back(node);
-    std::sort(set.begin(), set.end());
-  };
+  const auto complete =
+      [&](std::vector<NodeIndex>& set) {  // the middle of two nodes of a set belongs to the set
+        const std::vector<NodeIndex> corners = set;
+        for (const auto& [edge, node] : middles)
+          if (std::binary_search(corners.begin(), corners.end(), edge[0]) &&
+              std::binary_search(corners.begin(), corners.end(), edge[1]))
+            set.push_back(node);
+        std::sort(set.begin(), set.end());
+      };
   complete(fine.clamp);
   complete(fine.contact);
   return fine;

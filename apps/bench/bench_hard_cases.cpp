@@ -1,5 +1,6 @@
-// forefeel bench solver hard-cases: where static solves are hard, one row a case: how it ended, iterations, least
-// det F, whether another way ends elsewhere, time. A Markdown table on stdout, or rows with --json.
+// forefeel bench solver hard-cases: static solves that are hard, one row per case: outcome, iterations, least
+// det F, time, and whether another loading path ends at another equilibrium. Prints a Markdown table, or rows
+// with --json.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -110,7 +111,7 @@ void add_beams(std::vector<HardCase>& cases) {
   auto thin = std::make_shared<Body>(*beam);
   for (Vec3& node : thin->mesh.nodes) node[2] *= 0.2;
   cases.push_back({"beam a fifth as thick", "patch", "bend 3 cm", thin, Vec3(0, 0, 0.03), 0.003, {}, {}});
-  auto near = std::make_shared<Body>(*beam);  // the free surface node nearest to a clamped one
+  auto near = std::make_shared<Body>(*beam);  // contact: the free surface node nearest to a clamped node
   double least = 1e300;
   for (const NodeIndex node : surface_nodes(near->mesh)) {
     if (std::binary_search(near->clamp.begin(), near->clamp.end(), node)) continue;

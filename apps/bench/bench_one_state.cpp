@@ -1,6 +1,7 @@
-// forefeel bench solver SCENE --states 1: one state two spacings inward, from the equilibrium one spacing inward. Each
-// solver runs in a process of its own, on one thread, so that its memory is its own: the peak above that of a process that
-// solves nothing. Analysis (ordering, symbolic factorisation) is timed apart, for it is done once a body.
+// forefeel bench solver SCENE --states 1: solves one state two spacings inward, starting from the equilibrium
+// one spacing inward. Each solver runs on one thread in its own process, so that its memory can be measured:
+// the peak minus that of a process that solves nothing. Analysis (ordering, symbolic factorisation) is timed
+// separately, because it is done once per body.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -79,7 +80,7 @@ OneState solve_baseline(const Problem& problem, Baseline which) {
   return result;
 }
 
-// work() in a child process, with its peak memory; nothing where that ends badly.
+// Runs work() in a child process and measures its peak memory. Returns nothing if the child fails.
 template <class Work>
 std::optional<OneState> alone(const Work& work) {
   int ends[2];

@@ -1,8 +1,8 @@
-// forefeel bench solver [SCENE]: states per second over the scene's whole lattice, or over that of a box about rest shrunk
-// until it holds no more than the given number (then both sides solve only those), beside full Newton on Eigen's
-// SimplicialLDLT and on CHOLMOD in the same run. A baseline solves a sample of the lattice, each state warm-started
-// from its lattice neighbour towards rest, on the same number of threads; errors are against tight solves on the
-// reference branch at a random sample.
+// forefeel bench solver [SCENE]: states per second over the scene's whole lattice. With a limit on states,
+// the box is shrunk towards rest until its lattice fits, for the baselines as well. The baselines are full
+// Newton on Eigen's SimplicialLDLT and on CHOLMOD, in the same run and on the same number of threads. A
+// baseline solves a sample of the lattice and starts each state from its lattice neighbour towards rest.
+// Errors are relative to tight solves on the reference branch, at a random sample.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -39,8 +39,9 @@ double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-// OpenBLAS takes old kernels on processors it does not know, as virtual ones. It chooses while it is loaded, so where
-// its choice is below our instruction set the command starts itself again with the choice made.
+// OpenBLAS picks old kernels on processors that it does not know, such as virtual ones. It picks while it is
+// loaded. If its kernels are below our instruction set, the command therefore sets the choice and restarts
+// itself.
 void match_blas_to_processor() {
   const char* wanted = cholmod_blas_wanted();
   if (!wanted || std::getenv("OPENBLAS_CORETYPE")) return;
@@ -51,7 +52,8 @@ void match_blas_to_processor() {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   if (words.empty() || setenv("OPENBLAS_CORETYPE", wanted, 1) != 0) return;
-  execv("/proc/self/exe", arguments.data());  // returns only where that fails: then with what there is
+  execv("/proc/self/exe",
+        arguments.data());  // returns only on failure: then the run continues with the old kernels
 }
 
 struct BenchCase {
@@ -66,7 +68,7 @@ BenchCase take_case(const Globals& globals, const std::string& file) {
   return {scene.body, scene.space, scene.file.string()};
 }
 
-// The box, shrunk towards rest until its lattice has `most` states at most.
+// The box, shrunk towards rest until its lattice has no more than `most` states.
 Box shrunk(const StateSpaceOptions& space, std::size_t most) {
   Box box = space.box;
   for (double share = 1; share > 0 && lattice(box, space.spacing).size() > most; share -= 1.0 / 64)
@@ -110,8 +112,8 @@ struct BaselineRun {
   std::vector<State> solved;
 };
 
-// Each of the sample from the displacements of its neighbour one spacing nearer to rest, which are not charged; as many
-// as are begun within `budget` seconds.
+// Solves the sample, each state from the displacements of its neighbour one spacing nearer to rest. The time
+// of the neighbours does not count. No state is started after `budget` seconds.
 BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
                          const std::vector<std::size_t>& sample, int threads, double tolerance,
                          double budget) {
@@ -133,7 +135,7 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
     const auto from = known.find(k);
     if (from == known.end()) continue;
     std::vector<double> u(static_cast<std::size_t>(d->local_size())), by_node = *from->second->displacements;
-    for (const auto& [a, b] : d->edges)  // mid-edge nodes start between their ends
+    for (const auto& [a, b] : d->edges)  // mid-edge nodes start halfway between the ends of their edge
       for (std::size_t c = 0; c < 3; ++c)
         by_node.push_back(0.5 * (by_node[3 * static_cast<std::size_t>(a) + c] +
                                  by_node[3 * static_cast<std::size_t>(b) + c]));
@@ -151,7 +153,7 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
       run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(
           starts[i].second, starts[i].first, tolerance);
   const double seconds = seconds_since(start);
-  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });  // not begun
+  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });  // not started
   for (const State& s : run.solved) {
     run.failed += !s.usable();
     run.iterations += s.iterations;
@@ -196,7 +198,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   constexpr double tolerance = 1e-6;
   constexpr std::size_t error_sample = 60;
   constexpr int rounds = 3;
-  constexpr double enough = 40;  // [s] after which no further round is begun
+  constexpr double enough = 40;  // [s]; no further round starts after this
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   BenchCase bench = take_case(globals, scene);
   if (most_states == 1) return bench_one_state(globals, bench.body, bench.space.spacing, bench.name);
@@ -223,7 +225,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
     std::sort(states.begin(), states.end(), [](const State& a, const State& b) {
       return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
     });
-    // A share of the lattice, drawn anew in each round, and no more than takes about as long as our whole lattice.
+    // A random share of the lattice, new in each round, that takes no longer than about our whole lattice.
     std::vector<std::size_t> sample(states.size());
     for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
     std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
@@ -236,7 +238,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
     eigen.push_back(last_eigen.per_state);
     cholmod.push_back(last_cholmod.per_state);
   }
-  double scaling = unknown;  // states per second over those of one thread
+  double scaling = unknown;  // states per second relative to one thread
   if (threads > 1 && seconds_since(begun) < enough) {
     progress.show(0.9, "one thread");
     GenerateOptions alone = options;

@@ -1,16 +1,16 @@
-// forefeel bench switch [SCENE]: what a frame of each switch rule costs, beside no switch at all, and what
-// the hand feels of a model that changes every 10 to 100 ms. The same stream of models for every rule, and a
-// hard one: the HIP moves through the scene's box at hand speed, and each model is made from 24 other states
-// of the lattice, so that each disagrees with the last everywhere (r^3 on force, the paper's). The first one
-// is alone for a second, in which it fades in; what is measured begins then. Errors are those of the rendered
-// force against the finest model of all states.
-//   frames_over_jnd   frames whose change by the switch exceeds the rule's bound (none: that of smooth)
-//   max_jump          most that the switch changed the force in one frame [N]
-//   drift             most that switches changed the force within 50, 100, 300 ms, |sum of dF| [N]
-//   delay             from a model's coming until the force is that of it or a newer one, beside its bound:
+// forefeel bench switch [SCENE]: the cost of a frame under each switch rule and without a switch, and what
+// the hand feels if the model changes every 10 to 100 ms. All rules get the same stream of models, a hard
+// one: the HIP moves through the scene's box at hand speed, and each model is made from 24 other states of
+// the lattice (r^3 on force, as in the paper), so that it differs from the last model everywhere. The first
+// model fades in for one second without successors; measurement starts after that. Errors are those of the
+// rendered force against the finest model of all states.
+//   frames_over_jnd   frames in which the switch exceeds the bound of its rule (none: bound of smooth)
+//   max_jump          largest change of the force by the switch in one frame [N]
+//   drift             largest change of the force by switches within 50, 100, 300 ms, |sum of dF| [N]
+//   delay             time from a model's arrival until the force is its own or a newer one's, and the bound:
 //       paper    10 ms (steps of the switch under way + steps of the next + 2), steps = d / s, d the largest
 //                difference of the two models at the HIP meanwhile
-//       smooth   1 ms (e / s + 1), e the offset and all that later models add to it
+//       smooth   1 ms (e / s + 1), e the offset plus all that later models add
 //       s the least step that the rule allows meanwhile: max(10 mN, 0.07 / 1.07 |F|), a tenth for smooth
 
 #include <fmt/format.h>
@@ -36,13 +36,13 @@ namespace forefeel {
 namespace {
 
 constexpr double frame = 1e-3, speed = 0.06;            // [s], [m/s]
-constexpr std::size_t frames = 5000, settling = 60000;  // of the stream, and at most after it
-constexpr std::size_t lead = 1000;                      // frames of the first model alone
+constexpr std::size_t frames = 5000, settling = 60000;  // of the stream; at most so many after it
+constexpr std::size_t lead = 1000;                      // frames with the first model alone
 constexpr std::size_t states_per_model = 24;
 constexpr int rounds = 7;
 constexpr std::size_t error_every = 10;  // frames
 
-// What comes: the HIP, and in some frames a new model.
+// The input: HIP positions, and new models in some frames.
 struct Stream {
   std::vector<Vec3> at;            // by frame
   std::vector<Model> models;       // by growing serial
@@ -102,10 +102,10 @@ struct Outcome {
   std::array<double, 3> drift{};              // [N]
   std::vector<double> errors, delays;         // [1], [s]
   double worst_bound = 0, most_of_bound = 0;  // [s], delay / bound
-  bool latest_wins = true;                    // the force ends on the last model
+  bool latest_wins = true;                    // the force ends at the last model's
 };
 
-// One model's way to the hand.
+// One model from its arrival until it is rendered.
 struct Waiting {
   std::size_t model = 0, frame = 0;  // that brought it
   double offset = 0;                 // smooth: |e| then, and what later models add [N]
@@ -170,7 +170,7 @@ class Player {
     return most;
   }
 
-  // The least step that a rule with this floor and share took in these frames [N].
+  // The least step in these frames of a rule with this floor and share [N].
   double least_step(double floor, double share, std::size_t from, std::size_t to) const {
     const double force = *std::min_element(before_.begin() + static_cast<std::ptrdiff_t>(from),
                                            before_.begin() + static_cast<std::ptrdiff_t>(to) + 1);
@@ -186,7 +186,8 @@ class Player {
     if (rule_ == SwitchRule::none) return 0;
     if (rule_ == SwitchRule::smooth)
       return frame * (std::ceil(w.offset / least_step(1e-3, 0.007, w.frame, done)) + 1);
-    // A -> B was under way when it came, B -> C (it, or newer) followed; where nothing was, A -> C alone.
+    // If a switch A -> B was under way at its arrival, B -> C (it or a newer model) followed; else A -> C
+    // alone.
     double steps = 0;
     const Model* before = nullptr;
     std::size_t since = 0;
@@ -228,10 +229,10 @@ class Player {
   std::vector<Vec3> changes_;
   std::vector<double> before_;  // |F| before each frame's change [N]
   std::deque<Waiting> waiting_;
-  std::vector<std::pair<std::size_t, std::size_t>> rendered_;  // frame, model: switches that are over
+  std::vector<std::pair<std::size_t, std::size_t>> rendered_;  // frame, model of each finished switch
 };
 
-// One pass over the stream with nothing but the switch in it [us per frame].
+// Time of one pass over the stream with only the switch in it [us per frame].
 double cost_of_a_frame(const Stream& stream, SwitchRule rule) {
   ForceSwitch damped({.rule = rule});
   Vec3 sum = Vec3::Zero();
@@ -299,7 +300,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
     progress.show(0.5 + 0.005 * static_cast<double>(every - 10), fmt::format("a model every {} ms", every));
     const Stream stream = make_stream(space, states, every, globals.seed);
     std::array<std::vector<double>, 3> costs;
-    for (int round = 0; round < rounds; ++round)  // in turns, so that all see the same machine
+    for (int round = 0; round < rounds; ++round)  // in turns, so that other load affects all alike
       for (std::size_t r = 0; r < rules.size(); ++r) costs[r].push_back(cost_of_a_frame(stream, rules[r]));
     const double none = quantile_of(costs[2], 0.5);
     for (std::size_t r = 0; r < rules.size(); ++r) {

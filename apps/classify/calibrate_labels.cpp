@@ -1,6 +1,6 @@
-// forefeel classify [STATES] --calibrate SCENE [-o DIR/]: what a label says about the error on this body.
-// States are those given, or the scene's lattice; truth by tight solves at random positions of its box, kept
-// in the cache folder.
+// forefeel classify [STATES] --calibrate SCENE [-o DIR/]: error statistics per label on this body.
+// The states are the given ones or the scene's lattice. The references are tight solves at random positions
+// in the scene's box, kept in the cache folder.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t truth_positions = 160;
 
-// spacing: that of the file where it says so.
+// spacing: from the file if it gives one.
 std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Progress& progress,
                            double& spacing) {
   const Scene& scene = laboratory.scene();
@@ -121,7 +121,7 @@ void write_tables(const Calibration& found, const fs::path& folder) {
   write_text(folder / "samples.csv", samples);
 }
 
-// Per label a group of kinds: median to 95 % as a bar, the largest as a point.
+// One group of kinds per label: a bar from the median to 95 %, a point for the largest error.
 Picture picture(const Calibration& found, double tolerance) {
   std::string script, plot, tics;
   const double width = 0.8 / static_cast<double>(found.kinds.size());

@@ -24,7 +24,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What `forefeel classify --diff A B` answers.
+// The result of `forefeel classify --diff A B`.
 struct DiffResult {
   std::array<Classified, 2> set;
   double spacing = unknown;                       // of both
@@ -32,7 +32,7 @@ struct DiffResult {
   std::vector<RegionChange> changed;
   double seconds = 0;
 
-  // Volume whose label changed, and the part of it whose label got better [m^3].
+  // Volume whose label changed, and the part of it whose label improved [m^3].
   double moved() const {
     double sum = 0;
     for (std::size_t a = 0; a < 4; ++a)
@@ -48,7 +48,7 @@ struct DiffResult {
   }
 };
 
-// One spacing and one box for both sets, or their volumes would not compare.
+// One spacing and one box for both sets; otherwise their volumes could not be compared.
 Classified common_frame(const Globals& globals, const ClassifyArguments& arguments,
                         const std::array<StatesInFrame, 2>& loaded) {
   OwnFrame own = loaded[0].own;
@@ -68,7 +68,7 @@ Classified common_frame(const Globals& globals, const ClassifyArguments& argumen
   return prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
 }
 
-// Voxels of h/4 in the leaves of B: a leaf of B may hold several of A.
+// Compares voxels of h/4 inside the leaves of B, because a leaf of B may contain several of A.
 void compare(DiffResult& result) {
   const auto label_in_a = [&](const Vec3& q) {
     const Classified& a = result.set[0];

@@ -53,7 +53,7 @@ bool before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-// Forces, stiffnesses and how they were solved, for states of which only the position is known so far.
+// Adds forces, stiffnesses and solve status to states that so far have only a position.
 class Solved {
  public:
   explicit Solved(std::vector<State> states) : states_(std::move(states)) {
@@ -67,10 +67,10 @@ class Solved {
   }
 
  private:
-  std::vector<State> states_;  // by position
+  std::vector<State> states_;  // sorted by position
 };
 
-// What was known when, of a run.
+// The states known at each time of a run.
 struct History {
   std::vector<State> start;
   std::vector<Arrival> arrivals;
@@ -87,7 +87,7 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
     history.start = std::move(loaded.states);
     history.own = loaded.own;
   } else {
-    // All states at the end, those of the start first.
+    // All states at the end, with the initial ones first.
     history.start.assign(solved.begin(),
                          solved.end() - std::ptrdiff_t(std::min(solved.size(), history.arrivals.size())));
   }
@@ -132,7 +132,7 @@ Hip read_hip(const fs::path& folder) {
   return hip;
 }
 
-// Moments that an earlier, longer series left.
+// Removes surplus files of an earlier, longer series.
 void remove_parts(const fs::path& folder) {
   static const std::regex ours("(regions|states|hip)_[0-9]{5}\\.vtu");
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
@@ -145,13 +145,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 struct Moment {
   double t = 0;            // [s]
-  std::size_t states = 0;  // known by then
+  std::size_t states = 0;  // number known by then
   Vec3 hip = Vec3::Zero();
   Label label = Label::blank;  // there
   std::array<double, 4> volume{};
 };
 
-// What `forefeel classify RUN/` answers.
+// The result of `forefeel classify RUN/`.
 struct SeriesResult {
   fs::path series;  // .pvd
   std::vector<Moment> moments;
@@ -184,7 +184,7 @@ nlohmann::ordered_json to_json(const SeriesResult& result) {
   return out;
 }
 
-// The files of a series, three a moment: regions, known states, the HIP.
+// The files of a series, three for each time: regions, known states, the HIP.
 class SeriesFiles {
  public:
   explicit SeriesFiles(const fs::path& series)

@@ -44,7 +44,7 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   check_same_body(where, own.identity, scene.identity);
   if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
   result.box = scene.space.box;
-  // HIP coordinates count from the rest position of the contact.
+  // HIP coordinates are relative to the rest position of the contact.
   Vec3 contact = Vec3::Zero();
   for (const NodeIndex node : scene.body->contact)
     contact += scene.body->mesh.nodes[static_cast<std::size_t>(node)] / double(scene.body->contact.size());
@@ -56,7 +56,7 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   }
 }
 
-// States in Morton order: consecutive ones are close, so that an insertion walks a cell or two.
+// States in Morton order: neighbours in the order are close, so an insertion walks only one or two cells.
 std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const Box& box, double spacing) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> code(states.size());
   for (std::uint32_t i = 0; i < states.size(); ++i) {
@@ -74,7 +74,7 @@ std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const 
   return order;
 }
 
-// Regions are made of cubes of h/4. A box with too many of them is refused before memory is allocated.
+// Regions consist of cubes of h/4. A box with too many cubes is refused before memory is allocated.
 void check_extent(const Classified& set, const std::string& where) {
   double voxels = 1, points = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,7 +87,7 @@ void check_extent(const Classified& set, const std::string& where) {
         fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
                     "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
                     set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
-  // States closer than 1e-9 h are one state; doubles must resolve that distance.
+  // States closer than 1e-9 h count as one, so doubles must resolve that distance.
   if (!(points <= 1e6 * set.spacing))
     throw InputError(
         where,
@@ -103,7 +103,7 @@ std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyAr
   return octree;
 }
 
-// The sides of each gap, seen from its innermost place; the same rule as in Regions.
+// The sides of each gap, seen from its innermost point, by the rule of Regions.
 void find_sides(const OctreeIndex& octree, const Classified& set, const CoverageOptions& coverage,
                 std::vector<RegionComponent>& components) {
   std::size_t done = 0;
@@ -119,7 +119,7 @@ void find_sides(const OctreeIndex& octree, const Classified& set, const Coverage
   }
 }
 
-// The states under the triangulation, without their displacements.
+// The states for the triangulation, without displacements.
 std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArguments& arguments,
                                        const std::function<void(double)>& progress) {
   auto space = std::make_unique<StateSpace>(StateSpaceOptions{

@@ -20,7 +20,7 @@ RepeatedStates repeated_states(std::span<const State> states) {
   };
   std::ranges::stable_sort(order, {}, position);
   RepeatedStates found;
-  const State *before = nullptr, *usable = nullptr;  // the last one, and the first usable one of its position
+  const State *before = nullptr, *usable = nullptr;  // the last state at a position, and its first usable one
   for (const std::size_t i : order) {
     const State& state = states[i];
     if (before != nullptr && before->at == state.at)

@@ -11,7 +11,7 @@ namespace {
 constexpr double step = 1.0 / 60;  // of the path, in spacings (0.1 mm at 6 mm)
 constexpr int steps_per_reference = 20;
 
-// The force along the path as the method gives it, set by set.
+// The force of the method along the path, one neighbour set after the other.
 std::vector<PathPoint> walk(const PaperGround& ground, const StateSpace& space, const PathMethod& method,
                             const std::vector<double>& stations) {
   ModelUpdater updater(space, method.model);
@@ -20,7 +20,7 @@ std::vector<PathPoint> walk(const PaperGround& ground, const StateSpace& space, 
   for (const double s : stations) {
     const Vec3 x = ground.at(s);
     UpdateReport report;
-    if (!method.ours) updater.forget();  // the paper's rule knows no earlier set
+    if (!method.ours) updater.forget();  // the paper's rule does not depend on the earlier set
     updater.update(x, now, &report);
     PathPoint point{.s = s, .force = now.force(x)};
     point.label = report.label;

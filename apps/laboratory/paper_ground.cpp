@@ -14,7 +14,7 @@ PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowSh
       frame_(lattice_frame(laboratory.scene().inward)),
       depth_(static_cast<double>(depth)) {
   beyond_ =
-      static_cast<int>(depth);  // no farther: at 72 mm a liver is crushed to 3 % of its volume in places
+      static_cast<int>(depth);  // not deeper: at 72 mm parts of a liver are crushed to 3 % of their volume
   gap_ = std::min(static_cast<int>(gap), beyond_ - 2);
   const Vec3 low = frame_ * (h_ * Vec3(-layers_, -half_width_, -half_width_));
   const Vec3 high = frame_ * (h_ * Vec3(beyond_, half_width_, half_width_));
@@ -41,7 +41,7 @@ std::vector<State> PaperGround::known(std::string_view setup) const {
   for (const State& state : complete_) solved.emplace(index(state.at), &state);
   std::vector<State> states;
   for (const Vec3& x :
-       make_setup(setup, options).states)  // where the second slab is deeper than our ground: none
+       make_setup(setup, options).states)  // none if the second slab is deeper than our lattice
     if (const auto found = solved.find(index(frame_ * x)); found != solved.end())
       states.push_back(*found->second);
   return states;
@@ -57,8 +57,8 @@ StateSpace PaperGround::space(const std::vector<State>& known) const {
 }
 
 std::vector<PathMethod> paper_methods() {
-  // The paper believes the sum however far away it is: with such a length between states so do we
-  // (model_data.hpp).
+  // The paper uses the sum at any distance from the states. With such a length between states, our model does
+  // the same (model_data.hpp).
   const auto nearest = [](Kernel kernel) {
     return ModelOptions{
         .kernel = kernel, .data = Data::force, .neighbours = 100, .select = Select::nearest, .length = 1e3};

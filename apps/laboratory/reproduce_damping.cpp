@@ -1,7 +1,7 @@
-// The paper's Fig. 3: the HIP is held in a blank area while groups of states become known, the most distant
-// first, until the space is full. What the force does at each group, without and with damping, as the paper
-// set it and as we do. Sessions under the virtual clock with given arrivals: the same planner and loop as any
-// other session.
+// The paper's Fig. 3. The HIP is held in a blank area while groups of states become known, the most distant
+// first, until the space is full. Shows how each group changes the force, without and with damping, with the
+// paper's settings and with ours. The runs are sessions under the virtual clock with given arrivals; planner
+// and loop are those of any session.
 
 #include <fmt/format.h>
 
@@ -40,10 +40,10 @@ struct Script {
   double held_at = 0;                           // s of the HIP [m]
   double first = 0, interval = 0, seconds = 0;  // of the groups [s]
   std::vector<State> known;
-  std::vector<std::vector<Vec3>> arriving;  // group by group, the most distant first
+  std::vector<std::vector<Vec3>> arriving;  // by group, the most distant first
 };
 
-// Groups of equal size by distance from the HIP.
+// Groups of equal size, divided by distance from the HIP.
 Script write_script(const PaperGround& ground, const ReproduceOptions& options) {
   Script script;
   script.held_at = 0.775 * ground.depth();  // not a lattice point
@@ -69,7 +69,7 @@ void write_inputs(const Script& script, const PaperGround& ground, const std::fi
       arrivals += fmt::format("{},{},{},{}\n", script.first + static_cast<double>(g) * script.interval, x[0],
                               x[1], x[2]);
   const double arrived = script.held_at / approach_speed;
-  for (int i = 0; i <= 20; ++i) {  // from rest to rest
+  for (int i = 0; i <= 20; ++i) {  // speed is zero at both ends
     const double u = i / 20.0;
     const Vec3 x = ground.at(script.held_at * u * u * (3 - 2 * u));
     trace += fmt::format("{:.6g},{:.9g},{:.9g},{:.9g}\n", arrived * u, x[0], x[1], x[2]);
@@ -113,18 +113,19 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
   return runs;
 }
 
-// ---- what is read off
+// ---- results
 
 struct Judge {
   double share, absolute;  // of the JND
   double jnd(const Vec3& force) const { return std::max(share * force.norm(), absolute); }
 };
 
-// What happened at group g: between its arrival and the next.
+// Results of group g: from its arrival to the next group's.
 struct Effect {
-  double jump = 0, jump_jnd = 0;      // |f~' - f~| where a model is taken [N]
-  double frame = 0, frame_share = 0;  // most that the force changed from one frame to the next, and over |F|
-  double settled = unknown;           // until the force is the newest model's [s]
+  double jump = 0, jump_jnd = 0;  // |f~' - f~| at a change of model [N]
+  double frame = 0,
+         frame_share = 0;    // largest change of the force between two frames [N], and relative to |F|
+  double settled = unknown;  // time until the force equals the newest model's [s]
 };
 
 std::array<Effect, groups> effects(const Run& run, const Script& script, const Judge& judge) {
@@ -152,10 +153,10 @@ std::array<Effect, groups> effects(const Run& run, const Script& script, const J
 struct Reading {
   std::array<Effect, groups> effects;
   double jump = 0, jump_jnd = 0, frame = 0, frame_share = 0, settled = 0;
-  std::size_t unsettled = 0;   // groups after which the force was not the newest model's before the next
-  std::size_t over_bound = 0;  // frames whose change by the switch exceeds the rule's bound
-  double start_error = unknown, end_error = unknown;  // before the first group, and at the end
-  double worst_error = unknown;                       // of the newest model, while groups come
+  std::size_t unsettled = 0;   // groups whose model was not reached before the next group came
+  std::size_t over_bound = 0;  // frames in which the switch changes the force by more than the rule allows
+  double start_error = unknown, end_error = unknown;  // before the first group; at the end
+  double worst_error = unknown;                       // of the newest model, while groups arrive
 };
 
 Reading read(const Run& run, const Script& script, const Judge& judge, const State& tight, double floor) {
@@ -212,7 +213,7 @@ nlohmann::ordered_json to_json(const Run& run, const Reading& reading) {
 
 // ---- files
 
-// Every 50th frame, and every one of the second that follows a group.
+// Every 50th frame, and every frame in the second after a group.
 bool is_kept(std::size_t k, double t, const Script& script) {
   if (k % 50 == 0) return true;
   const double since = t - script.first + 0.01;

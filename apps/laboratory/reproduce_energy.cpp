@@ -1,9 +1,9 @@
 // Energy around closed loops (approx/judge/loop_energy.hpp) in the scene's own state space, per method:
-//   fixed    one set of states: the nearest to the middle of the loop, or what an older method takes
-//   moving   the set follows the HIP, a new model every quarter spacing, used at once
-//   smooth   the same, through the default switch. Left out where no model differs from the one before by more
-//            than the switch passes on in one frame: then nothing is damped and the forces are the same.
-// Moving loops are run twice and only the second turn counts, without the fading in of the first model.
+//   fixed    one set of states: the nearest to the middle of the loop, or the set that an older method uses
+//   moving   the set follows the HIP; a new model every quarter spacing, used at once
+//   smooth   as moving, through the default switch. Left out if every change of model is small enough for the
+//            switch to pass it on in one frame: then nothing is damped and the forces are the same.
+// Moving loops run twice. Only the second turn counts, because the first model fades in during the first.
 
 #include <fmt/format.h>
 
@@ -26,11 +26,11 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t points = 4000;  // of a loop
+constexpr std::size_t points = 4000;  // per loop
 constexpr std::size_t places = 4;
 constexpr double small = 1.2, large = 2.5;  // half axes of fixed and moving loops, in spacings
-constexpr std::size_t most_in_one = 4000;   // states in the model of offline-rbf, whose cost is cubic
-constexpr double quarter = 0.25;            // travel that asks for a new model, in spacings
+constexpr std::size_t most_in_one = 4000;   // limit of states in the offline-rbf model, whose cost is cubic
+constexpr double quarter = 0.25;            // travel after which a new model is made, in spacings
 
 struct Row {
   std::string method, set;
@@ -51,7 +51,7 @@ std::vector<Vec3> centres(const StateSpaceOptions& space) {
   return all;
 }
 
-// Loops about places of the box in three planes each.
+// Loops around places of the box, each in three planes.
 std::vector<std::vector<Vec3>> loops(const StateSpaceOptions& space, double radius) {
   std::vector<std::vector<Vec3>> all;
   const double a = radius * space.spacing;
@@ -98,7 +98,7 @@ std::vector<Kind> kinds(std::size_t known) {
           {"Hermite r5, n 25", hermite(Kernel::quintic)}};
 }
 
-// The field as the HIP feels it on its way: updated every quarter spacing.
+// The force that a moving HIP feels: the model is updated every quarter spacing.
 class Moving {
  public:
   Moving(const StateSpace& space, const ModelOptions& options, SwitchRule rule)
@@ -120,7 +120,7 @@ class Moving {
     return frame.force;
   }
   void count_from_here() { damped_ = 0, largest_ = 0; }
-  std::size_t damped() const { return damped_; }  // frames whose force was not the newest model's
+  std::size_t damped() const { return damped_; }  // frames whose force differs from the newest model's
   double largest() const { return largest_; }     // jump between models, of what may pass in one frame
 
  private:
@@ -172,13 +172,13 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
       for (const auto& loop : loops(space.options(), large))
         older.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return field.force(x); }).ratio());
       rows.push_back(std::move(older));
-    } catch (const InputError& error) {  // these states do not suit it
+    } catch (const InputError& error) {  // the method cannot use these states
       notes.push_back(fmt::format("{}: left out, {}", name(method), error.what()));
     }
   }
 }
 
-// What the switch did to the second turns of all moving loops.
+// Effect of the switch on the second turns of all moving loops.
 struct Damping {
   std::size_t frames = 0, damped = 0;
   double largest = 0;  // jump between models, of what may pass in one frame
@@ -249,7 +249,7 @@ Picture picture(const std::vector<Row>& rows) {
           960, 90 + 36 * static_cast<int>(names.size()), script};
 }
 
-// ---- what is shown
+// ---- output
 
 struct EnergyFindings {
   StateSpaceOptions space = {};
@@ -258,7 +258,7 @@ struct EnergyFindings {
   std::vector<std::string> notes = {};
   Damping damping = {};
 
-  // Of the net over gross energies of a row; unknown where there is no such row.
+  // Statistic of net / gross energy of a row; unknown if there is no such row.
   double median(std::string_view method, std::string_view set) const {
     for (const Row& row : rows)
       if (row.method == method && row.set == set) return quantile_of(row.ratios, 0.5);
@@ -266,7 +266,7 @@ struct EnergyFindings {
   }
 };
 
-// Loops with a part beyond the box.
+// Number of loops that leave the box.
 std::size_t loops_beyond(const StateSpaceOptions& space) {
   std::size_t beyond = 0;
   for (const double radius : {small, large})

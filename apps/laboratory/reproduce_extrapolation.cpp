@@ -1,5 +1,5 @@
-// The paper's Fig. 2: a 6 cm path out of what is known, in its three situations. extrapolation_path.hpp walks
-// it; here is what is read off and shown.
+// The paper's Fig. 2: a path of 6 cm out of the known region, in three situations. extrapolation_path.hpp
+// computes the forces; this file evaluates and shows them.
 
 #include <fmt/format.h>
 
@@ -95,7 +95,7 @@ std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, b
   return script + plot + "\n";
 }
 
-// Three situations below each other; force and error beside each other, as in the paper.
+// Three situations as rows; force and error as columns, as in the paper.
 Picture picture(const Fig2& fig, const PaperGround& ground) {
   std::string script;
   double most = 0;
@@ -214,7 +214,7 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
   return text + " No switch takes part: a jump is what two models that follow each other differ by.";
 }
 
-// Every figure of ours that exceeds one of the paper's kernels by more than rounding.
+// Our results that are worse than those of a kernel of the paper by more than rounding.
 std::string where_worse(const Fig2& fig, const PaperGround& ground) {
   std::vector<std::string> cases;
   const auto compare = [&](const std::string& what, double ours, double theirs, const char* kernel) {

@@ -1,7 +1,7 @@
-// Sustained HIP speed against workers: the highest speed at which 95 % of the frames that visit a cell of 6
-// mm for the first time are within 7 % of the reference. Each run starts empty and follows lines that cross
-// the whole box and a little more, layer by layer. One row for each step of speed_steps.hpp; the cells are
-// those of a study, so that an interrupted run resumes.
+// Sustained HIP speed against the number of workers. Sustained is the highest speed at which 95 % of first
+// visits are within 7 % of the reference; a first visit is the first frame in a cell of 6 mm. Each run starts
+// with no states and follows lines across the whole box and slightly beyond it, layer by layer. Each step of
+// speed_steps.hpp is one row. The cells are those of a study, so an interrupted run resumes.
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What --set gives is not given by the study as well.
+// The study leaves out the keys that --set gives.
 bool is_set(const Globals& globals, const std::string& key) {
   return std::ranges::any_of(globals.set,
                              [&](const std::string& text) { return text.starts_with(key + "="); });
@@ -43,7 +43,7 @@ Study speed_study(const ReproduceOptions& runs) {
   return study;
 }
 
-// What all steps share.
+// The settings common to all steps.
 SpeedSettings shared_settings(const Laboratory& laboratory) {
   SpeedSettings shared{.options = laboratory.scene().session, .spacing = laboratory.spacing()};
   const Globals& globals = laboratory.globals();
@@ -51,12 +51,12 @@ SpeedSettings shared_settings(const Laboratory& laboratory) {
                                                                    : PathMotion{.path = PathName::raster};
   shared.options.workers.cost = is_set(globals, "session.cost") ? cost_of(laboratory.scene()) : PaperCost{};
   if (!is_set(globals, "session.reference_step"))
-    shared.options.judging.reference_step = 0.5;  // first visits count
+    shared.options.judging.reference_step = 0.5;  // only first visits are judged
   shared.options.judging.visit_cell = 0.006;
   return shared;
 }
 
-// What a session would refuse, said where the command gives it.
+// Checks what a session would refuse; the error names the option of the command.
 InputError at_its_place(const InputError& error, const Globals& globals) {
   const std::string& key = error.place().key;
   if (!error.place().file.empty()) return error;
@@ -90,9 +90,9 @@ StudyPlan plan_speed(const Laboratory& laboratory, const ReproduceOptions& runs)
   }
 }
 
-// ---- the same study as files, so that it can be run again by itself: forefeel study DIR/speed.toml
+// ---- the same study as files, so that it can be rerun on its own: forefeel study DIR/speed.toml
 
-constexpr const char* built_in_file = "scene.toml";  // where the study finds the built-in scene
+constexpr const char* built_in_file = "scene.toml";  // the built-in scene, beside the study's file
 constexpr const char* study_file = "speed.toml";
 
 std::string in_quotes(const std::string& text) {
@@ -101,7 +101,7 @@ std::string in_quotes(const std::string& text) {
   return quoted + "\"";
 }
 
-// Each step gives what changes, the first step everything.
+// The first step gives all settings, each later one its changes.
 std::string steps_text(const SpeedSettings& shared) {
   std::string text;
   std::vector<std::pair<std::string, std::string>> before;
@@ -143,7 +143,7 @@ void write_study(const Laboratory& laboratory, const ReproduceOptions& runs, con
   write_text(folder / study_file, study_text(laboratory, runs));
 }
 
-// ---- what is read off
+// ---- results
 
 std::vector<std::vector<double>> speeds_of(const StudyPlan& plan, const StudyResult& result) {
   const std::vector<StudyAxis>& axes = plan.study.axes;
@@ -162,7 +162,7 @@ SpeedBounds bounds_of(const StudyPlan& plan, const Globals& globals) {
   SpeedBounds all;
   double cells = 0;
   for (const StudyCell& cell : plan.cells) {
-    // No number of workers changes a bound.
+    // The bounds do not depend on the number of workers.
     if (speed_steps()[cell.choice[0]].role != SpeedRole::ours || cell.choice[1] != 0) continue;
     const SessionInput& input = plan.inputs[cell.input];
     ReferenceService references(reference_options(input), globals.threads);

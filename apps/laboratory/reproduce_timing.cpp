@@ -1,10 +1,10 @@
-// The paper's times (section 4): update of the coefficients and evaluation of the force with 100 and 300
-// states, beside ours on this machine, on the states of the scene's box. Medians over HIP positions along a
-// motion through the box; one thread.
+// The paper's times (section 4) beside ours on this machine: update of the coefficients and evaluation of the
+// force, with 100 and 300 states of the scene's box. Medians over HIP positions along a motion through the
+// box; one thread.
 //   select       the n nearest states
-//   Eq. 2        assembled whole and solved by LU (the paper's way, Eigen's LU of our instruction set)
-//   refit        our solution of the same system from nothing
-//   update       what a motion of a quarter spacing asks of our updater: k of n states replaced
+//   Eq. 2        assembled completely and solved by LU, as in the paper (Eigen's LU, our instruction set)
+//   refit        our solution of the same system from scratch
+//   update       our updater after a motion of a quarter spacing: k of n states replaced
 //   evaluate     the force from the model
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ namespace {
 
 constexpr std::size_t error_samples = 60;
 
-// Of the paper, on two dual-core Opteron 2218 at 2.6 GHz [us].
+// Times of the paper, on two dual-core Opteron 2218 at 2.6 GHz [us].
 struct PaperTimes {
   double update, evaluate_low, evaluate_high;
 };

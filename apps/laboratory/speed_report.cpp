@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* bound_row = "bound: exact force once rest can be known, the first guess before";
 constexpr const char* bound_row_without = "bound: exact force once rest can be known, nothing before";
-constexpr double wanted = 10;  // times the predecessor's speed
+constexpr double wanted = 10;  // factor over the predecessor's speed that we want to reach
 constexpr double cap = 2.0;    // highest speed tried [m/s]
 
 std::string shown(double speed) {  // [mm/s]
@@ -27,14 +27,14 @@ std::string ratio(double a, double b) {
   return a > 0 && b > 0 ? fmt::format("×{:.3g}", a / b) : "–";
 }
 
-// The predecessor at its best, with its own start or with ours.
+// The predecessor on its best lattice, with its own start or with ours.
 double best_predecessor(const SpeedFindings& found, std::size_t w) {
   return std::max(found.speed(SpeedRole::predecessor, w), found.speed(SpeedRole::predecessor_start, w));
 }
 
 // ---- the document
 
-// Ours against the others when they begin as ours does.
+// Our method against the others with the same start.
 Json start_json(const SpeedFindings& found, std::size_t w) {
   const double ours = found.speed(SpeedRole::ours, w), predecessor = best_predecessor(found, w);
   const double paper = found.speed(SpeedRole::seed_paper_start, w);
@@ -77,7 +77,7 @@ Json summary_of(const SpeedFindings& found) {
 
 // ---- texts
 
-// Whether ten times the predecessor's speed can be reached by anybody at all.
+// Whether any schedule could reach ten times the predecessor's speed.
 std::string out_of_reach(double before, const SpeedBounds& bounds) {
   const double goal = wanted * before;
   if (goal > cap) return fmt::format("{} is above the {} that are tried", shown(goal), shown(cap));

@@ -28,7 +28,7 @@ void be_predecessor(SpeedSettings& s) {
   s.options.planning.preempt = s.options.planning.rest_first = s.options.model.first_guess = false;
   use_papers_model(s);
   s.options.model.method = SessionMethod::trilinear;
-  s.spacing = 0.012;  // at 6 mm slower, at 18 mm never within 7 %
+  s.spacing = 0.012;  // its best: slower at 6 mm, never within 7 % at 18 mm
 }
 
 void be_seed_paper_with_our_start(SpeedSettings& s) {
@@ -39,13 +39,13 @@ void be_seed_paper_with_our_start(SpeedSettings& s) {
   use_papers_model(s);
 }
 
-// As a scene says it, in quotes.
+// As written in a scene, in quotes.
 template <class Choice>
 std::string word(const Words<Choice>& words, Choice choice) {
   return "\"" + std::ranges::find(words, choice, &std::pair<std::string, Choice>::second)->first + "\"";
 }
 
-// Without its section, as keys may be written in short.
+// A key without its section, as the short form allows.
 std::string bare(const std::string& key) {
   return key.starts_with("session.") ? key.substr(8) : key == "model.select" ? "select" : key;
 }
@@ -59,7 +59,7 @@ const std::vector<SpeedStep>& speed_steps() {
       {"predecessor, trilinear 12 mm", Role::predecessor, false, be_predecessor},
       {"predecessor, tricubic 12 mm", Role::predecessor, false,
        [](S& s) { s.options.model.method = SessionMethod::tricubic; }},
-      // At 24 mm never within 7 %.
+      // Never within 7 % at 24 mm.
       {"predecessor, tricubic 18 mm", Role::predecessor, false, [](S& s) { s.spacing = 0.018; }},
       {"seed paper on its best lattice: r3 n=100, 12 mm", Role::seed_paper_best, true,
        [](S& s) {
@@ -97,8 +97,8 @@ const std::vector<SpeedStep>& speed_steps() {
          s.options.switching.rule = SwitchRule::smooth;
          s.options.planning.rest_known = true;
        }},
-      // The others with our start too: the guess, and rest, which is the nearest state to them anyway, at the
-      // cost of a factorisation.
+      // The older methods with our start: the first guess, and the state at rest first. Rest is their nearest
+      // state anyway; here it costs one factorisation.
       {"seed paper, 6 mm + our start", Role::seed_paper_start, false, be_seed_paper_with_our_start},
       {"seed paper, 12 mm + our start", Role::seed_paper_best_start, false, [](S& s) { s.spacing = 0.012; }},
       {"predecessor, tricubic 12 mm + our start", Role::predecessor_start, false,

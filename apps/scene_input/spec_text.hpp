@@ -4,11 +4,12 @@
 //
 //   device   path:NAME[,speed=V][,amplitude=A][,tremor=S][,noise=S]    NAME: path_names()
 //            trace:FILE[,scale=F][,offset=X/Y/Z]
-//            hand:PROFILE[,target=NAME][,grip=K|light|medium|firm][,speed=V][,amplitude=A][,tremor=S][,noise=S]
-//            MINE[:TEXT][,KEY=VALUE…]                                   registered with register_device()
+//            hand:PROFILE[,target=NAME][,grip=K|light|medium|firm][,speed=V][,amplitude=A]
+//                        [,tremor=S][,noise=S]
+//            MINE[:TEXT][,KEY=VALUE…]     registered with register_device()
 //   cost     constant:SECONDS   lognormal:MEDIAN,SIGMA   recorded   paper
-//            MINE[:TEXT][,KEY=VALUE…]                                   registered with register_cost()
-//   part     NAME[:TEXT][,KEY=VALUE…]                                   a policy, a predictor, a kind of workers
+//            MINE[:TEXT][,KEY=VALUE…]     registered with register_cost()
+//   part     NAME[:TEXT][,KEY=VALUE…]     a policy, a predictor, a kind of workers
 // Units are SI. InputError("device TEXT: …") says what is wrong and what is expected.
 
 #include <string>
