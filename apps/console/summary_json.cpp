@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "apps/console/json.hpp"
+
 namespace forefeel {
 
 nlohmann::ordered_json to_json(const ColumnValue& value) {
@@ -26,6 +28,19 @@ nlohmann::ordered_json to_json(const SessionSummary& summary) {
     (*place)[column.name.substr(begin)] = to_json(column.value);
   }
   document["notes"] = summary.run.notes;
+  return document;
+}
+
+nlohmann::ordered_json to_json(std::span<const PredictorErrors> predictors) {
+  nlohmann::ordered_json document = nlohmann::ordered_json::object();
+  for (const PredictorErrors& one : predictors) {
+    auto& rows = document[one.predictor] = nlohmann::ordered_json::array();
+    for (const PredictionError& e : one.by_horizon)
+      rows.push_back({{"horizon", e.horizon},
+                      {"p50", number(e.p95 > 0 ? e.p50 : unknown)},
+                      {"p95", number(e.p95 > 0 ? e.p95 : unknown)},
+                      {"within_two_deviations", number(e.within_deviation)}});
+  }
   return document;
 }
 

@@ -2,12 +2,16 @@
 // A session's summary as JSON: the keys of summary.json up to `notes`, in their order. Unknown values are null.
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/summary_columns.hpp"
 
 namespace forefeel {
 
 nlohmann::ordered_json to_json(const ColumnValue& value);
 nlohmann::ordered_json to_json(const SessionSummary& summary);
+// The key `prediction`: predictor -> rows by horizon [s], errors [m]. Null where nothing was compared.
+nlohmann::ordered_json to_json(std::span<const PredictorErrors> predictors);
 
 }  // namespace forefeel

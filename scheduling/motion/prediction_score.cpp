@@ -52,4 +52,24 @@ std::vector<PredictionError> prediction_error(Predictor& predictor, const std::v
   return score.report();
 }
 
+PredictorScores::PredictorScores(double step) : names_(predictor_names()) {
+  constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
+  for (const std::string& name : names_) {
+    predictors_.push_back(make_predictor(name));
+    scores_.emplace_back(*predictors_.back(), step, horizons);
+  }
+}
+
+PredictorScores::~PredictorScores() = default;
+
+void PredictorScores::add(const Vec3& at) {
+  for (PredictionScore& score : scores_) score.add(at);
+}
+
+std::vector<PredictorErrors> PredictorScores::report() const {
+  std::vector<PredictorErrors> report;
+  for (std::size_t i = 0; i < scores_.size(); ++i) report.push_back({names_[i], scores_[i].report()});
+  return report;
+}
+
 }  // namespace forefeel

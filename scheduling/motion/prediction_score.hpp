@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scheduling/motion/hip_sample.hpp"
@@ -42,5 +44,25 @@ class PredictionScore {
 // The same for a whole motion at once.
 std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
                                               double step, std::span<const double> horizons);
+
+// The errors of one predictor by horizon.
+struct PredictorErrors {
+  std::string predictor;
+  std::vector<PredictionError> by_horizon;
+};
+// The error that each of predictor_names() would have made on one motion, at the horizons 0.02, 0.05, 0.1,
+// 0.2 and 0.5 s.
+class PredictorScores {
+ public:
+  explicit PredictorScores(double step);  // of the motion [s]
+  ~PredictorScores();
+  void add(const Vec3& at);                     // the next position [m]
+  std::vector<PredictorErrors> report() const;  // in the order of predictor_names()
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::unique_ptr<Predictor>> predictors_;
+  std::vector<PredictionScore> scores_;
+};
 
 }  // namespace forefeel

@@ -1,0 +1,34 @@
+#pragma once
+// What a person typed after `forefeel session`, and the plan of the session that it asks for. Options that are
+// not given come from the scene.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/console/console.hpp"
+#include "apps/scene_input/scene.hpp"
+#include "scheduling/session/session.hpp"
+#include "scheduling/workers/mpi_workers.hpp"
+
+namespace forefeel {
+
+struct SessionArguments {
+  std::string scene, states, output;
+  std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor,
+      workers_kind;
+  std::optional<double> seconds, latency;
+  std::optional<int> workers;
+  bool mpi = false;
+};
+
+// The options and what they are for, checked. An InputError names the place that gave the value. mpi: null
+// where the workers are no ranks.
+SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
+                    const std::shared_ptr<MpiGroup>& mpi);
+
+// A replay takes its motion and its arrivals from the run. Options of motion and planning are ignored; a
+// warning says which.
+void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArguments& given);
+
+}  // namespace forefeel
