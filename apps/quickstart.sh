@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# From a fresh clone to a rendered force: installs what is missing, builds, runs the main job (20 s, real clock, no
-# state known at the start) and says where the report is. Safe to repeat.
+# From a fresh clone to a rendered force: installs missing packages, builds, runs the main job (20 s, real clock, no
+# state known at the start) and prints where the report is. Safe to repeat.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

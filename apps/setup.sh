@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are missing. Safe to repeat; needs root, or sudo, only when something is missing.
-#   setup.sh              what builds and runs forefeel
-#   setup.sh tests        also what its tests compare with, the formatter, and what makes a package
+#   setup.sh              packages to build and run forefeel
+#   setup.sh tests        also the tests' reference programs, the formatter, and tools to make a package
 #   setup.sh sanitizers   also clang for the thread sanitizer
 #   setup.sh mpi          also Open MPI for workers in other processes
 set -euo pipefail

@@ -107,8 +107,8 @@ struct Outcome {
 
 // One model from its arrival until it is rendered.
 struct Waiting {
-  std::size_t model = 0, frame = 0;  // that brought it
-  double offset = 0;                 // smooth: |e| then, and what later models add [N]
+  std::size_t model = 0, frame = 0;  // frame of its arrival
+  double offset = 0;                 // smooth: |e| at arrival plus what later models add [N]
 };
 
 class Player {

@@ -1,5 +1,5 @@
-// forefeel bench approx|solver|coverage|switch [SCENE]: speed against error, ratios to named baselines of the
-// same run.
+// forefeel bench approx|solver|coverage|switch [SCENE]: speed, error, and ratios to named baselines measured
+// in the same run.
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// forefeel classify: where states make the force known. Labels and measures at points, regions with volumes,
-// pictures, files for ParaView; a run over time; what changed between two sets.
+// forefeel classify: shows where the force is known from states. Labels and measures at points, regions with
+// volumes, pictures, files for ParaView; a run over time; the difference of two sets.
 
 #include <fmt/format.h>
 
@@ -110,7 +110,7 @@ CoveragePicture picture_of(const Classified& set, const ClassifyArguments& argum
   return picture;
 }
 
-// The .vtu holds the regions; states and Delaunay cells stand beside it.
+// The .vtu holds the regions; states and Delaunay cells are in files beside it.
 void write_vtu(const Classified& set, const std::string& file, const Globals& globals) {
   const fs::path path = file;
   const auto beside = [&](const char* what) {
@@ -148,7 +148,7 @@ nlohmann::ordered_json sides_json(const std::vector<BridgeSide>& sides) {
   return out;
 }
 
-// Gaps and what they connect, largest first.
+// Gaps and the regions that they connect, largest first.
 nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
   nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
   for (const RegionComponent& c : regions.components)
@@ -260,7 +260,7 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 
-// An option without effect is refused.
+// Refuses options that would have no effect.
 void check_effect(const Globals& globals, const ClassifyArguments& arguments, bool run) {
   const std::string extension = fs::path(arguments.output).extension();
   if (!run && (!arguments.known.empty() || arguments.snapshots))
@@ -384,7 +384,7 @@ void add_classify(CommandLine& line) {
   const auto threshold = [&](const char* option, double& value, const char* text) {
     sub.option(option, value, text).check(above_zero).group("Thresholds");
   };
-  // With an empty cone wider than 90 degrees all states lie on one side: nothing is enclosed.
+  // An empty cone wider than 90 degrees means that all states lie on one side, so the point is not enclosed.
   const auto angle = [&](const char* option, double& value, const char* text) {
     sub.option(option, value, text).check(above_zero).check(at_most_90).group("Thresholds");
   };

@@ -1,5 +1,5 @@
-// forefeel evaluate STATES --points Q.csv: forces of the approximation, each point with a neighbour set of
-// its own, or of one of the older methods on all states.
+// forefeel evaluate STATES --points Q.csv: approximated forces. Each point gets its own neighbour set; an
+// older method (--method) uses all states.
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ struct Evaluation {
   std::vector<Label> labels;
   std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
   std::size_t fitted = 0, updated = 0,
-              reused = 0;                 // models, by point: from nothing, by replacing states, unchanged
+              reused = 0;                 // number of points whose model was made anew, updated, kept
   std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
   std::size_t stepped_down = 0;
 };
@@ -64,8 +64,7 @@ ModelOptions model_options(const EvaluateArguments& arguments, const std::vector
       std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
   ModelOptions options;
   const bool offline =
-      arguments.method ==
-      "offline-rbf";  // one model of all states: of forces alone unless --data says otherwise
+      arguments.method == "offline-rbf";  // one model of all states; uses forces alone unless --data is given
   options.kernel = arguments.kernel == "linear"  ? Kernel::linear
                    : arguments.kernel == "cubic" ? Kernel::cubic
                    : !arguments.kernel.empty()   ? Kernel::quintic
@@ -110,7 +109,7 @@ void measure(const Field& field, const Vec3& x, Evaluation& result) {
   result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
 }
 
-// The kernel used. A simpler one takes over where the states do not determine the polynomial (rbf_fit.hpp).
+// The kernel used. It is a simpler one if the states do not determine the polynomial (rbf_fit.hpp).
 std::string_view kernel_of(const Model& model) {
   if (model.is_tangent()) return "tangent";
   return model.degree() == 0 ? "linear with constant" : name(model.kernel());
@@ -191,7 +190,7 @@ void warn_of_unused(const Globals& globals, const EvaluateArguments& arguments) 
          fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), arguments.method));
 }
 
-// A model that does not fit into memory is refused as a session refuses it.
+// Refuses a model that does not fit into memory, as a session does.
 void check_memory(const ModelOptions& options, std::size_t states) {
   try {
     for_states(options, states);
@@ -218,7 +217,7 @@ std::vector<State> read_known(const Globals& globals, const EvaluateArguments& a
   return std::move(loaded.states);
 }
 
-// Of states at the same position the first is kept.
+// Keeps the first of states at the same position.
 StateSpace space_of(const Globals& globals, const EvaluateArguments& arguments,
                     const std::vector<State>& states, double spacing) {
   if (!(spacing > 0)) spacing = estimate_spacing(usable_states(states));
@@ -237,7 +236,7 @@ StateSpace space_of(const Globals& globals, const EvaluateArguments& arguments,
   return space;
 }
 
-// What `forefeel evaluate` answers: forces at the points, how they were made, and what that took.
+// Result of `forefeel evaluate`: forces at the points, how they were computed, and the times.
 struct EvaluateResult {
   Method method = Method::rbf;
   MethodOptions options;   // .model: of rbf
@@ -273,7 +272,7 @@ EvaluateResult evaluate(const Globals& globals, const EvaluateArguments& argumen
   return result;
 }
 
-// What the method uses; null where it has no such thing.
+// The settings of the method; null if it has no such setting.
 void describe(nlohmann::ordered_json& document, const EvaluateResult& result) {
   const ModelOptions& model = result.options.model;
   const bool moving = result.method == Method::rbf, offline = result.method == Method::offline_rbf,

@@ -32,10 +32,10 @@ struct GenerateArguments {
   std::optional<double> error;
 };
 
-// What `forefeel generate` answers where it fills the lattice.
+// Result of `forefeel generate` when it fills the lattice.
 struct GenerateResult {
   GenerateReport report;               // of this run
-  std::size_t usable = 0, failed = 0;  // states in the file, those of earlier runs included
+  std::size_t usable = 0, failed = 0;  // states in the file, including earlier runs
   bool interrupted = false;
 
   double states_per_second() const {
@@ -141,7 +141,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
-  const bool held = !scene.chosen_spacing || scene.chosen_spacing->holds;  // else the scene holds a warning
+  const bool held =
+      !scene.chosen_spacing || scene.chosen_spacing->holds;  // otherwise the scene has a warning
   const std::vector<State> known = file.read_all();
   if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
   file.drop_damaged();

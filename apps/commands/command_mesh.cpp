@@ -1,4 +1,5 @@
-// forefeel mesh SURFACE -o OUT.msh: repairs, decimates and fills a surface; or makes a phantom; or cleans a volume mesh.
+// forefeel mesh SURFACE -o OUT.msh: repairs, decimates and fills a surface; or makes a phantom; or cleans a
+// volume mesh.
 
 #include <fmt/format.h>
 
@@ -28,7 +29,7 @@ struct MeshArguments {
 struct MadeMesh {
   TetMesh mesh;
   TetrahedraliseReport report;
-  bool repaired = false;                                        // the report tells of a surface
+  bool repaired = false;                                        // true if a surface was repaired
   double hausdorff = std::numeric_limits<double>::quiet_NaN();  // [m]
   std::vector<std::string> warnings;
 };
@@ -143,7 +144,7 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshQuality& measu
 int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   check_arguments(arguments);
   MadeMesh made = make(arguments);
-  // What TetGen or a coarse grid hands back must hold what readers ask of a mesh.
+  // A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read.
   check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
   const MeshQuality measured = mesh_quality(made.mesh);
   write_msh(arguments.output, made.mesh);

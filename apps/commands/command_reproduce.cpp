@@ -1,5 +1,5 @@
-// forefeel reproduce timing|extrapolation|damping|energy|speed|all [SCENE] -o DIR/: the paper's table and figures,
-// ours beside them: CSV, pictures, a page that says what the paper found and what was found here.
+// forefeel reproduce timing|extrapolation|damping|energy|speed|all [SCENE] -o DIR/: repeats the paper's table
+// and figures with our results beside them. Writes CSV, pictures and a page that compares the findings.
 
 #include <fmt/format.h>
 
@@ -45,7 +45,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReproduceArguments {
-  std::optional<std::size_t> gap;  // of options, as far as the depth allows
+  std::optional<std::size_t> gap;  // limited by the depth
   std::string what, scene, output;
   ReproduceOptions options;
 };
@@ -78,7 +78,7 @@ std::string page(const Laboratory& laboratory, const std::string& sections) {
   return html_page("Forefeel: the paper's experiments", html + "</table>\n");
 }
 
-// Before anything is written.
+// Checks made before anything is written.
 ReproduceOptions checked(const ReproduceArguments& arguments) {
   ReproduceOptions options = arguments.options;
   if (!std::isfinite(options.interval))
@@ -139,7 +139,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
                        [&](double share, const std::string& text) { progress.show(share, text); });
     document["experiments"][experiment.name] = found.summary;
     sections += fmt::format("<h2>{}</h2>\n{}", html_escaped(experiment.title), found.html);
-    // What is done is on disk before the next begins.
+    // Results are on disk before the next experiment begins.
     write_text(folder / "report.html", page(laboratory, sections));
     for (const std::string& line : found.lines) say(globals, experiment.name + ": " + line);
     for (const std::string& line : found.unmet) warn(globals, experiment.name + ": " + line);

@@ -83,10 +83,10 @@ std::vector<double> discretisation_errors(const Scene& scene, const std::vector<
   return errors;
 }
 
-// What `forefeel solve` answers, in the order of the positions.
+// Result of `forefeel solve`, in the order of the positions.
 struct SolveResult {
   std::vector<SolveOutcome> outcomes;
-  std::vector<double> discretisation_errors;  // relative; empty where not asked for
+  std::vector<double> discretisation_errors;  // relative; empty unless requested
 
   std::size_t failed() const {
     return static_cast<std::size_t>(std::ranges::count_if(

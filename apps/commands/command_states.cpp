@@ -1,4 +1,4 @@
-// forefeel import, export and info: states in, states out, and what a file holds.
+// forefeel import, export and info: read states, write states, show the content of a file.
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// ---- import ----------------------------------------------------------------------------------------------------
+// ---- import ----------------------------------------------------------------------------------------------
 
 struct ImportArguments {
   std::string input, output;
@@ -77,7 +77,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   return 0;
 }
 
-// ---- export ----------------------------------------------------------------------------------------------------
+// ---- export ----------------------------------------------------------------------------------------------
 
 struct ExportArguments {
   std::string input, output;
@@ -108,7 +108,7 @@ int run_export(const Globals& globals, const ExportArguments& arguments) {
   return 0;
 }
 
-// ---- info ------------------------------------------------------------------------------------------------------
+// ---- info ------------------------------------------------------------------------------------------------
 
 Json box_json(const Box& box) {
   return Json::array({vector3(box.low), vector3(box.high)});
@@ -239,7 +239,7 @@ int info_surface(const Globals& globals, const std::string& file) {
 }
 
 int run_info(const Globals& globals, const std::string& file) {
-  const std::string start = read_start(file, 16);  // missing, a folder, empty: said here
+  const std::string start = read_start(file, 16);  // reports a file that is missing, a folder or empty
   if (start.starts_with("SQLite format 3")) return info_states(globals, file);
   if (is_mesh_file(file)) return info_mesh(globals, file);
   if (is_surface_file(file)) return info_surface(globals, file);

@@ -1,4 +1,5 @@
-// forefeel study STUDY.toml -o DIR/: every combination of what varies, times every seed; table, ranking, report.
+// forefeel study STUDY.toml -o DIR/: runs every combination of the varied keys with every seed. Writes a
+// table, a ranking and a report.
 
 #include <fmt/format.h>
 
@@ -43,7 +44,7 @@ void write_whole(const fs::path& file, const std::string& text) {
   out.commit();
 }
 
-// ---- what DIR/ was begun with
+// ---- the study that DIR/ was started with
 
 nlohmann::ordered_json manifest(const PlannedStudy& planned) {
   nlohmann::ordered_json document;
@@ -56,7 +57,7 @@ nlohmann::ordered_json manifest(const PlannedStudy& planned) {
   return document;
 }
 
-// One line that says what changed since DIR/ was begun, or nothing.
+// One line about what changed since DIR/ was started, or nothing.
 std::optional<std::string> change_since(const fs::path& folder, const PlannedStudy& planned) {
   std::ifstream in(folder / "study.json");
   if (!in) return {};
@@ -79,7 +80,7 @@ std::optional<std::string> change_since(const fs::path& folder, const PlannedStu
 
 // ---- a dispatch Gantt
 
-// Runs the cell again (it is the same session) and writes its files and picture.
+// Reruns the cell, which gives the same session, and writes its files and picture.
 int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments) {
   const StudyPlan& plan = planned.plan;
   if (arguments.gantt > plan.cells.size())
@@ -121,7 +122,7 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
 
 // ---- the study
 
-// What was done; of an interrupted study all there is to say.
+// Counts of the cells. An interrupted study reports nothing else.
 nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
   return {{"cells", plan.cells.size()},        {"ran", result.ran},
           {"resumed", result.resumed},         {"left", plan.cells.size() - result.resumed - result.ran},
@@ -146,7 +147,7 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
                  ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
                  : std::string("none");
     };
-    // Few pairs or one trace give no interval; both must exclude zero for a verdict.
+    // With few pairs or one trace there is no interval. Both intervals must exclude zero for a verdict.
     say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}",
                              study.axes.front().values[c.a].text, study.axes.front().values[c.b].text, where,
                              metric.ratio ? "×" : "", scaled(c.comparison.bootstrap.mean),
@@ -177,7 +178,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
                               plan.cells.size(), plan.cells.size() - done));
     if (globals.json) {
       nlohmann::ordered_json document = counts(plan, result);
-      document["files"] = nlohmann::ordered_json::array();  // made of all cells, when they are there
+      document["files"] = nlohmann::ordered_json::array();  // files are written only when all cells are done
       document["provenance"] = provenance(planned.scenes.front().hash);
       print_json(document);
     }

@@ -35,7 +35,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   document["seconds"] = number(report.seconds);
   document["threads"] = report.threads;
   document["error"] = error;
-  document["error_estimate"] = number(report.estimate.held());  // the least E that is held
+  document["error_estimate"] = number(report.estimate.held());  // the least E that the estimate stays below
   document["error_estimate_quantiles"] = to_json(report.estimate);
   nlohmann::ordered_json truth = to_json(report.truth);
   truth["held"] = number(report.truth.held());
@@ -48,7 +48,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
   document["linear"] = report.linear;
   document["estimate_holds"] = report.estimate_holds;
   document["truth_holds"] = report.truth_holds;
-  if (report.truth_unsolved > 0 || report.truth_samples == 0) document["truth_holds"] = nullptr;  // not known
+  if (report.truth_unsolved > 0 || report.truth_samples == 0) document["truth_holds"] = nullptr;  // unknown
   document["interrupted"] = report.stopped;
   return document;
 }
@@ -65,8 +65,9 @@ std::string in_words(const PlacementProgress& p) {
                                    : states;
 }
 
-// Progress in [0, 1], which never falls: the larger of two shares. One is of the logarithm of the error,
-// which about halves from round to round; the other is of the largest number of states allowed.
+// Progress in [0, 1] that never decreases: the larger of two shares. The first uses the logarithm of the
+// error, because the error about halves in each round. The second is the share of the allowed number of
+// states.
 class Share {
  public:
   explicit Share(double error) : error_(error) {}
@@ -83,7 +84,7 @@ class Share {
   double error_, first_ = 0, most_ = 0;
 };
 
-// Why the answer is incomplete; empty if it is complete.
+// Why the result is incomplete; empty if it is complete.
 std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
   if (report.stopped) return "interrupted; rerun the same command to resume";
   if (!report.estimate_holds && report.states >= report.most_states) {

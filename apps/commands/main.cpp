@@ -1,4 +1,5 @@
-// forefeel <command> …: runs the chosen command and maps what happened to an exit code. The only catch.
+// forefeel <command> …: runs the command and turns its outcome into an exit code. The only place that catches
+// every exception.
 
 #include <fmt/format.h>
 
@@ -27,7 +28,7 @@ int run(int argc, const char* const* argv) {
   return line.run(argc, argv);
 }
 
-// These commands stop by themselves when interrupted, and say what they keep.
+// When interrupted, these commands stop by themselves and report what they keep.
 bool watches(int argc, char** argv) {
   return argc > 1 && std::ranges::any_of(std::array{"session", "study", "generate"},
                                          [&](const char* name) { return argv[1] == std::string_view(name); });

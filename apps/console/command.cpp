@@ -111,7 +111,7 @@ bool Command::given(const std::string& name) const {
   return app_->count(name) > 0;
 }
 
-// ---- what is wrong on a command line ----
+// ---- errors of a command line ----
 
 namespace {
 
@@ -122,7 +122,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-// The first word must be a command. CLI11 would only call it an unexpected argument.
+// The first word must be a command. CLI11's own message would only say "unexpected argument".
 void check_command(const CLI::App& app, int argc, const char* const* argv) {
   const std::vector<std::string> names = command_names(app);
   if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
@@ -139,7 +139,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-// A mistyped option is found before parsing, or its value would pass for a positional argument.
+// Mistyped options are found before parsing; otherwise their values would be read as positional arguments.
 void check_options(const CLI::App& app, int argc, const char* const* argv) {
   const std::string first = argv[1];
   const CLI::App& chosen = first.starts_with("-") ? app : *app.get_subcommand(first);
@@ -153,7 +153,7 @@ void check_options(const CLI::App& app, int argc, const char* const* argv) {
   }
 }
 
-// CLI11 writes several lines in several forms; this makes one line of them.
+// Turns CLI11's messages, which have several lines and forms, into one line.
 InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   const CLI::App& sub = chosen.empty() ? app : *chosen.front();
@@ -167,7 +167,8 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   return {where, text + fmt::format(" (see forefeel {}--help)", chosen.empty() ? "" : where + " ")};
 }
 
-// An empty value comes from a shell variable that is not set; it must not pass for an option that is not there.
+// Refuses an empty value: it usually comes from an unset shell variable and must not look like a missing
+// option.
 void check_values(const CLI::App& app) {
   const auto check = [](const CLI::App& of) {
     for (const CLI::Option* option : of.get_options())
@@ -212,8 +213,8 @@ void add_shared_options(CLI::App& sub, Globals& globals) {
 struct CommandLine::Parser {
   CLI::App app;
   Globals globals;
-  std::deque<std::function<int(const Globals&)>> runs;         // one a command; references stay valid
-  const std::function<int(const Globals&)>* chosen = nullptr;  // that of the command that was given
+  std::deque<std::function<int(const Globals&)>> runs;  // one per command; a deque keeps references valid
+  const std::function<int(const Globals&)>* chosen = nullptr;  // function of the chosen command
   Parser(const std::string& description, const std::string& name) : app(description, name) {}
 };
 

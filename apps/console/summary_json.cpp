@@ -21,7 +21,7 @@ nlohmann::ordered_json to_json(const ColumnValue& value) {
 nlohmann::ordered_json to_json(const SessionSummary& summary) {
   nlohmann::ordered_json document;
   for (const Column& column : summary_columns(summary)) {
-    nlohmann::ordered_json* place = &document;  // "error.parts.switch": an object in an object
+    nlohmann::ordered_json* place = &document;  // "error.parts.switch" becomes nested objects
     std::size_t begin = 0;
     for (std::size_t dot; (dot = column.name.find('.', begin)) != std::string::npos; begin = dot + 1)
       place = &(*place)[column.name.substr(begin, dot - begin)];

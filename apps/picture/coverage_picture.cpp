@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<const char*, 3> axis_name{"x", "y", "z"};
 constexpr int panel = 330, margin = 54, legend_height = 150, title_height = 40;
-constexpr std::size_t most_states = 6000;  // more hide the colours
+constexpr std::size_t most_states = 6000;  // more would hide the colours
 
 // The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
 struct Slice {
@@ -84,7 +84,7 @@ std::string legend_line(const CoveragePicture& picture, Label label) {
                      picture.components[i] == 1 ? "" : "s");
 }
 
-// Rectangles of one label: runs along a row, joined upwards while the runs are the same.
+// Rectangles of one label: runs along a row, merged with equal runs in the rows above.
 void svg_areas(const Slice& slice, double scale, std::string& out) {
   struct Run {
     int from, to, row;
@@ -185,8 +185,8 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<title>{2}</title>\n<defs>\n",
       width, height, escaped(picture.title));
-  // Hatching repeats what the colour says: gap diagonal lines, sparse level ones. Dots are states, and
-  // nothing else.
+  // Hatching repeats the meaning of the colour: diagonal lines for gap, horizontal ones for sparse. Only
+  // states are drawn as dots.
   out += fmt::format(
       "<pattern id=\"sparse\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" "
       "height=\"8\" fill=\"{0}\"/>"
@@ -251,7 +251,7 @@ std::array<int, 3> ink_at(Label label, int column, int row) {
   return c;
 }
 
-// The four swatches of the legend as one image, hatched as the slices are, in the units of its panel.
+// The four colour samples of the legend as one image, hatched like the slices, in the units of its panel.
 std::string png_swatches() {
   std::string data = "$swatches << EOD\n";
   for (int line = 0; line < 3 * 32 + 24; ++line)

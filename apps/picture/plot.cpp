@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of its own under the system's temporary folder, gone at the end.
+// A folder under the system's temporary folder; removed at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -35,13 +35,13 @@ class TemporaryFolder {
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }  // empty: none could be made
+  const fs::path& path() const { return path_; }  // empty if it could not be created
 
  private:
   fs::path path_;
 };
 
-// Exit code of gnuplot with what it says thrown away; -1 where it cannot be started.
+// Runs gnuplot without its output and returns its exit code; -1 if it cannot be started.
 int run_gnuplot(const std::string& argument) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -82,7 +82,7 @@ std::string_view colour(Label label) {
   return "#000000";
 }
 
-// Whether it is there; whether it works is seen when it draws.
+// True if gnuplot is installed. Whether it works shows only when it draws.
 bool have_gnuplot() {
   static const bool have = [] {
     const char* path = std::getenv("PATH");

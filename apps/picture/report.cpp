@@ -84,7 +84,7 @@ std::string figure(const Figure& f) {
                      escaped(f.caption));
 }
 
-// Each is a gnuplot of its own: side by side.
+// Each picture is its own gnuplot process; they run in parallel.
 template <class Make>
 Picture drawn(Make make) {
   return std::async(std::launch::async,
@@ -150,7 +150,7 @@ std::string all_numbers(const Json& document) {
     }
     std::string rows;
     Json rest = value;
-    if (key == "error") rest.erase("by_label");  // has a table of its own
+    if (key == "error") rest.erase("by_label");  // shown in its own table
     rows_of(rest, "", rows);
     html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
   }

@@ -68,7 +68,7 @@ std::string strip_blocks(Frames frames, const std::vector<double>& t) {
   return blocks;
 }
 
-// Forces over time, as data blocks and as one plot.
+// Forces over time: the data blocks and the plot.
 struct Curves {
   std::vector<double> t, rendered, undamped, reference;
   double end = 1e-3;  // [s]
@@ -203,9 +203,9 @@ Figure time_figure(Frames frames) {
   script += screen_part(0.365, 0.065) +
             "set format x '%g'\nset ytics autofreq\nset xlabel 'time, s' offset 0,0.6\n" + error_plot();
   return {"time",
-          "Force of the body on the hand, the label where the hand is, how many states are known, and the "
-          "error of the rendered force with "
-          "its three parts where they are above 1e-6. Reference: tight solves on the reference branch, "
+          "Force of the body on the hand, label at the hand, number of known states, and the error of the "
+          "rendered force "
+          "with its three parts if above 1e-6. Reference: tight solves on the reference branch, "
           "sampled along the path.",
           960, 820, script + "unset multiplot\n"};
 }

@@ -35,7 +35,8 @@ struct Window {
   double left, right, bottom, top;  // [m]
 };
 
-// Labels on a grid of the plane, as boxes in mm: rows of equal label first, equal rows merged upwards.
+// Labels on a grid in the plane, as boxes in mm. Runs of one label form boxes; equal boxes of rows are
+// merged.
 struct LabelBoxes {
   std::array<std::string, all_labels.size()> lines;
 
@@ -79,7 +80,7 @@ struct LabelBoxes {
   }
 };
 
-// The states known so far, and where they are drawn [mm].
+// The states known so far, and their places in the drawing [mm].
 struct KnownStates {
   StateSpace space;
   std::string in_plane, elsewhere;

@@ -15,11 +15,11 @@
 namespace forefeel {
 namespace {
 
-// Told apart by every kind of colour vision (Okabe, Ito 2008, without its yellow).
+// Colours that can be told apart with every kind of colour vision (Okabe, Ito 2008, without yellow).
 constexpr const char* line_colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                         "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
 
-// How intervals of shares are made; those of differences are plain.
+// Text: how intervals of shares are computed. Those of differences need no transformation.
 constexpr const char* share_intervals =
     "Student intervals of shares are made on the logit scale, logit m ± t s / (√G m (1 − m)) over G traces, "
     "and taken back, so that none "
@@ -77,7 +77,7 @@ std::string head(std::initializer_list<std::string> titles) {
 
 // ---- pictures
 
-// Text in a gnuplot string in single quotes; '_' and the like are no markup there.
+// Text as a gnuplot string in single quotes, where '_' and the like are not markup.
 std::string label_text(const std::string& text) {
   std::string safe;
   for (const char c : text)

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view magic = "forefeel mesh 1\n";
 constexpr std::size_t digest = 64;              // hexadecimal digits at the end
-constexpr std::size_t most_elements = 100'000;  // larger ones are not kept
+constexpr std::size_t most_elements = 100'000;  // larger meshes are not cached
 
 template <class T>
 void put(std::string& bytes, const T* values, std::size_t count) {
@@ -94,7 +94,7 @@ TetMesh cached_phantom(std::string_view name, std::size_t elements) {
     OutputFile out(file);
     out.write(mesh_bytes(mesh));
     out.commit();
-  } catch (const std::exception&) {  // a full disk: made again the next time
+  } catch (const std::exception&) {  // for example a full disk; the mesh is made again next time
   }
   return mesh;
 }

@@ -154,7 +154,8 @@ Body make_body(const BodySections& sections, const fs::path& folder, const std::
                std::vector<std::string>& warnings) {
   const bool is_phantom = sections.body.exactly_one_of({"mesh", "phantom"}) == "phantom";
   Body body;
-  body.material = read_material(sections.material, is_phantom);  // cheap checks before a mesh is made
+  body.material =
+      read_material(sections.material, is_phantom);  // cheap checks first, before the mesh is made
   const std::optional<double> length = sections.body.number(
       "length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
   body.element =

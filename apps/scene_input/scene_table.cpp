@@ -36,7 +36,7 @@ std::string shown(const toml::node& node) {
   return out.str();
 }
 
-// A TOML number, integer or float; NaN where it is something else.
+// A TOML integer or float; NaN for any other value.
 double number_of(const toml::node& node) {
   if (const auto* value = node.as_floating_point()) return value->get();
   if (const auto* value = node.as_integer()) return static_cast<double>(value->get());
@@ -65,7 +65,7 @@ Interval share() {
 }
 
 struct SceneTable::Source {
-  const toml::table* table;  // null: the section is absent and every key unset
+  const toml::table* table;  // null if the section is absent; then every key is unset
   std::string path, file;
   const std::set<std::string>* overridden;  // key paths
 
@@ -101,7 +101,7 @@ InputPlace SceneTable::where(const std::string& key) const {
   const toml::node* value = source_->node(key);
   if (value && value->source().begin)
     return {.file = source_->file, .line = value->source().begin.line, .key = full(key)};
-  const std::string below = full(key) + ".";  // a table that only overrides speak of
+  const std::string below = full(key) + ".";  // a table that only overrides mention
   const bool made = std::ranges::any_of(*source_->overridden,
                                         [&](const std::string& path) { return path.starts_with(below); });
   return made ? InputPlace{.option = "--set", .key = full(key)}
@@ -254,7 +254,7 @@ toml::table parse_scene(const fs::path& file) {
   }
 }
 
-// The text after '=' as TOML where it is one value, as a bare string otherwise.
+// The text after '=', read as TOML if it is one value, else as a bare string.
 toml::table parse_value(const std::string& text) {
   if (text.find('\n') == std::string::npos) {
     try {

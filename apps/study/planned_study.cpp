@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 1;  // of a cell's record: raised when what is kept of a cell changes
+constexpr int format_version = 1;  // of a cell's record; raised when the content of the record changes
 
 std::string contents(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -29,18 +29,19 @@ std::string contents(const fs::path& file) {
   return text.str();
 }
 
-// The file of a trace, found as the device finds it; empty for other devices.
+// The file of a trace, by the rules of the device; empty for other devices.
 fs::path trace_file(const DeviceSpec& device, const fs::path& folder) {
   const TraceMotion* trace = std::get_if<TraceMotion>(&device.motion());
   return trace ? found_from(folder, trace->file) : fs::path();
 }
 
-// The scene says [model] select or [session] select, never both: an override takes the place the scene uses.
+// A scene has [model] select or [session] select, never both. An override goes into the section that the
+// scene uses.
 std::vector<std::string> with_select_of(const StudyFile& study, std::vector<std::string> overrides) {
   bool in_model = false;
   try {
     in_model = toml::parse_file(study.scene.string())["model"]["select"].is_string();
-  } catch (const toml::parse_error&) {  // load_scene says what is wrong
+  } catch (const toml::parse_error&) {  // load_scene reports the error
   }
   for (std::string& text : overrides)
     if (in_model && text.starts_with("session.select=")) text.replace(0, 7, "model");
@@ -63,7 +64,7 @@ InputPlace axis_place(const StudyFile& study, const std::string& column) {
   return {.file = study.file.string()};
 }
 
-// Where the study, or else the scene, gives a key.
+// The place where the study gives a key, or else the scene.
 InputPlace place_of(const StudyFile& study, const Scene& scene, const std::string& key) {
   for (std::string path = key;;) {
     if (const auto found = study.origin.find(path); found != study.origin.end()) return found->second;
@@ -78,13 +79,12 @@ InputPlace place_of(const StudyFile& study, const Scene& scene, const std::strin
   for (const auto& [known, place] : places)
     if (key == known && !place.empty() && place != InputPlace{.file = scene.file.string(), .key = key})
       return place;
-  InputPlace nowhere = study.scene_place;  // neither gives it
+  InputPlace nowhere = study.scene_place;  // for a key that neither gives
   nowhere.key += ": " + scene.file.string() + ": " + key;
   return nowhere;
 }
 
-// What is wrong with a motion may come from the speed that the study gives, or from the body and the box that
-// it changes.
+// An error in a motion may come from the study: from its speed, or from its changes of the body or the box.
 InputPlace place_of_device(const StudyFile& study, const Scene& scene, const std::string& problem) {
   if (problem.starts_with("speed "))
     for (const StudyFileAxis& axis : study.axes)
@@ -96,7 +96,7 @@ InputPlace place_of_device(const StudyFile& study, const Scene& scene, const std
   return place_of(study, scene, "session.device");
 }
 
-// What a session would refuse, said with the place that gave it.
+// Checks what a session would refuse; the error names the place that gave the value.
 InputError placed(const StudyFile& study, const Scene& scene, const SessionOptions& options,
                   const InputError& error) {
   const std::string &key = error.place().key, &problem = error.problem(), whole = error.what();
@@ -116,8 +116,8 @@ InputError placed(const StudyFile& study, const Scene& scene, const SessionOptio
   return {place_of_device(study, scene, problem), whole};
 }
 
-// Where states arrive at given times nothing is solved, so that a study of how to solve compares nothing.
-// Keys that the scene has for its other runs are ignored with a warning where the study brings the arrivals.
+// If states arrive at given times, nothing is solved, so a study that varies how to solve compares nothing:
+// an error. If the study gives the arrivals, keys of solving in the scene are ignored with a warning.
 void check_arrivals(const StudyFile& study, const Scene& scene, const SessionOptions& options,
                     std::vector<std::string>& warnings) {
   if (!options.planning.arrivals) return;

@@ -18,7 +18,7 @@ std::string quoted(const std::string& text) {
   return cell + "\"";
 }
 
-// Numbers as JSON has them, with as few digits as read back to the same value.
+// Numbers as in JSON, with the fewest digits that read back to the same value.
 std::string shown(const ColumnValue& value) {
   if (std::holds_alternative<std::monostate>(value)) return "";
   const auto* text = std::get_if<std::string>(&value);
