@@ -56,7 +56,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
 
 void add_bench(CommandLine& line) {
   const auto options = std::make_shared<BenchOptions>();
-  Command sub = line.add("bench", "Speed against error, beside named baselines of the same run");
+  Command sub = line.add("bench", "Measure speed and error beside named baselines in the same run");
   sub.runs([options](const Globals& globals) { return run_bench(globals, *options); });
   sub.option("WHAT", options->what, "approx, solver, coverage or switch")
       .required()
@@ -68,8 +68,8 @@ void add_bench(CommandLine& line) {
              "Folder: approx.csv and .svg of approx, hard_cases.csv and .html of hard-cases")
       .shows("DIR");
   sub.option("--states", options->states,
-             "bench solver: the lattice of a box shrunk about rest to at most N states, for large bodies;\n"
-             "1: a single state, its time and memory")
+             "bench solver, for large bodies: shrink the box towards rest until its lattice has at most\n"
+             "N states; 1: a single state, its time and memory")
       .shows("N")
       .between(std::size_t{1}, std::size_t{1000000});
 }

@@ -348,9 +348,10 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
 
 void add_classify(CommandLine& line) {
   const auto arguments = std::make_shared<ClassifyArguments>();
-  Command sub = line.add("classify",
-                         "Where states make the force known: safe (densely), sparse, gap (a bridge between "
-                         "known regions), blank");
+  Command sub =
+      line.add("classify",
+               "Show where the force is known from states: safe (densely), sparse, gap (a bridge between "
+               "known regions), blank");
   sub.runs([arguments](const Globals& globals) { return run_classify(globals, *arguments); });
   sub.option("states", arguments->states,
              ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
@@ -368,17 +369,19 @@ void add_classify(CommandLine& line) {
   sub.option("-o,--output", arguments->output,
              ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")
       .shows("OUT");
-  sub.option("--diff", arguments->diff, "Two sets of states: what changed from A to B").takes(2).shows("A B");
+  sub.option("--diff", arguments->diff, "Compare two sets of states: changes from A to B")
+      .takes(2)
+      .shows("A B");
   sub.flag("--agreement", arguments->agreement, "Compare both indexes by volume");
   sub.option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body").shows("SCENE");
   sub.option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
       .shows("X,Y,Z");
   sub.option("--known", arguments->known, "States known before a run began").shows("STATES");
   sub.option("--calibrate", arguments->calibrate,
-             "Scene: the error that goes with each label, by tight solves; -o is a folder, STATES "
-             "default to the lattice")
+             "Scene: measure the error of each label by tight solves; -o is a folder, STATES default "
+             "to the lattice of the scene")
       .shows("SCENE");
-  sub.option("--snapshots", arguments->snapshots, "Moments in the series of a run; default 40")
+  sub.option("--snapshots", arguments->snapshots, "Number of times in the series of a run; default 40")
       .between(1, 10000);
   CoverageOptions& limits = arguments->coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {

@@ -372,7 +372,7 @@ void add_evaluate(CommandLine& line) {
       .shows_default();
   sub.option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
       .one_of({"linear", "cubic", "quintic"});
-  sub.option("--data", arguments->data, "Default: force+stiffness where the states have it")
+  sub.option("--data", arguments->data, "Default: force+stiffness if the states have it")
       .one_of({"force", "force+stiffness"});
   sub.option(
          "--neighbours", arguments->neighbours,
@@ -389,7 +389,7 @@ void add_evaluate(CommandLine& line) {
              "h [m]; default: as in the file, else the median distance of states")
       .check(above_zero);
   sub.option("--ridge", arguments->ridge,
-             "For noisy states, on the kernel's diagonal; auto: chosen by leave-one-out")
+             "For noisy states: added to the kernel's diagonal; auto: chosen by leave-one-out")
       .shows("NUMBER|auto")
       .shows_default();
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");

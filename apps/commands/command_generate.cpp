@@ -166,14 +166,14 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
 
 void add_generate(CommandLine& line) {
   const auto arguments = std::make_shared<GenerateArguments>();
-  Command sub = line.add("generate", "Fill the lattice of a scene, outward from rest; resumes");
+  Command sub = line.add("generate", "Solve the lattice of a scene, outward from rest; a rerun resumes");
   sub.runs([arguments](const Globals& globals) { return run_generate(globals, *arguments); });
   sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
   sub.option("-o,--output", arguments->output, "State file; resumed if it exists")
       .required()
       .shows("S.states");
   sub.option("--error", arguments->error,
-             "Instead place as few states as hold this relative error:\n"
+             "Instead of a lattice, solve as few states as keep this relative error:\n"
              "95 % of the box within E, all of it within 2 E")
       .shows("E");
 }

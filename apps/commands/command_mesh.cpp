@@ -158,12 +158,12 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 
 void add_mesh(CommandLine& line) {
   auto arguments = std::make_shared<MeshArguments>();
-  Command sub = line.add("mesh", "A tetrahedral mesh from a surface, a volume mesh or a built-in body");
+  Command sub = line.add("mesh", "Make a tetrahedral mesh from a surface, a volume mesh or a built-in body");
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
   sub.option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
   sub.option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2").required().shows("OUT.msh");
-  sub.option("--elements", arguments->elements, "Tetrahedra, met within 5 %").shows("N");
+  sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 %").shows("N");
   sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
   sub.option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab").shows("NAME");
 }

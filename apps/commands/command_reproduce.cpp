@@ -156,7 +156,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
 
 void add_reproduce(CommandLine& line) {
   const auto arguments = std::make_shared<ReproduceArguments>();
-  Command sub = line.add("reproduce", "The paper's table and figures, ours beside them");
+  Command sub = line.add("reproduce", "Repeat the paper's table and figures, with our results beside them");
   sub.runs([arguments, sub](const Globals& globals) { return run_reproduce(globals, *arguments, sub); });
   std::string names;
   for (const Experiment& experiment : experiments()) names += experiment.name + ", ";
@@ -174,7 +174,7 @@ void add_reproduce(CommandLine& line) {
   sub.option("--gap", arguments->gap,
              "Width of the gap of `extrapolation` in spacings, at most depth - 2 [8]")
       .between(2, 98);
-  sub.option("--interval", arguments->options.interval, "Between groups of states in `damping` [s]")
+  sub.option("--interval", arguments->options.interval, "Time between groups of states in `damping` [s]")
       .between(0.05, 3600.0)
       .shows_default();
   sub.option("--rounds", arguments->options.rounds, "Timed repetitions in `timing`")
@@ -183,7 +183,8 @@ void add_reproduce(CommandLine& line) {
   sub.option("--travel", arguments->options.travel, "Length of each run of `speed` [m]")
       .between(0.01, 1000.0)
       .shows_default();
-  sub.option("--seeds", arguments->options.seeds, "Seeds of `speed`, 1 to this; their geometric mean counts")
+  sub.option("--seeds", arguments->options.seeds,
+             "Number of seeds of `speed`; the result is their geometric mean")
       .between(1, 1000)
       .shows_default();
   sub.option("--workers", arguments->options.workers, "Numbers of workers of `speed`")

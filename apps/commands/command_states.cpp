@@ -254,16 +254,19 @@ int run_info(const Globals& globals, const std::string& file) {
 
 void add_import(CommandLine& line) {
   auto arguments = std::make_shared<ImportArguments>();
-  Command sub = line.add("import", "Measured or foreign states from a CSV into a state file");
+  Command sub =
+      line.add("import", "Convert states from a CSV, measured or from elsewhere, into a state file");
   sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
   sub.option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
   sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
-  sub.option("--spacing", arguments->spacing, "What counts as fully populated [m]").required().shows("H");
+  sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
+      .required()
+      .shows("H");
 }
 
 void add_export(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
-  Command sub = line.add("export", "States as a table or for ParaView");
+  Command sub = line.add("export", "Write states as a table or for ParaView");
   sub.runs([arguments](const Globals& globals) { return run_export(globals, *arguments); });
   sub.option("states", arguments->input, "State file or CSV").required().shows("STATES");
   sub.option("-o,--output", arguments->output, "File to write").required().shows("F.csv|F.vtu");
@@ -271,7 +274,7 @@ void add_export(CommandLine& line) {
 
 void add_info(CommandLine& line) {
   auto file = std::make_shared<std::string>();
-  Command sub = line.add("info", "What a file holds: states, mesh or surface");
+  Command sub = line.add("info", "Show what a file holds: states, mesh or surface");
   sub.runs([file](const Globals& globals) { return run_info(globals, *file); });
   sub.option("file", *file, "State file, CSV of states, mesh or surface").required().shows("FILE");
 }

@@ -212,7 +212,8 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
 
 void add_study(CommandLine& line) {
   const auto arguments = std::make_shared<StudyArguments>();
-  Command sub = line.add("study", "Every combination of policies, devices, models …; table, ranking, report");
+  Command sub =
+      line.add("study", "Run every combination of policies, devices, models …; table, ranking, report");
   sub.runs([arguments](const Globals& globals) { return run_command(globals, *arguments); });
   sub.option("STUDY", arguments->study,
              "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
@@ -224,7 +225,7 @@ void add_study(CommandLine& line) {
       .required()
       .shows("DIR/");
   sub.option("--gantt", arguments->gantt,
-             "Only the dispatch Gantt of this cell, a row of cells.csv counted from 1")
+             "Only draw the dispatch Gantt of this cell: a row of cells.csv, counted from 1")
       .check(above_zero)
       .shows("CELL");
 }

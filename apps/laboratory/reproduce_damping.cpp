@@ -300,10 +300,9 @@ Picture picture(const std::vector<Run>& runs, const std::vector<Reading>& readin
       -100 * span, 1e3 * span, zoom);
   out += "plot " + curves('z', "lines lw 2") + "\nunset multiplot\n";
   return {"damping",
-          "After the paper's Fig. 3. Above: the force while the HIP is held and groups of states become "
-          "known; below left: its relative "
-          "change from one frame of 1 ms to the next (dashed: 7 %); below right: around the group with the "
-          "largest jump.",
+          "After the paper's Fig. 3. Top: the force while the HIP is held and groups of states become known. "
+          "Bottom left: its relative change between frames of 1 ms (dashed: 7 %). Bottom right: the force "
+          "around the group with the largest jump.",
           960, 640, out};
 }
 
@@ -328,26 +327,24 @@ std::string what_we_found(const std::vector<Run>& runs, const std::vector<Readin
   const Reading &bare = readings[0], &damped = readings[1], &ours = readings[3];
   return fmt::format(
       "The HIP was held {:.3g} mm beyond the slab while {} groups of about {} states came every {:.3g} s. "
-      "With the paper's settings and no damping the force "
-      "jumped by up to {:.3g} N at one group, and by up to {:.3g} JND and {} of the force in one frame, each "
-      "the "
-      "most of any group; its damped switch was done with {} within {:.0f} ms, with no frame changing "
-      "the force by more than {}. Ours: the models themselves differ by at most {:.3g} N and by at most "
-      "{:.2g} "
-      "JND, each the most of any group, and the smooth switch let no frame change the "
-      "force by more than {} ({} frames over its bound of 0.7 % or 1 mN per frame). The error at the HIP "
-      "went from {} to {} ({} to {} with {}); while groups came it was {} at worst ({}).{}",
+      "With the paper's settings and no damping, the force jumped at a group by up to {:.3g} N, {:.3g} JND "
+      "and {} of the force in one frame (largest values over all groups). The paper's damped switch finished "
+      "{} within {:.0f} ms; no frame changed the force by more than {}. With ours, consecutive models differ "
+      "by at most {:.3g} N and {:.2g} JND, and under the smooth switch no frame changed the force by more "
+      "than {} ({} frames over its bound of 0.7 % or 1 mN per frame). The error at the HIP went from {} to "
+      "{} "
+      "({} to {} with {}). While groups came it was at most {} ({}).{}",
       1e3 * script.held_at, groups, script.arriving.front().size(), script.interval, bare.jump, bare.jump_jnd,
       percent(bare.frame_share),
       damped.unsettled == 0 ? "every group"
-                            : fmt::format("{} of {} groups (the others not before the next)",
+                            : fmt::format("{} of {} groups (the others not before the next group)",
                                           groups - damped.unsettled, groups),
       1e3 * damped.settled, percent(damped.frame_share), ours.jump, ours.jump_jnd, percent(ours.frame_share),
       ours.over_bound, percent(ours.start_error), percent(ours.end_error), percent(bare.start_error),
       percent(bare.end_error), runs[0].way.method.name, percent(ours.worst_error), percent(bare.worst_error),
       ours.jump > bare.jump
-          ? " With this order of arrival, the farthest first, our models differ by more than the paper's; "
-            "what a frame passes on of it is what the switch lets through."
+          ? " With this order of arrival, the farthest first, our models differ by more than the paper's. "
+            "The switch decides how much of the difference passes in one frame."
           : "");
 }
 

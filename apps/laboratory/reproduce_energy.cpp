@@ -243,10 +243,11 @@ Picture picture(const std::vector<Row>& rows) {
       "around a loop / energy moved (net / gross)'\n"
       "set yrange [0.4:{}]\nset ytics ({}) noenhanced\nset key outside top center horizontal samplen 1\n{}\n",
       static_cast<double>(names.size()) + 0.6, tics, plot);
-  return {"energy",
-          fmt::format("Median over {} loops, bars from least to most; sizes of the loops in the table.",
-                      3 * places),
-          960, 90 + 36 * static_cast<int>(names.size()), script};
+  return {
+      "energy",
+      fmt::format("Median over {} loops; bars from least to largest. The table has the sizes of the loops.",
+                  3 * places),
+      960, 90 + 36 * static_cast<int>(names.size()), script};
 }
 
 // ---- output
@@ -332,8 +333,8 @@ std::string through_the_switch(const EnergyFindings& found) {
   const Damping& damping = found.damping;
   if (damping.damped == 0)
     return fmt::format(
-        "through the smooth switch the same, force by force: no two models that follow each other differ by "
-        "more than {:.2g} % of what it lets pass in one frame, so that it had nothing to damp.",
+        "through the smooth switch exactly the same forces: consecutive models differ by at most {:.2g} % of "
+        "what it lets pass in one frame, so it had nothing to damp.",
         100 * damping.largest);
   const char* const set = "moving, smooth switch";
   return fmt::format(
@@ -350,13 +351,14 @@ std::string what_we_found(const EnergyFindings& found) {
                          1e3 * c[2]);
   const std::size_t beyond = loops_beyond(found.space);
   std::string text = fmt::format(
-      "Net over gross energy, medians. {} loops each, ellipses in three planes about ({}) mm{}: half axes "
+      "Medians of net over gross energy. {} loops each: ellipses in three planes around ({}) mm{}. Half "
+      "axes: "
       "{:.3g} and {:.3g} mm for models of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the "
       "older "
       "methods, which know all states. On a fixed set: an interpolant of the energy {:.1g}, Hermite r5 "
       "{:.1g}, "
-      "r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of all states {:.1g}. With a "
-      "set that moves with the HIP and models used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
+      "r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of all states {:.1g}. If "
+      "the set moves with the HIP and models are used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
       3 * places, where, beyond > 0 ? fmt::format(" ({} of {} go beyond the box)", beyond, 6 * places) : "",
       1e3 * small * h, 800 * small * h, 1e3 * large * h, 800 * large * h,
       found.median("energy interpolant, n 25", "fixed"), found.median("Hermite r5, n 25", "fixed"),
@@ -388,9 +390,9 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   Findings findings{.summary = summary_of(found), .html = {}, .lines = {what_we_found(found)}};
   findings.html =
       paragraph("The question",
-                "The paper does not look at energy. A body at rest gives back what was put in, so a "
+                "The paper does not study energy. An elastic body returns the energy put into it, so a "
                 "force field that gains energy around a closed loop can drive a hand. Not only the "
-                "kernel matters but also the set of states, which moves with the hand.") +
+                "kernel matters, but also the set of states, which moves with the hand.") +
       paragraph("We found", findings.lines.front()) + draw_into(folder, picture(found.rows)) +
       table_of(found);
   return findings;

@@ -120,11 +120,9 @@ Picture picture(const Fig2& fig, const PaperGround& ground) {
     for (const bool force : {true, false}) script += panel(fig, ground, row, force, most);
   script += "unset multiplot\n";
   return {"extrapolation",
-          "After the paper's Fig. 2. Left: force along the path, circles are tight solves; right: error "
-          "against the complete "
-          "state space of the same method, dashed the 7 % that a hand can just tell. Dotted in the gap: the "
-          "known states of "
-          "the far side begin.",
+          "After the paper's Fig. 2. Left: force along the path; circles are tight solves. Right: error "
+          "against the same method with the complete state space; dashed: the 7 % that a hand can just feel. "
+          "Dotted line in the gap: start of the known states of the far side.",
           960, 940, script};
 }
 
@@ -175,11 +173,11 @@ std::string crossing_in_words(const Curve& gap, const Judge& judge) {
   const bool at_once = gap.points.front().far_side > 0, for_good = gap.points.back().near_side == 0;
   const std::string in = at_once ? "the far side is in the set from the beginning"
                          : std::isnan(enters.s)
-                             ? "the far side never comes in"
-                             : "the force jumps by " + shown(enters) + " as the far side comes in";
+                             ? "no state of the far side ever enters the set"
+                             : "the force jumps by " + shown(enters) + " when the far side enters the set";
   const std::string out = !for_good || std::isnan(leaves.s)
                               ? "the near side stays in the set to the end"
-                              : "by " + shown(leaves) + " as the last of the near side goes";
+                              : "by " + shown(leaves) + " when the last state of the near side leaves it";
   return in + (for_good && at_once && std::isfinite(leaves.s) ? ", the force jumps " : ", ") + out;
 }
 
@@ -199,9 +197,8 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
     const Curve &blank = curve_of(fig, "blank", m), &sparse = curve_of(fig, "sparse", m),
                 &gap = curve_of(fig, "gap", m);
     text += fmt::format(
-        " {}: blank {} ({} at its end); sparse {} ({}); the path across the gap {}, of this the gap itself "
-        "{}. There {}; the "
-        "largest jump in the gap is {}.",
+        " {}: blank {} ({} at its end); sparse {} ({}); the path across the gap {}, the gap alone {}. There "
+        "{}; the largest jump in the gap is {}.",
         m == 0   ? "r with the paper's settings"
         : m == 1 ? "r3 with the paper's settings"
                  : "Ours (Hermite r5, 25 states by label, extrapolation bounded, sides of the gap by their "
@@ -211,7 +208,7 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
         p50_p95_max(errors(gap, true)), p50_p95_max(errors(gap, true, ground.far_side())),
         crossing_in_words(gap, judge), shown(largest(gap, judge, 0, ground.far_side())));
   }
-  return text + " No switch takes part: a jump is what two models that follow each other differ by.";
+  return text + " No switch is used: a jump is the difference of two consecutive models.";
 }
 
 // Our results that are worse than those of a kernel of the paper by more than rounding.
@@ -232,8 +229,9 @@ std::string where_worse(const Fig2& fig, const PaperGround& ground) {
                 kernel);
       compare(fmt::format("{} at its end", area), at_end(ours), at_end(theirs), kernel);
     }
-  if (cases.empty()) return "Nowhere: p50, p95, max and end of each area are at most those of r and r3.";
-  return fmt::format("Errors of ours that exceed those of the paper's settings: {}.", fmt::join(cases, "; "));
+  if (cases.empty())
+    return "Nowhere: in each area our p50, p95, max and error at the end are at most those of r and r3.";
+  return fmt::format("Our errors that exceed those of the paper's settings: {}.", fmt::join(cases, "; "));
 }
 
 }  // namespace

@@ -80,21 +80,20 @@ Json summary_of(const SpeedFindings& found) {
 // Whether any schedule could reach ten times the predecessor's speed.
 std::string out_of_reach(double before, const SpeedBounds& bounds) {
   const double goal = wanted * before;
-  if (goal > cap) return fmt::format("{} is above the {} that are tried", shown(goal), shown(cap));
+  if (goal > cap) return fmt::format("{} is above the highest speed tried, {}", shown(goal), shown(cap));
   if (goal > bounds.guessed)
-    return fmt::format("{} is above the {} that exact models from the first moment on sustain", shown(goal),
-                       shown(bounds.guessed));
+    return fmt::format("{} is above the {} that exact models sustain", shown(goal), shown(bounds.guessed));
   return fmt::format("{} is within the {} that exact models sustain", shown(goal), shown(bounds.guessed));
 }
 
 std::string bounds_text(const SpeedFindings& found) {
   const SpeedBounds& bounds = found.bounds;
   std::string text = fmt::format(
-      "The last two rows know the exact force everywhere from the first moment at which rest can have been "
-      "solved, {:.3f} s. They lose only what comes before and its fade-out: {:.3f} s more after the first "
-      "guess, {:.3f} s after no force at all. The force and the rule of the switch decide how long the "
-      "fade-out takes; policy, prediction, placement and number of workers do not. These rows sustain {} and "
-      "{} mm/s. Ten times the predecessor's speed: ",
+      "The last two rows are bounds. They know the exact force everywhere as soon as rest can be solved, at "
+      "{:.3f} s. They lose only the time before that and the fade-out after it: {:.3f} s from the first "
+      "guess, {:.3f} s from zero force. The fade-out depends on the force and on the rule of the switch, not "
+      "on policy, prediction, placement or number of workers. These rows sustain {} and {} mm/s. Ten times "
+      "the predecessor's speed: ",
       bounds.known, bounds.settled, bounds.settled_without, shown(bounds.guessed), shown(bounds.without));
   double best = 0;
   for (std::size_t w = 0; w < found.workers.size(); ++w) {
@@ -102,11 +101,11 @@ std::string bounds_text(const SpeedFindings& found) {
                         out_of_reach(found.speed(SpeedRole::predecessor, w), bounds));
     best = std::max(best, found.speed(SpeedRole::ours, w));
   }
-  text += ". No scheduler whose models are right can be faster than the bound under this switch. ";
+  text += ". Under this switch, no scheduler with correct models can be faster than the bound. ";
   if (best > bounds.guessed)
     text += fmt::format(
-        "Only a wrong model can be a little faster: one nearer to the guess than the body is leaves less to "
-        "fade out ({} at best). ",
+        "Only a wrong model can be slightly faster: if it is nearer to the guess than the true force, less "
+        "has to fade out ({} at best). ",
         shown(best));
   return text;
 }
@@ -132,35 +131,22 @@ std::string comparison_with_our_start(const SpeedFindings& found, std::size_t w)
 }
 
 constexpr const char* what_is_measured =
-    "The highest speed at which 95 % of the frames that visit a cell of 6 mm for the first time are within 7 "
-    "% "
-    "of the reference. Each run starts empty and follows lines that cross the box, layer by layer; speeds up "
-    "to "
-    "2 m/s are tried. In brackets: over the predecessor (nearest states first, polynomials on the lattice) "
-    "at "
-    "the spacing and degree that suit it best for that number of workers; it has no damped switch. Where "
-    "nothing "
-    "is known there is no force, and the first model fades in from zero at the rate of the switch. A run at "
-    "v "
-    "over L takes 0.05 L / v until 5 % of its visits are lost: the first solve and its fade-in must fit into "
-    "this "
-    "time, 0.25 m over v at L = 5 m. Our sessions begin with the state at rest. It is known to be in "
-    "equilibrium, "
-    "so it needs no iteration, only one factorisation for its stiffness; this is charged as one of the four "
-    "iterations that a state takes on average. Until it is there the hand feels the stiffness of a disc of "
-    "the "
-    "patch's area on a half-space of the body's material. This formula is off by some tens of per cent, and "
-    "the "
-    "true stiffness fades in from it much sooner than from nothing. The earlier rows, the predecessor and "
-    "the "
-    "seed paper have neither; the last rows are theirs with the same start. With rest known before the start "
-    "nothing fades in at all. The row without the switch shows what the fade-in costs, the row before it "
-    "what "
-    "knowing the motion would add. With few workers the share within 7 % stays close to 95 % over a wide "
-    "range "
-    "of speeds, so that one or two frames decide where a single seed ends: `--seeds` takes the geometric "
-    "mean of "
-    "several.";
+    "The highest speed at which 95 % of first visits are within 7 % of the reference. A first visit is the "
+    "first frame in a cell of 6 mm. Each run starts with no states and follows lines across the box, layer "
+    "by layer. Speeds up to 2 m/s are tried. In brackets: factor over the predecessor (nearest states "
+    "first, polynomials on the lattice) at its best spacing and degree for that number of workers; it has "
+    "no damped switch. While nothing is known there is no force, and the first model fades in from zero at "
+    "the rate of the switch. A run of length L at speed v loses 5 % of its visits in 0.05 L / v, so the "
+    "first solve and its fade-in must fit into this time: 0.25 m / v at L = 5 m. Our sessions begin with "
+    "the state at rest. It is known to be in equilibrium, so it needs no iteration, only one factorisation "
+    "for its stiffness. This is charged as one of the four iterations that a state takes on average. Until "
+    "it is solved, the hand feels a guess: the stiffness of a disc of the patch's area on a half-space of "
+    "the body's material. This guess is off by some tens of per cent, but the true stiffness fades in from "
+    "it much sooner than from zero. The earlier rows, the predecessor and the seed paper have neither; the "
+    "last rows give them the same start. If rest is known before the start, nothing fades in. The row "
+    "without the switch shows the cost of the fade-in, the row before it the value of knowing the motion. "
+    "With few workers the share within 7 % stays close to 95 % over a wide range of speeds, so one or two "
+    "frames decide the result of a single seed: `--seeds` takes the geometric mean of several.";
 
 // ---- table and picture
 

@@ -51,13 +51,14 @@ std::string tiles(const SessionSummary& s) {
   std::string html = "<div class=\"tiles\">\n";
   html +=
       tile(percent(s.error.samples.within_jnd), "of sampled frames within the just noticeable difference");
-  html += tile(percent(s.error.first_visit.within_jnd), "of first visits within it");
+  html +=
+      tile(percent(s.error.first_visit.within_jnd), "of first visits within the just noticeable difference");
   html += tile(percent(s.error.samples.p95), "error, 95th percentile");
   html += tile(shown(s.switching.frames_over_jnd), "frames in which a switch exceeded its bound");
   html += tile(with_unit(s.switching.max_jump, "N"), "largest change by a switch in one frame; " +
                                                          with_unit(s.switching.max_jump_undamped, "N") +
                                                          " undamped");
-  html += tile(percent(s.time_in[Label::safe]), "of the time in safe regions");
+  html += tile(percent(s.time_in[Label::safe]), "of the time in safe regions (densely known)");
   html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
   if (s.settings.clock == Clock::real)
     html += tile(shown(s.deadline.missed), "deadlines missed of " + shown(s.run.frames) +

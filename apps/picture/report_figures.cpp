@@ -204,9 +204,8 @@ Figure time_figure(Frames frames) {
             "set format x '%g'\nset ytics autofreq\nset xlabel 'time, s' offset 0,0.6\n" + error_plot();
   return {"time",
           "Force of the body on the hand, label at the hand, number of known states, and the error of the "
-          "rendered force "
-          "with its three parts if above 1e-6. Reference: tight solves on the reference branch, "
-          "sampled along the path.",
+          "rendered force with its three parts, if above 1e-6. Reference: tight solves on the reference "
+          "branch, sampled along the path.",
           960, 820, script + "unset multiplot\n"};
 }
 
@@ -214,9 +213,8 @@ Figure start_figure(Frames frames) {
   const Curves curves(frames);
   const double end = std::min(curves.end, 0.6);
   return {"start",
-          "The first moments, when next to nothing is known: the first models fade in, and each new model is "
-          "taken in "
-          "steps below what a hand can tell.",
+          "The start, with few states known: the first models fade in, and the force changes to each new "
+          "model in steps that a hand cannot feel.",
           960, 290,
           curves.blocks(0, end, 1500) + figure_style +
               fmt::format("set xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\n"
@@ -249,8 +247,8 @@ Figure deadline_figure(Frames frames) {
           "fs solid 1 noborder fc rgb '{}' notitle\nunset multiplot\n",
           ink::reference, ink::switching);
   return {"deadline",
-          "Loop at 1 kHz: what a frame costs and how late the system wakes the loop are different things; "
-          "both axes logarithmic.",
+          "Loop at 1 kHz. Left: time to compute a frame. Right: delay with which the system wakes the loop. "
+          "All axes are logarithmic.",
           960, 290, script};
 }
 

@@ -21,13 +21,11 @@ constexpr const char* line_colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a
 
 // Text: how intervals of shares are computed. Those of differences need no transformation.
 constexpr const char* share_intervals =
-    "Student intervals of shares are made on the logit scale, logit m ± t s / (√G m (1 − m)) over G traces, "
-    "and taken back, so that none "
-    "passes 0 or 100 % (logit interval: Brown, Cai, DasGupta, Statistical Science 16, 2001; with the "
-    "variance between traces as in "
-    "svyciprop, method xlogit, Lumley, Complex Surveys, 2010). Where every trace has 100 % they have no "
-    "width. Intervals of differences are "
-    "plain Student intervals.";
+    "Student intervals of shares are computed on the logit scale, logit m ± t s / (√G m (1 − m)) over G "
+    "traces, and transformed back, so that they stay within 0 and 100 % (logit interval: Brown, Cai, "
+    "DasGupta, Statistical Science 16, 2001; with the variance between traces as in svyciprop, method "
+    "xlogit, Lumley, Complex Surveys, 2010). If every trace has 100 %, the interval has no width. Intervals "
+    "of differences are plain Student intervals.";
 
 // ---- numbers
 
@@ -197,11 +195,10 @@ std::string ranking_section(const Study& study, const AxisRanking& entry, std::s
   html += "</table>\n";
   if (std::ranges::find(axis.values, std::string("clairvoyant"), &StudyValue::text) != axis.values.end())
     html +=
-        "<p class=\"muted\">clairvoyant knows the motion and the costs: it rehearses the session under every "
-        "policy but the placebos, with the "
-        "motion known and without, and takes the best at first visits. No policy it knows has a regret below "
-        "zero there; "
-        "better orders of solves may exist, so that regrets are at least what is shown.</p>\n";
+        "<p class=\"muted\">clairvoyant knows the motion and the costs. It simulates the session under every "
+        "policy except the placebos, with the motion known and unknown, and runs the best at first visits. "
+        "None of these policies therefore has a regret below zero there. Better orders of solves may exist, "
+        "so the true regrets are at least those shown.</p>\n";
   return html + fmt::format("<p class=\"muted\">{} traces and seeds{}.</p>\n", entry.ranking.blocks,
                             entry.ranking.dropped > 0 ? fmt::format("; {} more lack a value and are left out",
                                                                     entry.ranking.dropped)
@@ -213,10 +210,10 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
   const StudyMetric metric = compared.front().metric;
   const StudyAxis& axis = study.axes.front();
   std::string html =
-      axis.column == "step" ? "<h2>What each step is worth</h2>\n" : "<h2>One against another</h2>\n";
+      axis.column == "step" ? "<h2>What each step is worth</h2>\n" : "<h2>Pairwise comparisons</h2>\n";
   html += fmt::format(
-      "<p class=\"muted\">{}; paired by trace and seed. \"Not shown\": at least one 95 % interval holds no "
-      "difference.</p>\n",
+      "<p class=\"muted\">{}; paired by trace and seed. \"Not shown\": at least one 95 % interval "
+      "contains zero difference.</p>\n",
       html_escaped(metric.title));
   html += head({axis.column, "against", "where", "difference [bootstrap]", "[Student]", "won / lost / pairs",
                 "traces", ""});
@@ -295,11 +292,11 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<S
   const auto failed =
       std::ranges::count_if(cells, [](const StudyCellResult& c) { return c.number("sustained.speed") == 0; });
   std::vector<std::string> notes{
-      "Other measures than the sustained speed are those of each session at its own sustained speed."};
+      "All measures except the sustained speed are those of each session at its own sustained speed."};
   if (failed > 0)
     notes.push_back(fmt::format(
-        "In {} of {} cells not even the lowest speed tried, {:.3g} mm/s, holds. They are 0 in cells.csv and "
-        "count here as that speed, which favours them: factors against them are lower bounds.",
+        "In {} of {} cells not even the lowest speed tried, {:.3g} mm/s, is sustained. cells.csv gives 0 for "
+        "them. Here they count as that speed, which favours them: factors against them are lower bounds.",
         failed, cells.size(), 1e3 * study.sustained->low));
   return notes;
 }
@@ -337,9 +334,8 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
   if (primary_metric(study).share)
     html += fmt::format("<p class=\"muted\">{}</p>\n", html_escaped(share_intervals));
   html +=
-      "<p class=\"muted\">An observation is a trace with a seed; whatever else varies is averaged within it. "
-      "Intervals stand for one "
-      "comparison each: of twenty, one may exclude zero by chance.</p>\n";
+      "<p class=\"muted\">An observation is one trace with one seed; all other keys are averaged within it. "
+      "Intervals are not corrected for multiple comparisons: one in twenty may exclude zero by chance.</p>\n";
   return html_page("Forefeel study: " + planned.file.file.stem().string(),
                    html + plan_section(planned) + provenance_section(planned));
 }
