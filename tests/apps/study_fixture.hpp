@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of studies share: a folder with a scene of a small linear body, and refusals as text.
+// Shared by the tests of studies: a folder with a scene of a small linear body, and errors as text.
 
 #include <filesystem>
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace forefeel::test {
 
-// The state space of a linear body costs three solves.
+// A linear body, because its whole state space needs only three solves.
 struct StudyFixture {
   TemporaryFolder folder;
   std::filesystem::path path = folder.path();
@@ -30,7 +30,7 @@ struct StudyFixture {
   }
 };
 
-// What is said where the call throws an InputError; else nothing.
+// The message of the InputError that the call throws; empty if it throws none.
 inline std::string refusal(const std::function<void()>& run) {
   try {
     run();

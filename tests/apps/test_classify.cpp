@@ -1,4 +1,4 @@
-// forefeel classify: its options, its files as other programs read them, a run over time, differences, bad input.
+// forefeel classify: options, files as read by other programs, a run over time, differences, bad input.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -40,7 +40,7 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// What VTK reads of the files; null (and a warning) where VTK is not installed.
+// The files as VTK reads them; null (and a warning) if VTK is not installed.
 json read_by_vtk(const Workshop& shop, const std::string& files) {
   const auto outcome = shop.shell("/usr/bin/python3 '" +
                                   (test::source_folder() / "tests/apps/read_vtk.py").string() + "' " + files);
@@ -82,7 +82,7 @@ TEST_CASE("classify reports volumes, gaps with sides and safe parts, fill distan
     const json bridge = report["gaps"][0];
     CHECK(bridge["safe_components"].size() == 2);
     REQUIRE(bridge["sides"].size() == 2);
-    // One side each way along x; how far apart their mean directions are depends on the leaf that looks at them.
+    // One side in each direction along x. The angle between their mean directions depends on the leaf.
     const double a = bridge["sides"][0]["direction"][0], b = bridge["sides"][1]["direction"][0];
     CHECK(a * b < (index == "delaunay" ? -0.9 : 0.0));
     CHECK(report["fill_distance"].get<double>() == Approx(1e-3 * std::sqrt(24.0 * 24 + 18)).epsilon(2e-3));
@@ -115,7 +115,7 @@ TEST_CASE("classify labels points, lines and grids", "[classify]") {
   const json grid = shop.forefeel("classify gap.csv --spacing 0.006 --grid 0.012 --json -o grid.csv").json();
   const std::string rows = text_of(shop.path() / "grid.csv");
   CHECK(static_cast<std::size_t>(std::count(rows.begin(), rows.end(), '\n')) == grid["labels"].size() + 1);
-  // Thresholds: with a wider reach the sparse rim swallows the gap.
+  // Thresholds: with a longer distance for sparse, the sparse rim covers the gap.
   const json wide =
       shop.forefeel("classify gap.csv --spacing 0.006 --sparse-distance 5 --points q.csv --json").json();
   CHECK(wide["labels"][2] == "sparse");
@@ -140,7 +140,7 @@ TEST_CASE("the files of classify open in VTK, with labels whose volumes are thos
   CHECK(regions["cell_data"]["bridge_sides"]["max"] == 2);
   CHECK(states["points"] == report["states"]);
   CHECK(cells["types"] == json({10}));
-  // In full cubes the spread at a cell's centroid stays below the half diagonal; across the gap it is wider.
+  // In full cubes the spread at a cell's centroid stays below half the diagonal; across the gap it is larger.
   CHECK(cells["cell_data"]["spread"]["min"].get<double>() < std::sqrt(3.0) / 2 * h);
   CHECK(cells["cell_data"]["spread"]["max"].get<double>() > 2 * h);
   CHECK(cells["cell_data"]["alpha"]["min"].get<double>() == Approx(std::sqrt(3.0) / 2 * h));
@@ -293,7 +293,7 @@ TEST_CASE("the agreement is that of both regions, and nothing is worst where not
     CHECK(report["agreement"]["share"].get<double>() >= 0.95);
     CHECK(report["gaps"].size() + report["gaps_left_out"].get<std::size_t>() ==
           report["components"]["gap"].get<std::size_t>());
-    // Small gaps in a thinned area meet the safe parts beside them, not all there are.
+    // Small gaps in a thinned area touch the safe parts beside them, not all safe parts.
     for (const json& gap : report["gaps"])
       CHECK(gap["safe_components"].size() < report["components"]["safe"].get<std::size_t>());
   }

@@ -1,4 +1,4 @@
-// Bad input: each one clear line on stderr, exit 2, nothing written.
+// Bad input: one clear line on stderr, exit code 2, no file written.
 
 #include <catch2/catch.hpp>
 
@@ -175,8 +175,8 @@ TEST_CASE("meshes that cannot be solved", "[command-line]") {
   refuse(msh("1 4 2 0 1 1 2 3 9\n", 1), {"body.msh"});
   shop.write("body.msh", good);
   CHECK(shop.forefeel("solve scene.toml --at=0,0,0").code == 0);
-  shop.write("body.msh",
-             msh("1 4 2 0 1 2 1 3 4\n2 4 2 0 1 5 2 3 4\n", 2));  // wholly flipped: turned, with a warning
+  shop.write("body.msh", msh("1 4 2 0 1 2 1 3 4\n2 4 2 0 1 5 2 3 4\n",
+                             2));  // all flipped: they are turned, with a warning
   const Workshop::Outcome flipped = shop.forefeel("solve scene.toml --at=0,0,0 --json");
   CHECK(flipped.code == 0);
   CHECK_THAT(flipped.err, Catch::Contains("warning"));
@@ -197,7 +197,7 @@ TEST_CASE("node sets that cannot be solved", "[command-line]") {
   refuse("nodes = [0]", "node = 4\nnearest = [0, 0, 0]", "exactly one of");
   refuse("nodes = [0]", "radius = 0.01", "exactly one of");
   refuse("group = \"bottom\"", "node = 4", "no node groups");
-  // A second part that nothing holds.
+  // A second part that no clamp holds.
   shop.write("body.msh",
              "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 0 "
              "0\n6 6 0 0\n7 5 1 0\n8 5 0 1\n$EndNodes\n"

@@ -1,4 +1,4 @@
-// The JSON of every command: keys as the contract names them.
+// The JSON of every command has the documented keys.
 
 #include <catch2/catch.hpp>
 
@@ -12,7 +12,7 @@ using nlohmann::json;
 
 namespace {
 
-// Every path in `keys` ("deadline.cost_us.p50") is there.
+// Checks that every path in `keys` ("deadline.cost_us.p50") exists.
 void check_keys(const json& document, const std::vector<std::string>& keys) {
   for (const std::string& path : keys) {
     const json* here = &document;
@@ -34,8 +34,8 @@ json run_json(const Workshop& shop, const std::string& arguments) {
   return outcome.json();
 }
 
-// The command, sent SIGINT `seconds` after the shell's test `begun` holds; it ends with 1 and says so. As timeout(1)
-// does, twice at once: one wish, not two.
+// Runs the command and sends SIGINT `seconds` after the shell's test `begun` holds. The command ends with 1
+// and reports it. The signal is sent twice at once, as timeout(1) does; it must count as one.
 Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& arguments,
                                   const std::string& begun, double seconds) {
   const Workshop::Outcome outcome =
@@ -52,7 +52,7 @@ Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& argum
 
 TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[contract]") {
   const Workshop shop;
-  // Solves that take long, so that the spacing is being measured when the signal comes.
+  // Long solves, so that the spacing is still being chosen when the signal comes.
   shop.write("beam.toml", beam_scene());
   const std::string automatic =
       " --set state_space.spacing=auto --set session.error_floor=1e-6 --set state_space.tolerance=1e-9";
@@ -78,7 +78,7 @@ TEST_CASE("solve", "[contract]") {
     CHECK(state["warnings"].is_array());
   }
   const json& pushed = document["states"][1];
-  double work = 0;  // the force opposes x
+  double work = 0;  // the force opposes the displacement x
   for (int i = 0; i < 3; ++i) work += pushed["force"][i].get<double>() * pushed["at"][i].get<double>();
   CHECK(work < 0);
   CHECK(pushed["energy"].get<double>() > 0);
@@ -127,11 +127,11 @@ TEST_CASE("generate --error says where the spacing is the limit", "[contract]") 
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["states"] == 27);
   CHECK(outcome.json()["most_states"] == 27);
-  CHECK(outcome.error_lines() == 3);  // what was done, what is estimated, the warning
+  CHECK(outcome.error_lines() == 3);  // what was done, the estimate, the warning
   CHECK_THAT(outcome.err,
              Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") &&
                  Catch::Contains("the spacing is the limit"));
-  // Fewer than nine are never tried, whatever the lattice holds.
+  // At least nine are tried on any lattice.
   const Workshop::Outcome coarse =
       shop.forefeel("generate beam.toml --error 1e-9 -o c.states --quiet --set state_space.spacing=0.05");
   CHECK(coarse.code == 1);
@@ -180,7 +180,7 @@ TEST_CASE("generate, export, info, classify and evaluate", "[contract]") {
       run_json(shop, "evaluate beam.states --points points.csv --kernel cubic --data force --neighbours 27");
   check_keys(forces, {"forces", "labels", "fit_us", "evaluate_ns"});
   REQUIRE(forces["forces"].size() == 3);
-  for (const json& value : forces["forces"][2]) CHECK(value.is_number());  // bounded, however far
+  for (const json& value : forces["forces"][2]) CHECK(value.is_number());  // bounded at any distance
 }
 
 TEST_CASE("session", "[contract]") {
@@ -418,7 +418,7 @@ TEST_CASE("two commands on one cache: both give what one gives, and what they so
       0);
   same("one", "two");
 
-  // Held for the whole of a command: what the cache lacks is solved for this command alone.
+  // The cache is locked during the whole command: missing references are solved for this command alone.
   if (!forefeel::test::has_command("flock")) return forefeel::test::skip("flock is not installed");
   REQUIRE(shop.shell("rm -r ../cache; " + session + "0.1 -o begun").code == 0);
   const auto notes_of = [&](const std::string& run) {
@@ -438,7 +438,7 @@ TEST_CASE("two commands on one cache: both give what one gives, and what they so
 TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  // When its first states are on disk.
+  // The signal comes when its first states are on disk.
   const Workshop::Outcome outcome =
       run_interrupted(shop, "session beam.toml --clock real --seconds 600 --device path:circle -o run",
                       "-s run/session.states-wal", 0.5);
@@ -474,7 +474,7 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
                                                     "session beam.toml --clock virtual --policy clairvoyant "
                                                     "--seconds 300 --device path:circle,speed=0.01 -o run",
                                                     "-d run", 0.5);
-  // A rehearsal is never taken for the session.
+  // A simulated schedule is never reported as the session.
   CHECK(outcome.json()["frames"] == 0);
   CHECK(outcome.json()["frames_asked"] == 300000);
   CHECK(outcome.json()["seconds"] == 0);
@@ -486,7 +486,7 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
              Catch::Contains("interrupted while it rehearses") && Catch::Contains("0 of 300000 frames"));
   CHECK(outcome.json()["prediction"].contains("kalman"));
   CHECK_THAT(shop.files(), Catch::Contains("run/report.html"));
-  CHECK(shop.shell("wc -l < run/frames.csv").out == "1\n");  // the head
+  CHECK(shop.shell("wc -l < run/frames.csv").out == "1\n");  // only the header
   CHECK(shop.shell("wc -l < run/dispatch.csv").out == "1\n");
   CHECK(run_json(shop, "info run/session.states")["states"] == 0);
 }
@@ -530,7 +530,7 @@ TEST_CASE("a report stands on its own", "[contract]") {
     forefeel::test::skip("gnuplot is not installed");
   else
     CHECK_THAT(report, Catch::Contains("<svg") && Catch::Contains("</svg>"));
-  // Without gnuplot the report is still there, and says so.
+  // Without gnuplot the report is still written and says that plots are missing.
   const std::string without = "PATH=/nowhere '" + forefeel::test::executable() + "' " + arguments + "-o bare";
   REQUIRE(shop.shell(without).code == 0);
   CHECK_THAT(shop.shell("cat bare/report.html").out,
@@ -545,7 +545,7 @@ TEST_CASE("--quiet says nothing and --json keeps stdout to itself", "[contract]"
   CHECK(quiet.out.empty());
   CHECK(quiet.err.empty());
   CHECK_THAT(shop.forefeel("solve beam.toml --at=0,0,0.002 --quiet").out,
-             Catch::Contains("0.002"));  // results are shown
+             Catch::Contains("0.002"));  // --quiet still shows results
   const Workshop::Outcome overridden = shop.forefeel(
       "solve beam.toml --at=0,0,0.002 --json --set material.young=10000 --set body.elements=240");
   const Workshop::Outcome plain = shop.forefeel("solve beam.toml --at=0,0,0.002 --json");

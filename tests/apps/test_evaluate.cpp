@@ -1,4 +1,4 @@
-// forefeel evaluate: against SciPy through the whole chain, hostile sets of states, options that cannot be.
+// forefeel evaluate: compared with SciPy from files to forces; difficult sets of states; invalid options.
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -120,7 +120,7 @@ TEST_CASE("hostile sets of states: every force is finite and below its bound", "
         REQUIRE(found["forces"].size() == 5);
         for (std::size_t i = 0; i < 5; ++i) {
           for (const auto& component : found["forces"][i])
-            REQUIRE(component.is_number());  // null where not finite
+            REQUIRE(component.is_number());  // null if not finite
           CHECK(length(found["forces"][i]) <= found["force_bounds"][i].get<double>());
         }
       }
@@ -153,16 +153,17 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
   check_refused(shop, all + "-o absent/out.csv", {"absent"});
   check_refused(shop, all + "--neighbours 99999999999999999999", {"--neighbours"});
   check_refused(shop, all + "--neighbours 100001", {"--neighbours", "from 1 to 100000"});
-  std::string many = "x,y,z,fx,fy,fz\n";  // more than a model in memory holds
+  std::string many = "x,y,z,fx,fy,fz\n";  // too many states for a model in memory
   for (int i = 0; i < 12'000; ++i)
     many += fmt::format("{},{},{},1,2,3\n", 0.001 * (i % 23), 0.001 * (i / 23 % 23), 0.001 * (i / 529));
   shop.write("many.csv", many);
   check_refused(shop, "evaluate many.csv --points points.csv --neighbours 12000",
                 {"--neighbours: is 12000", "GB"});
-  for (const std::string file : {"states.csv", "points.csv", "./states.csv"})  // read for it
+  // An input must not be overwritten.
+  for (const std::string file : {"states.csv", "points.csv", "./states.csv"})
     check_refused(shop, all + "-o " + file, {file, "would replace"});
   check_refused(shop, "classify states.csv --spacing 0.006 -o states.csv", {"states.csv", "would replace"});
-  CHECK(shop.forefeel(all + "-o out.csv").code == 0);  // all are what they were
+  CHECK(shop.forefeel(all + "-o out.csv").code == 0);  // the inputs are unchanged
   CHECK_THAT(shop.forefeel(all + "--set material.poisson=0.3").err, Catch::Contains("--set: without effect"));
   CHECK_THAT(shop.forefeel(all + "--method two-force --select nearest").err,
              Catch::Contains("--select: without effect"));

@@ -1,5 +1,5 @@
 #pragma once
-// The rooms of the sources and the arrows between them: the table rooms.txt against the includes as they are.
+// The rooms (sub-folders) of the sources: compares the table rooms.txt with the actual includes.
 //
 // A unit is a header with the source file of the same stem.
 // An arrow a -> b says: a file of a includes a header of b.

@@ -1,4 +1,5 @@
-// The architecture, read from the sources themselves: rooms.txt says which room may include which.
+// The architecture: the includes in the sources must match rooms.txt, which lists which room may include
+// which.
 
 #include <catch2/catch.hpp>
 #include <iostream>

@@ -1,4 +1,4 @@
-// The installed library: every example is built against it in a clean prefix, and run.
+// The installed library: builds every example against it in a clean prefix and runs the examples.
 
 #include <catch2/catch.hpp>
 #include <cstdio>

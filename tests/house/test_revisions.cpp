@@ -1,6 +1,6 @@
-// Digests of the sources: what is kept on disk is trusted for one revision of what made it.
-// A digest whose patterns match nothing would never change, so configuring must fail (forefeel_revision in the
-// top CMakeLists.txt).
+// Digests of the sources: cached files are valid for one revision of the code that made them.
+// A digest whose patterns match nothing would never change, so configuring must fail (forefeel_revision in
+// the top CMakeLists.txt).
 
 #include <catch2/catch.hpp>
 #include <fstream>

@@ -1,5 +1,5 @@
 #pragma once
-// Runs the built executable in a folder of its own, as a person would.
+// Runs the built executable in a temporary folder, as a person would.
 
 #include <filesystem>
 #include <nlohmann/json.hpp>

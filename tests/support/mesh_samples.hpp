@@ -1,5 +1,6 @@
 #pragma once
-// One small mesh written in every format by code of its own, so that the readers have something to agree on.
+// One small mesh in every format. It is written by independent code, so that all readers can be compared on
+// it.
 
 #include <map>
 #include <string>

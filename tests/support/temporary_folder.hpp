@@ -1,5 +1,5 @@
 #pragma once
-// A folder of its own for a test, removed at the end with everything in it.
+// A temporary folder for a test, removed at the end with its content.
 
 #include <filesystem>
 #include <string>
