@@ -1,14 +1,14 @@
 #pragma once
-// What does a label say about the error on this body? States are cut out of a lattice in several ways (known
-// sets), so that every label has positions. At positions that are not states, the relative error of the model
-// |f~ - f| / max(|f|, f0) against tight solves is compared with the label, the distance delta to the nearest
-// state, the spread, and the power function P (approx/judge/power_function.hpp) of the states that the model
-// used.
+// What does a label say about the error on this body? Several subsets of a lattice (known sets) are taken, so
+// that every label occurs. At positions that are not states, the relative error of the model |f~ - f| /
+// max(|f|, f0), f from tight solves, is related to four quantities: the label, the distance delta to the
+// nearest state, the spread sqrt(R^2 - d^2) (Waldron's factor of the linear interpolation error), and the
+// power function P (approx/judge/power_function.hpp) of the states in the model.
 //   table   per kernel, data and label: P(error > tolerance | label) with its 95 % interval (Wilson 1927),
 //           and error quantiles
 //   ranks   per kernel and data: Spearman's rank correlation of the error with label (safe < sparse < gap <
 //           blank), delta, spread (infinite counts as largest) and P
-// Needs states and truth; solves nothing.
+// Takes states and truth as input; solves nothing.
 
 #include <array>
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace forefeel {
 
 struct CalibrationOptions {
   StateSpaceOptions space;       // spacing, box, thresholds
-  Vec3 inward = -Vec3::UnitZ();  // into the body; gaps and borders of the known sets are cut across it
+  Vec3 inward = -Vec3::UnitZ();  // into the body; gaps and borders of known sets are perpendicular
   double tolerance = 0.07;       // of the error [1]
   double floor = 0.05;           // f0 [N]
   Select select = Select::label;
@@ -70,14 +70,14 @@ struct Calibration {
   std::vector<CalibrationRanks> ranks;
 };
 
-// Random positions in the box for the truth, the same for the same seed [m].
+// Random positions in the box for the truth [m]. The same seed gives the same positions.
 std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed);
 
-// pool: usable states, of which the known sets are made. truth: usable states at other positions.
+// pool: usable states, from which the known sets are taken. truth: usable states at other positions.
 Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth,
                       const CalibrationOptions& options);
 
-// Spearman's rank correlation, ties at their mean rank; NaN pairs are left out, infinities are ranked.
+// Spearman's rank correlation. Ties get their mean rank; pairs with NaN are left out, infinities are ranked.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 struct ShareInterval {
   double low, high;

@@ -1,11 +1,12 @@
 #pragma once
-// What follows a run, beside it: the run passes on each frame, and one thread takes the frames in their order
-// through stages.
+// Processes the frames of a run while it goes on. The run passes on each frame; one thread takes the frames
+// in order through all stages.
 //   run  --(HIP, number of known states; the states)-->  pipeline  -->  stage 1  -->  stage 2 …
-// known() holds in each frame exactly the states that the run knew in it. Nothing goes back to the run.
+// During each frame, known() holds exactly the states that the run knew in that frame. Nothing flows back to
+// the run.
 //
 //   FramePipeline pipeline(space_options);
-//   pipeline.add(renderer);                     // stages see a frame in this order
+//   pipeline.add(renderer);                     // each frame visits the stages in this order
 //   pipeline.add(judge);
 //   pipeline.pass(hip, space.size(), space);    // by the run, frame after frame
 //   pipeline.wait();
@@ -24,7 +25,7 @@ struct PassedFrame {
   std::size_t k = 0;        // its number, from 0
   Vec3 at = Vec3::Zero();   // of the HIP [m]
   std::uint32_t known = 0;  // number of known states
-  bool grown = false;       // more than in the frame before
+  bool grown = false;       // more states than in the frame before
 };
 
 class FrameStage {
@@ -36,21 +37,21 @@ class FrameStage {
 class FramePipeline {
  public:
   explicit FramePipeline(const StateSpaceOptions& space);
-  ~FramePipeline();  // drops what is not worked off
+  ~FramePipeline();  // drops frames not yet processed
   FramePipeline(const FramePipeline&) = delete;
   FramePipeline& operator=(const FramePipeline&) = delete;
 
   void add(std::shared_ptr<FrameStage> stage);  // before the first frame
-  // Of the pipeline's thread; stages may keep the reference.
+  // To be read on the pipeline's thread; stages may keep the reference.
   const StateSpace& known() const;
 
-  // The run's next frame. `space` holds at least the known states, in the order in which they became known.
+  // Passes on the run's next frame. `space` holds at least the first `known` states, in the order in which
+  // they became known.
   void pass(const Vec3& at, std::uint32_t known, const StateSpace& space);
-  // The frames that were not passed on while the run went; `states` as in pass().
+  // Passes on the frames not passed on during the run; `states` in the order of pass().
   void pass_rest(std::span<const FrameRecord> frames, std::span<const State> states);
-  void hand_over(
-      const StateSpace& space);  // frames are handed to the thread in lots: hands over the last lot
-  // Returns once all frames that were handed over are through; throws what a stage threw.
+  void hand_over(const StateSpace& space);  // frames go to the thread in batches: flushes the last one
+  // Returns when all frames handed over have been processed. Rethrows an exception of a stage.
   void wait(const ShowProgress& show = {});
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Judges a run, exactly and in the order in which states became known:
+// Evaluates a run with exactly the states known in each frame:
 //   label of every frame, with the states known in that frame
 //   error at sampled frames against a tight solve on the reference branch, and its three parts:
 //     error          |F - f|      F the rendered force, f the reference
@@ -7,9 +7,9 @@
 //     switch         |F - f~|
 //     staleness      |f~ - f~*|   f~* the force of a model made from all states known at that moment
 //   each over max(|f|, f0), f0 = error_floor
-// Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell.
-// Labels, samples and f~* are worked out frame by frame as a stage that follows the run; finish() enters
-// them, waits for the references and enters the errors.
+// Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell. The
+// judge is a stage that follows the run: it computes labels, samples and f~* frame by frame. finish() writes
+// them to the result, waits for the references and adds the errors.
 
 #include <memory>
 
@@ -31,13 +31,13 @@ struct JudgeSetup {
 
 class SessionJudge final : public FrameStage {
  public:
-  // known: the pipeline's. It and the references must outlive the judge.
+  // known: FramePipeline::known(). It and the references must outlive the judge.
   SessionJudge(const JudgeSetup& setup, const StateSpace& known, ReferenceService& references);
   ~SessionJudge() override;
 
   void frame(const PassedFrame& frame) override;
-  // After all frames of the result have passed: enters labels and errors, and turns the models that were
-  // published into the switches that the loop made of them.
+  // Call after all frames have passed. Adds labels and errors to the result, and replaces the published
+  // models by the switches that the loop made.
   void finish(SessionResult& result, const ShowProgress& show);
 
  private:

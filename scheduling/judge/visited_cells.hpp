@@ -1,5 +1,5 @@
 #pragma once
-// First visits of the cells of a lattice, cubes of side h whose corners lie in a box.
+// Detects first visits of lattice cells: cubes of side h whose corners lie in a box.
 
 #include <cmath>
 #include <set>
@@ -11,10 +11,10 @@ namespace forefeel {
 
 class VisitedCells {
  public:
-  VisitedCells(const Box& box, double side)  // [m]; a face of the box counts: 6 x 0.006 > 0.036 in doubles
+  VisitedCells(const Box& box, double side)  // [m]; the margin keeps faces: 6 x 0.006 > 0.036 in doubles
       : box_{box.low.array() - 1e-9 * side, box.high.array() + 1e-9 * side}, side_(side) {}
 
-  // Whether `at` is the first position in its cell.
+  // Whether `at` is the first position in its cell; marks the cell as visited.
   bool first(const Vec3& at) {
     const Vec3 cell = (at / side_).array().floor();
     if (!box_.contains(side_ * cell) || !box_.contains(side_ * (cell + Vec3::Ones()))) return false;

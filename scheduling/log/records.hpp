@@ -49,12 +49,12 @@ struct FrameRecord {
 };
 
 enum class DispatchStatus {
-  running,  // at the end of the run; under way before
-  waiting,  // at the end of the run: for the others of its job
+  running,  // being solved when the run ended
+  waiting,  // not begun when the run ended, its job was running
   solved,
   failed,
   arrived,    // known at a given time, without a solve
-  preempted,  // cancelled while it was solved
+  preempted,  // cancelled during its solve
   withdrawn   // cancelled before its solve began
 };
 std::string_view name(DispatchStatus status);
@@ -65,18 +65,17 @@ struct DispatchRecord {
   Label label = Label::blank;
   double priority = 0;
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;  // [s]
-  double known = unknown;  // when the planner had the state: finished and a message [s]
+  double known = unknown;  // when the planner received the state: finished + a message [s]
   DispatchStatus status = DispatchStatus::running;
   int worker = -1;
-  std::int64_t parent =
-      -1;  // id of the row whose state the solve started from; -1: rest or a state of the start
+  std::int64_t parent = -1;  // id of the row whose state the solve started from; -1: rest or a known state
 };
 
 enum class SwitchCause {
-  guess,   // nothing is known: the first guess
+  guess,   // no state is known: the first guess
   first,   // the first state came
   states,  // more states came
-  travel   // the HIP moved away from where the model was made
+  travel   // the HIP moved away from the model's position
 };
 std::string_view name(SwitchCause cause);
 
@@ -86,7 +85,7 @@ struct SwitchRecord {
   SwitchCause cause = SwitchCause::states;
   Label label = Label::blank;  // of the region that chose the model's states
   std::uint32_t n = 0;         // states of the model
-  std::uint32_t replaced = 0;  // of them not in the model before
+  std::uint32_t replaced = 0;  // of these, not in the model before
   double jump_undamped = 0;    // |f~' - f~| at the HIP [N]
   double fit_us = unknown;     // real clock only [us]
 };

@@ -1,21 +1,20 @@
 #pragma once
-// As few states as a scene needs: each next state goes where the estimated error (placement_estimate.hpp) is
-// largest.
+// Covers a scene with few states: each next state is placed where the estimated error
+// (placement_estimate.hpp) is largest.
 //
-// The model holds an error E over a box when 95 % of the box is within E and none of it beyond 2 E: estimated
-// at 512 points of a Halton sequence for the share, and at these and a 7 x 7 x 7 grid up to the faces for the
-// largest.
+// The model holds an error E over a box if 95 % of the box is within E and all of it within 2 E. The share is
+// estimated at 512 points of a Halton sequence; the largest error at these and at a 7 x 7 x 7 grid that
+// includes the faces. The order of states is:
 //   rest, four corners of a tetrahedron at 3/4 of the box, while needed its other four, then the point of the
 //   largest estimate, until the estimate holds;
-// then the truth is looked at: tight solves on the reference branch at random positions, and, for the
-// largest, at corners, edges and faces of the box. Where it does not hold, the worst of them becomes a state
-// (it is solved already) and placing goes on; where it does, but only after some of them became states,
-// others are drawn, up to four times. What comes next depends
-// on the states so far alone, so that a run that was cut goes on as if it had not been. A linear body takes
-// three solves.
+// Then the true error is checked by tight solves on the reference branch at random positions and, for the
+// largest error, at corners, edges and faces of the box. If it does not hold, the worst position becomes a
+// state (it is solved already) and placement continues. If it holds, but some of these positions have become
+// states, new positions are drawn, up to four times. The next state depends only on the states so far, so an
+// interrupted run can be resumed with the same result. A linear body takes three solves.
 //
 // Liver of 1725 tetrahedra, neo-Hookean, 2 cm patch, box 72 x 72 x 60 mm, quintic on force and stiffness: 8
-// states hold 7 %, 22 hold 1 %. One-node contact: 49 hold 7 %.
+// states hold 7 %, 22 states hold 1 %. With a one-node contact 49 states hold 7 %.
 
 #include <cstdint>
 #include <functional>
@@ -31,12 +30,12 @@
 
 namespace forefeel {
 
-// Where to solve next, on-line: of the candidates the one with the largest weight x estimated error. Where
-// nothing can be estimated yet the error counts as 1 + (distance to the nearest state) / h. Candidates at
-// known states and of weight 0 never win. nullopt where none is left. weights: as many as candidates, >= 0.
+// The candidate to solve next in a session: that with the largest weight x estimated error. Where no estimate
+// is possible yet, the error counts as 1 + (distance to the nearest state) / h. Candidates at known states or
+// of weight 0 are never chosen; nullopt if no other is left. weights: #candidates, >= 0.
 struct WorstPosition {
   std::size_t index = 0;  // of the candidate
-  double estimate = 0;    // its estimated error [1], infinite where unknown
+  double estimate = 0;    // its estimated error [1]; infinite if unknown
 };
 std::optional<WorstPosition> worst_position(ErrorEstimator& estimator, const StateSpace& space,
                                             std::span<const Vec3> candidates,
@@ -44,52 +43,52 @@ std::optional<WorstPosition> worst_position(ErrorEstimator& estimator, const Sta
 
 struct ErrorQuantiles {
   double p50 = unknown, p95 = unknown, max = unknown;  // [1]
-  double held() const;                                 // the least E that is held: max(p95, max / 2)
+  double held() const;                                 // the least E that holds: max(p95, max / 2)
 };
 
 struct PlacementOptions {
   double error = 0.01;              // E [1], > 0
   StateSpaceOptions space;          // box; spacing is the continuation step of the reference branch
   EstimateOptions estimate;         // the model whose error counts
-  std::size_t max_states = 0;       // 0: as many as the lattice of the box would have
-  std::size_t truth_samples = 100;  // 0: the truth is not looked at
+  std::size_t max_states = 0;       // 0: as many as the lattice of the box has
+  std::size_t truth_samples = 100;  // 0: no check of the true error
   std::uint64_t seed = 0;           // of the truth's positions
-  int threads = 0;                  // 0: all; the result does not depend on it
+  int threads = 0;                  // 0: all; does not affect the result
   bool want_displacements = false;
   std::stop_token stop;
 };
 
 struct PlacementReport {
-  std::size_t states = 0;       // usable ones, those known before included
-  std::size_t most_states = 0;  // that there may be: PlacementOptions::max_states, or what the lattice has
+  std::size_t states = 0;       // usable states, including those known before
+  std::size_t most_states = 0;  // limit: PlacementOptions::max_states, or the lattice's number
   std::size_t solved = 0, failed = 0, resumed = 0;
   std::size_t truth_solved = 0, truth_failed = 0;
-  std::size_t truth_unsolved = 0;                    // of the positions of the truth: the stop came first
+  std::size_t truth_unsolved = 0;                    // positions not solved because of the stop
   bool linear = false;                               // three solves are the whole state space
-  bool estimate_holds = false, truth_holds = false;  // truth_holds: also true where it was not looked at
+  bool estimate_holds = false, truth_holds = false;  // truth_holds: also true if unchecked
   bool stopped = false;                              // by the stop token
   ErrorQuantiles estimate, truth;
-  std::size_t truth_samples = 0;     // that truth is from
-  std::size_t truth_on_surface = 0;  // and its largest besides: of the box
-  bool truth_is_fresh = true;        // none of these positions decided where a state went
+  std::size_t truth_samples = 0;     // random positions behind `truth`
+  std::size_t truth_on_surface = 0;  // more positions on the surface, for its maximum
+  bool truth_is_fresh = true;        // none of these positions influenced the placement
   double seconds = 0;
   int threads = 1;
 };
 
 struct PlacementProgress {
   std::size_t states = 0, most_states = 0;
-  double estimate = unknown;                    // held so far, see ErrorQuantiles
+  double estimate = unknown;                    // error held so far, see ErrorQuantiles::held()
   std::size_t truth_done = 0, truth_total = 0;  // while the truth is sampled
 };
 
-// known: states of this body, in the order in which they were placed. sink gets each new state as soon as it
-// is solved, failed ones included (they are not tried again), from the calling thread.
+// known: states of this body, in the order of their placement. sink receives each new state as soon as it is
+// solved, on the calling thread. It also receives failed states; they are not tried again.
 PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOptions& options,
                              std::span<const State> known, const std::function<void(State)>& sink,
                              const std::function<void(const PlacementProgress&)>& progress);
 
-// The relative errors of the model at the given truth: |f~ - f| / max(|f|, floor). Quantiles of the first
-// `uniform`, the largest of all.
+// The relative errors |f~ - f| / max(|f|, floor) of the model at the states `truth`: quantiles over the first
+// `uniform` states, maximum over all.
 ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> truth, double floor,
                           std::size_t uniform = static_cast<std::size_t>(-1));
 

@@ -1,5 +1,6 @@
 #pragma once
-// What a motion needs: the corners, in the box, of the lattice cells it visits, but those known before.
+// The states that a motion needs: the corners of the lattice cells it visits, inside the box and not known at
+// the start.
 
 #include <cmath>
 #include <limits>
@@ -12,10 +13,10 @@ namespace forefeel {
 
 class NeededStates {
  public:
-  NeededStates(const Box& box, double spacing)  // [m]; a face of the box counts: 6 x 0.006 > 0.036 in doubles
+  NeededStates(const Box& box, double spacing)  // [m]; the margin keeps faces: 6 x 0.006 > 0.036 in doubles
       : box_{box.low.array() - 1e-9 * spacing, box.high.array() + 1e-9 * spacing}, spacing_(spacing) {}
 
-  void know(const Vec3& at) {  // from the start; off the lattice it is no corner
+  void know(const Vec3& at) {  // known at the start; ignored off the lattice
     const Vec3 step = (at / spacing_).array().round();
     if ((at - spacing_ * step).norm() < 1e-6 * spacing_) known_.insert(place(step));
   }

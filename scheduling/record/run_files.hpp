@@ -1,6 +1,6 @@
 #pragma once
-// The tables of a run: frames.csv, dispatch.csv and switches.csv. They hold no wall time under the virtual
-// clock, so that a virtual run gives the same bytes each time; real runs append cost_us and lateness_us.
+// The tables of a run: frames.csv, dispatch.csv and switches.csv. A virtual run gives the same bytes each
+// time: its tables hold no wall time. Real runs append cost_us and lateness_us.
 
 #include <filesystem>
 
@@ -8,7 +8,7 @@
 
 namespace forefeel {
 
-// Makes the folder where it is missing; InputError unless files can be written there.
+// Makes the folder if it is missing. Throws InputError if files cannot be written there.
 void prepare_run_folder(const std::filesystem::path& folder);
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options);

@@ -1,6 +1,6 @@
 #pragma once
-// What a session amounts to: every number that summary.json holds, as a type. Times are in s and forces in N
-// unless the name says otherwise, shares in [0, 1]. NaN means unknown: nothing was measured.
+// The summary of a session: every value of summary.json, as a type. Times are in s and forces in N unless the
+// name says otherwise; shares are in [0, 1]. NaN: not measured.
 
 #include <array>
 #include <cstddef>
@@ -28,19 +28,19 @@ struct SessionSummary {
   struct Timing {
     double p50 = unknown, p99 = unknown, max = unknown;
   };
-  // Of the render loop: a frame is missed where cost and lateness together exceed its length.
+  // Timing of the render loop. A frame misses its deadline if cost and lateness together exceed its length.
   struct Deadline {
     std::size_t missed = 0;
     Timing cost_us, lateness_us;
   };
-  // used: taken into some model. wasted: solved, never used.
+  // used: part of some model. wasted: solved but never used.
   struct States {
     std::size_t start = 0, solved = 0, used = 0, wasted = 0, preempted = 0, failed = 0;
     double age_at_use_ms_p50 = unknown,
            age_at_use_ms_p99 = unknown;  // from the end of the solve to its first use
   };
-  // Of the change of models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window of
-  // 50, 100 or 300 ms.
+  // Effect of changing models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window
+  // of 50, 100 or 300 ms.
   struct Switching {
     std::size_t count = 0;
     SwitchRule rule = SwitchRule::smooth;
@@ -48,7 +48,8 @@ struct SessionSummary {
     std::size_t frames_over_jnd = 0;
     double drift_50ms = 0, drift_100ms = 0, drift_300ms = 0;
   };
-  // Relative errors |F - f| / max(|f|, f0); within_jnd: share of the samples whose error a hand cannot tell.
+  // Relative errors |F - f| / max(|f|, f0); within_jnd: share of the samples whose error is below the just
+  // noticeable difference.
   struct Errors {
     std::size_t samples = 0;
     double p50 = unknown, p95 = unknown, max = unknown, within_jnd = unknown;
@@ -84,10 +85,10 @@ struct SessionSummary {
   struct Run {
     double seconds = 0;  // of motion
     std::size_t frames = 0;
-    bool first_guess = false;  // the session began with the guess of a stiffness
+    bool first_guess = false;  // began with a guessed stiffness
     double wall_seconds = 0;
     bool realtime_priority = false, memory_locked = false;
-    std::vector<std::string> notes;  // what the system did not permit, what failed
+    std::vector<std::string> notes;  // what the system refused, what failed
   };
 
   Settings settings;
@@ -97,8 +98,7 @@ struct SessionSummary {
   ByLabel<double> time_in;  // share of the frames
   Switching switching;
   Error error;
-  double load =
-      unknown;  // lattice states that the motion needs per second, over states that the workers solve per second
+  double load = unknown;  // states needed per second / states solved per second
   Energy energy;
   Safety safety;
 };

@@ -1,6 +1,6 @@
 #pragma once
 // A summary as a list of named values, in the order of summary.json. Names are the keys joined by dots
-// ("error.first_visit.p95"); the notes, a list of lines, are left out.
+// ("error.first_visit.p95"). The notes are left out: they are a list of lines.
 
 #include <cstdint>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace forefeel {
 
-// Nothing (unknown), yes or no, a whole number, a number, a text.
+// Unknown, boolean, integer, number or text.
 using ColumnValue = std::variant<std::monostate, bool, std::uint64_t, double, std::string>;
 
 struct Column {
@@ -19,7 +19,7 @@ struct Column {
   ColumnValue value;
 };
 
-ColumnValue column_value(double value);  // nothing where it is not finite
+ColumnValue column_value(double value);  // unknown if it is not finite
 
 std::vector<Column> summary_columns(const SessionSummary& summary);
 

@@ -1,5 +1,5 @@
 #pragma once
-// States that become known at given times: from a file of --arrivals, or as they did in an earlier run.
+// States that become known at given times, read from a file (--arrivals) or from an earlier run (--replay).
 
 #include <filesystem>
 #include <vector>
@@ -14,16 +14,16 @@ struct Arrival {
   Vec3 at = Vec3::Zero();  // [m]
 };
 
-// CSV t,x,y,z; sorted by time. InputError names file and line of a place farther than `farthest` from rest
-// [m].
+// Reads CSV t,x,y,z and sorts by time. InputError with file and line for a position farther than `farthest`
+// [m] from rest.
 std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest);
 
 struct Replay {
   Trace motion = {};
   std::vector<Arrival> arrivals = {};  // by time
-  bool of_arrivals = false;            // nothing was solved in that run
+  bool of_arrivals = false;            // that run itself had given arrivals
 };
-// The files of an earlier run: frames.csv and, where something was dispatched, dispatch.csv.
+// Reads the files of an earlier run: frames.csv and, if states were dispatched, dispatch.csv.
 Replay read_replay(const std::filesystem::path& run_folder, double farthest);
 
 }  // namespace forefeel

@@ -1,16 +1,16 @@
 #pragma once
-// How long a session is and by which clock.
+// The clock of a session and its duration.
 
 namespace forefeel {
 
 enum class Clock {
-  real,         // the loop runs 1000 times a second, threads or processes solve
-  virtual_time  // a simulation of both that gives the same bytes on every machine
+  real,         // the loop runs in real time; threads or processes solve
+  virtual_time  // simulates loop and workers; same bytes on every machine
 };
 
-// Where a session ends. Paths and hands have no end; they run for `seconds`.
+// When a session ends. Paths and hands never end by themselves; they run for `seconds`.
 enum class RunLength {
-  seconds,  // after `seconds`; a motion that ends before is held
+  seconds,  // after `seconds`; the last position of a shorter motion is held
   motion,   // with the motion
   shorter   // with the motion, but after `seconds` at the latest
 };
@@ -22,7 +22,7 @@ struct ClockOptions {
   double frame = 1e-3;  // time from frame to frame [s]
 };
 
-// InputError names the key of a value that cannot be used.
+// Throws InputError with the key of an invalid value.
 void check(const ClockOptions& options);
 
 }  // namespace forefeel

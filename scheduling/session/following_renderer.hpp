@@ -1,7 +1,7 @@
 #pragma once
-// Renders a run whose motion does not depend on the force: a stage that follows the planner
-// (judge/frame_pipeline.hpp), with the HIP and the states that were known in each frame. Planner and
-// rendering then work side by side, and give the same bits as in turn.
+// Renders a run whose motion does not depend on the force. It is a pipeline stage (judge/frame_pipeline.hpp)
+// that follows the planner and gets the HIP and the known states of each frame. Planner and rendering run in
+// parallel, with the same bits as in sequence.
 
 #include <atomic>
 
@@ -13,21 +13,21 @@ namespace forefeel {
 
 class FollowingRenderer final : public FrameStage {
  public:
-  // known: the pipeline's states; frames: at most so many come.
+  // known: FramePipeline::known(); frames: upper bound of their number.
   FollowingRenderer(const StateSpace& known, const ModelRecipe& model, const RenderOptions& options,
                     std::size_t frames);
 
   void frame(const PassedFrame& frame) override;
 
-  // After the run.
+  // Call these two after the run.
   ModelKeeper& models() { return models_; }
   RenderLoop& loop() { return loop_; }
-  // Of a frame done lately; from any thread.
+  // Values of a recent frame; may be read from any thread.
   double force() const { return force_.load(std::memory_order_relaxed); }  // |F| [N]
   Label label() const { return label_.load(std::memory_order_relaxed); }
 
  private:
-  struct Motion final : Device {  // stands where the frame says
+  struct Motion final : Device {  // at the position of the frame
     Vec3 position(double, const Vec3&) noexcept override { return at; }
     double duration() const override;
     Vec3 at = Vec3::Zero();

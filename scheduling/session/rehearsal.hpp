@@ -1,8 +1,8 @@
 #pragma once
-// Clairvoyant sessions: who knows the motion and what each solve will cost can try a session before it
-// counts. It is run under every policy but the placebos, with the motion known and without; the schedule with
-// the largest share of first visits within the JND is then run as the session. So it bounds what any policy
-// could reach, and takes up to seven times as long.
+// Clairvoyant sessions: an upper bound of what a policy can reach. Motion and cost of every solve are known,
+// so the session can be simulated in advance. It is simulated under every policy except the placebos, with
+// and without knowledge of the motion. The schedule with the largest share of first visits within the JND
+// then becomes the session. This takes up to seven times as long as one run.
 
 #include "scheduling/session/session_hooks.hpp"
 #include "scheduling/session/session_plan.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// What runs under either clock need.
+// Functions shared by the runs of both clocks.
 
 #include <memory>
 
@@ -9,11 +9,12 @@ namespace forefeel {
 
 class CostModel;
 
-// cost: of simulated workers; null under the real clock. The plan and the writer must outlive the hooks.
+// The planner's hooks. cost: of simulated workers; null under the real clock. Plan and writer must outlive
+// the hooks.
 Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateWriter* writer);
 // The file that new states are appended to; null: none.
 std::unique_ptr<StateWriter> open_state_file(const SessionInput& input);
-// Moves the log and the safety counters of a run into its result. `frames`: as many as were asked for.
+// Moves the log and the safety counters of a run into its result. `frames`: the number requested.
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);
 
 }  // namespace forefeel

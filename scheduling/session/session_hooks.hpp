@@ -1,5 +1,5 @@
 #pragma once
-// What a caller of run_session() is told while a session runs. Each may be empty.
+// Callbacks of run_session() while a session runs. Each may be empty.
 
 #include <functional>
 
@@ -9,10 +9,11 @@ namespace forefeel {
 
 struct SessionHooks {
   ShowProgress progress = {};
-  // Called once after the last frame, before labels and errors are entered, which change `frames`, `switches`
-  // and `notes`. The result moves: keep no reference to it.
+  // Called once after the last frame, before labels and errors are added; these change `frames`, `switches`
+  // and `notes`. Keep no reference: the result is moved later.
   std::function<void(const SessionResult&)> when_run = {};
-  // Where the HIP was in each frame, in order [m]; on a thread of its own, beside the run where that can be.
+  // Called with the HIP position of each frame, in order [m]. Runs on a separate thread, during the run if
+  // possible.
   std::function<void(const Vec3&)> each_position = {};
 };
 

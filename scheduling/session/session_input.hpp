@@ -1,5 +1,5 @@
 #pragma once
-// What a session is given besides its options: the body, the states that are known, and where files are.
+// The input of a session besides its options: the body, the known states, files and parts given as objects.
 
 #include <filesystem>
 #include <memory>
@@ -18,10 +18,10 @@
 
 namespace forefeel {
 
-// What is touched: a body, how its files know it again, and the space that its states lie in.
+// The touched body, the identity that its files carry, and the space of its states.
 struct TouchedBody {
   std::shared_ptr<const Body> body = {};
-  BodyIdentity identity = {};    // empty: no file of its states is kept in the cache
+  BodyIdentity identity = {};    // empty: its states are not cached on disk
   StateSpaceOptions space = {};  // box and spacing of the states
   bool displacements = false;    // states hold the displacements of all nodes
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
@@ -33,8 +33,8 @@ struct SessionFiles {
   std::filesystem::path scene = {};                  // folder where relative trace files are looked up
 };
 
-// Parts given as objects. Each takes the place of the one that the options name. An object serves one session
-// at a time; predictor and workers serve one session only.
+// Parts given as objects. Each replaces the part named in the options. An object serves one session at a
+// time; a predictor or workers object serves one session only.
 struct SessionParts {
   std::shared_ptr<Device> device = {};
   std::shared_ptr<Policy> policy = {};
@@ -49,12 +49,13 @@ struct SessionInput {
   std::vector<State> known = {};  // at the start
   SessionFiles files = {};
   SessionParts parts = {};
-  // One service for many sessions of the same body, spacing and displacements, also at the same time, since a
-  // cache file has one writer. Null: the session makes its own in files.cache.
+  // A service shared by sessions of the same body, spacing and displacements, which may run at the same time.
+  // Sharing is necessary because a cache file has one writer. Null: the session makes its own service in
+  // files.cache.
   std::shared_ptr<ReferenceService> references = {};
 };
 
-// What a service of reference solves needs to know of this input.
+// The options of a reference service for this input.
 ReferenceOptions reference_options(const SessionInput& input);
 
 }  // namespace forefeel

@@ -1,6 +1,5 @@
 #pragma once
-// All options of a session: the sum of what its parts take. Each part has its defaults, its meaning and its
-// check in a header of its own.
+// All options of a session, grouped by part. Each group has a header with its meaning, defaults and check.
 
 #include <cstdint>
 
@@ -26,10 +25,10 @@ struct SessionOptions {
   SafetyOptions safety;
   JudgingOptions judging;
   StopOptions stop;
-  std::uint64_t seed = 0;  // of device, policy and cost
+  std::uint64_t seed = 0;  // of all random parts: device, policy, cost
 };
 
-// The check of every part, and of what no part knows alone. InputError names the key: "session.seconds".
+// Checks every group, and conditions across groups. Throws InputError with the key, as "session.seconds".
 void check(const SessionOptions& options);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// All that is fixed before the first frame of a session, checked and made once.
+// Everything that is fixed before the first frame of a session. It is checked and made once.
 
 #include <cstddef>
 #include <filesystem>
@@ -16,42 +16,41 @@
 
 namespace forefeel {
 
-// Made by make_plan() and not changed then. Copies share the device, which begins its motion anew when asked
-// for an earlier time; so they run one after the other. Only options.stop may be set later.
+// Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share the device,
+// so run them one after the other; the device restarts its motion when asked for an earlier time.
 struct SessionPlan {
   SessionInput input;
-  SessionOptions options;  // clock.seconds is what clock.length makes of it
+  SessionOptions options;  // clock.seconds has been set according to clock.length
   std::shared_ptr<Device> device;
   std::size_t frames = 0;
-  std::vector<Vec3> motion = {};       // by frame, for a policy that knows it [m]; else empty
-  std::vector<Arrival> arrivals = {};  // by growing time
+  std::vector<Vec3> motion = {};       // by frame [m], for policies that read it; else empty
+  std::vector<Arrival> arrivals = {};  // by increasing time
   bool given_arrivals = false;         // states become known at these times, and nothing is dispatched
-  bool replay_of_arrivals = false;     // the run that is repeated was such a run
-  RenderOptions render = {};           // the force limit is the device's where that is lower
+  bool replay_of_arrivals = false;     // the replayed run had given arrivals
+  RenderOptions render = {};           // with the lower force limit of device and options
   ModelRecipe model = {};
   int batch = 1;  // states of one job
 };
 
-// Makes the plan: reads the files of motion and arrivals, once. Throws InputError for what cannot be run:
-// unknown names, a bad trace, no workers … Solves and writes nothing.
+// Makes the plan and reads the files of motion and arrivals, once. Throws InputError for anything that cannot
+// run: unknown names, a bad trace, no workers … Solves and writes nothing.
 SessionPlan make_plan(SessionInput input, SessionOptions options);
 
-// The same session with these states known at the start besides those of the plan.
+// The same session, with these states known at the start in addition to those of the plan.
 SessionPlan with_known(SessionPlan plan, std::vector<State> known);
-// The same session, which appends the states that it solves to this file.
+// The same session, appending its solved states to this file.
 SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file);
 
 // The same session under another policy.
 SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy);
 
-// Whether several schedules are tried before the session itself is run: policy clairvoyant under the virtual
-// clock.
+// Whether the session is rehearsed (rehearsal.hpp): policy clairvoyant under the virtual clock.
 bool is_rehearsed(const SessionPlan& plan);
 
-// What simulated workers charge; measures the body where the cost is RecordedCost.
+// The cost model of simulated workers. Measures solves of the body if the cost is RecordedCost.
 std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references);
 
-// What the plan's parts take.
+// The plan's settings for the planner and the judge.
 PlannerSetup planner_setup(const SessionPlan& plan);
 JudgeSetup judge_setup(const SessionPlan& plan);
 

@@ -1,7 +1,7 @@
 #pragma once
-// A session under the virtual clock: a discrete-event simulation of workers, planner and loop. Time is in
-// whole nanoseconds. Events have a total order (time, kind, sequence): the workers' results first, then
-// arrivals, then planning, then the frame of that instant.
+// Runs a session under the virtual clock: a discrete-event simulation of workers, planner and loop. Time is
+// in whole nanoseconds. Events have a total order (time, kind, sequence): at one instant, results of workers
+// come first, then arrivals, planning, and the frame.
 
 #include "scheduling/session/following_renderer.hpp"
 #include "scheduling/session/session_plan.hpp"
@@ -12,13 +12,13 @@ class CostModel;
 
 struct VirtualParts {
   const CostModel& cost;
-  ReferenceService& references;  // the values of states
-  FramePipeline& pipeline;       // what follows the run
-  // A stage of the pipeline. Null where the motion answers the force: the run then renders itself.
+  ReferenceService& references;  // gives the values of states
+  FramePipeline& pipeline;       // receives the frames
+  // A stage of the pipeline. Null if the motion depends on the force: the run then renders itself.
   FollowingRenderer* renderer;
 };
 
-// Enters all but labels, errors and what judging adds.
+// Fills the result, except for labels, errors and other values of the judge.
 void run_virtual(const SessionPlan& plan, const VirtualParts& parts, SessionResult& result,
                  const ShowProgress& show);
 
