@@ -1,12 +1,12 @@
 #pragma once
-// The settings that a user writes behind the name of a registered part, "mine:gain=2,file=a.csv", for the
-// part's factory.
+// The settings that a user writes after the name of a registered part, as in "mine:gain=2,file=a.csv". The
+// part's factory reads them.
 //
 //   const double gain = arguments.number("gain", 1.0, 0.0, 10.0);   // default 1; InputError outside 0 to 10
 //   const std::string file = arguments.text("file", "default.csv");
 //
-// Whoever calls the factory calls expect_all_read() after it: a setting that the factory has not asked for is
-// an error that lists those it has asked for.
+// The caller of the factory then calls expect_all_read(). It throws InputError for a setting that the factory
+// did not read; the error lists the settings that it read.
 
 #include <limits>
 #include <map>
@@ -19,7 +19,8 @@
 
 namespace forefeel {
 
-// In the order in which they were written. The key is empty for a first setting without "=": "mine:a.csv".
+// Settings in the order of the user's text. The key is empty for a first setting without "=", as in
+// "mine:a.csv".
 using PartSettings = std::vector<std::pair<std::string, std::string>>;
 
 // A part chosen by the name that it is registered under.
@@ -38,12 +39,11 @@ std::string to_text(const Registered& part);  // "mine:a.csv,gain=2", as it was 
 class Arguments {
  public:
   Arguments() = default;
-  // place: for errors, as {.key = "policy", .value = "mine:gain=2"}. InputError for a key that is given
-  // twice.
+  // place: named in errors, as {.key = "policy", .value = "mine:gain=2"}. InputError for a key given twice.
   Arguments(InputPlace place, const PartSettings& settings);
 
   bool has(const std::string& key);
-  // InputError for text that is no finite number from low to high.
+  // InputError for text that is not a finite number between low and high.
   double number(const std::string& key, double fallback,
                 double low = -std::numeric_limits<double>::infinity(),
                 double high = std::numeric_limits<double>::infinity());

@@ -1,5 +1,5 @@
 #pragma once
-// What a session tells the factory of one of its parts (policy, predictor, device, cost model).
+// The data that a session passes to the factory of a part (policy, predictor, device, cost model).
 
 #include <cstdint>
 #include <filesystem>

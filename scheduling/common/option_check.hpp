@@ -1,5 +1,5 @@
 #pragma once
-// What the checks of the options' parts share.
+// Functions shared by the option checks.
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// A table from names to factories: the built-in ones and those of the user. Any thread may use it at any
-// time, also before main() begins: each table is made at its first use.
+// A table from names to factories, built-in and the user's. Any thread may use it at any time, even before
+// main() begins: each table is made at its first use.
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ class Registry {
   Registry(std::string kind, std::map<std::string, Factory> built_in)
       : kind_(std::move(kind)), factories_(std::move(built_in)) {}
 
-  // InputError for a name that is taken or that cannot be written in a scene.
+  // InputError for a name that is taken or that a scene cannot express.
   void add(const std::string& name, Factory factory) {
     if constexpr (requires { factory == nullptr; })
       if (factory == nullptr) throw InputError("register " + kind_, fmt::format("'{}' has no factory", name));
@@ -52,7 +52,7 @@ class Registry {
     return found->second;
   }
 
-  // InputError lists the names.
+  // Throws InputError for an unknown name; the error lists the known ones.
   Factory at(const std::string& name) const {
     if (auto factory = find(name)) return *std::move(factory);
     throw InputError(

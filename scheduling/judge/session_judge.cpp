@@ -25,8 +25,8 @@ void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double 
   judged.staleness = (frame.undamped - fresh).norm() / scale;
 }
 
-// Which frames are samples: by arc length, and first visits of lattice cells, of which every visit_stride-th
-// counts. The cells are cubes with corners in the box; their side is visit_cell.
+// Selects the sampled frames: by arc length, and every visit_stride-th first visit of a lattice cell. The
+// cells are cubes of side visit_cell with corners in the box.
 class Samples {
  public:
   Samples(const StateSpaceOptions& space, const JudgingOptions& options)
@@ -139,8 +139,8 @@ std::vector<std::size_t> SessionJudge::Impl::enter_labels(SessionResult& result)
   return chosen;
 }
 
-// Nothing where the patience of an interrupted session is at its end, whether it was interrupted before or
-// now.
+// nullopt once the patience of an interrupted session has run out, whether it was interrupted before or
+// during the wait.
 std::optional<State> SessionJudge::Impl::wait_for(const Vec3& at, bool interrupted) {
   using Time = std::chrono::steady_clock;
   for (;;) {

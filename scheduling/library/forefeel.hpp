@@ -1,11 +1,11 @@
 #pragma once
-// Forefeel as a library: everything that a program of its own needs. SI units throughout.
+// Forefeel as a library: all headers that a user's program needs. SI units throughout.
 //
 //   #include <forefeel/forefeel.hpp>      // installed; find_package(forefeel), target forefeel::forefeel
 //
 // Programs to start from are in apps/examples (installed: share/forefeel/examples).
 
-// Where is what known?
+// What is known, and where?
 #include "geometry/common/error.hpp"
 #include "geometry/common/types.hpp"
 #include "geometry/coverage/coverage.hpp"
@@ -20,11 +20,11 @@
 #include "solver/body/body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
-// What is the force now, from what is known?
+// What is the force now, given the known states?
 #include "approx/model/model.hpp"
 #include "approx/select/updater.hpp"
 #include "approx/switch/force_switch.hpp"
-// What is solved next, by whom, when?
+// Which state is solved next, by which worker, and when?
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"

@@ -112,7 +112,7 @@ class Placement {
     }
     report_.failed = failed_.size();
     report_.linear = is_linear(*body_);
-    // Around a place where no equilibrium was found none is tried again within half a grid cell or a spacing.
+    // Near a position without an equilibrium, within half a grid cell or a spacing, no other is tried.
     reach_failed_ = std::min(options.space.spacing, options.space.box.size().maxCoeff() / 12);
   }
 
@@ -161,7 +161,7 @@ class Placement {
     return box.centre() + share * 0.5 * box.size().cwiseProduct(sign);
   }
 
-  // Three states off one plane with rest give K and so everything; the model reproduces it.
+  // Rest and three states not coplanar with it determine K, and the model reproduces a linear body exactly.
   void place_linear() {
     for (const int index : {0, 3, 5})
       if (space_.size() < 3) solve(corner(index, 1));
@@ -191,8 +191,8 @@ class Placement {
     }
   }
 
-  // One sample after the other until one holds that decided nothing. Where one does not, worst_truth() is of
-  // it.
+  // Takes samples until the error holds on one that did not influence the placement. If a sample fails,
+  // worst_truth() refers to it.
   bool truth_holds() {
     for (std::size_t round = 0; round < most_rounds; ++round) {
       if (!look_at_truth(round)) return false;

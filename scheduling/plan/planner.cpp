@@ -43,7 +43,7 @@ Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
   start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (setup_.nodes * 96 + 1), 16, 65536);
 }
 
-// All of the first states, later one in eight: what they teach changes little then.
+// Measures all of the first states, later one in eight, when the estimate changes little.
 void Planner::note_surprise(const State& state) {
   constexpr std::size_t all = 64, every = 8;
   if (!judge_ || space_.empty() || space_.find(state.at).valid()) return;
@@ -125,7 +125,7 @@ void Planner::observe(const HipSample& sample) {
   setup_.predictor->observe(sample);
 }
 
-// What rest takes tells nothing of what the others will.
+// The time of the state at rest says nothing about other states.
 void Planner::note_cost(double seconds, bool at_rest) {
   if (at_rest) return;
   costs_.push_back(seconds);
@@ -159,7 +159,7 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
   return best;
 }
 
-// One after the other: what is worth solving depends on what was just given out.
+// One job after the other: priorities depend on the jobs just dispatched.
 void Planner::plan(double now) {
   slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
   if (slots_.empty() || (candidates_->empty() && !candidates_->may_grow())) return;
@@ -186,9 +186,9 @@ void Planner::plan(double now) {
   }
 }
 
-// While no state is known, one worker solves rest. The others wait until the hand has moved a third of a
-// spacing or rest is known: a job takes them ten times as long, and is better chosen once the direction
-// shows.
+// While no state is known, one worker solves rest. The others wait until rest is known or the hand has moved
+// a third of a spacing. Their jobs take about ten times as long, and the choice is better once the direction
+// of motion is known.
 bool Planner::rest_comes_first(double now) {
   if (!setup_.rest_first || !space_.empty()) return false;
   if (dispatches_.empty()) {
@@ -213,7 +213,7 @@ std::vector<std::pair<double, Candidate>> Planner::neighbours_of(std::size_t cho
   return near;
 }
 
-// The best of them: they share a factor with the one they are next to.
+// The best of them; they reuse the factorisation of the chosen state.
 std::vector<Candidate> Planner::take_neighbours(std::vector<std::pair<double, Candidate>> near) {
   std::vector<Candidate> taken;
   std::ranges::sort(near, [](const auto& a, const auto& b) {
@@ -264,10 +264,10 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority,
   generator_.dispatch(worker, std::move(job));
 }
 
-// A running job is cancelled where a waiting candidate is worth twenty times as much. The job's worth is its
-// priority over the share of the solve that is left; both are weighed as if neither were being solved. With
-// a lower bar fast motions cancel one job after the other, since predictions change faster than states are
-// solved. No candidate is cancelled more than twice, so that each is solved in the end.
+// A running job is cancelled if a waiting candidate is worth twenty times as much. The job's worth is its
+// priority divided by the remaining share of its solve; both priorities are computed as if neither were being
+// solved. A lower threshold cancels job after job in fast motions, because predictions change faster than
+// states are solved. No candidate is cancelled more than twice, so each is solved in the end.
 void Planner::consider_preemption(double now) {
   if (!setup_.preempt || candidates_->empty() ||
       now - preemption_checked_ < std::max(0.02, 0.25 * solve_seconds_))

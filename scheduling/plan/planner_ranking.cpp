@@ -69,7 +69,7 @@ void Planner::rank(double now) {
   for (double& p : priorities_) p = finite(p);
 }
 
-// Equal priorities by the lattice's own order, so that the result depends on nothing else.
+// Equal priorities are ordered by Candidate::order, so that the result is unique.
 std::size_t Planner::best() const {
   const auto open = candidates_->open();
   std::size_t best = 0;

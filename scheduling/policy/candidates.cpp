@@ -33,8 +33,8 @@ Candidates::Candidates(const StateSpace& space, std::span<const State> failed, P
   }
 }
 
-// Rounded to a tenth of the spacing: tells lattice points apart, which lie a spacing apart, and ignores
-// round-off.
+// Rounded to a tenth of the spacing. This distinguishes lattice points, which are a spacing apart, and
+// ignores round-off.
 std::uint64_t Candidates::key(const Vec3& x) const {
   std::uint64_t packed = 0;
   for (int i = 0; i < 3; ++i) {
@@ -44,7 +44,7 @@ std::uint64_t Candidates::key(const Vec3& x) const {
   return packed;
 }
 
-// A place that was a candidate before is skipped, unless it was a passing one.
+// Skips a position that was a candidate before, unless it was a passing one.
 void Candidates::add(const Vec3& x, bool passing) {
   const std::uint32_t mine = order_++;
   const std::uint64_t where = key(x);
@@ -107,7 +107,7 @@ Candidate Candidates::take(std::size_t i) {
   return taken;
 }
 
-// Of the candidates too near to `at`, passing ones are dropped and those of the lattice are held back.
+// Candidates too near to `at`: passing ones are dropped, those of the lattice are held back.
 void Candidates::hold_back(const Vec3& at) {
   for (std::size_t i = open_.size(); i-- > 0;)
     if (too_near(open_[i].at, {&at, 1})) {
@@ -119,7 +119,7 @@ void Candidates::hold_back(const Vec3& at) {
     }
 }
 
-// Held ones that are near no solve any more are open again; those near a known state are dropped.
+// Held candidates with no solve nearby any more become open again; those near a known state are dropped.
 void Candidates::release() {
   for (Candidate& candidate : std::exchange(held_, {})) {
     candidate = refreshed(candidate);

@@ -2,7 +2,7 @@
 // The positions that a policy ranks: those where a state may be solved next. They are neither known nor being
 // solved.
 //   lattice    the points {k h}^3 in the box
-//     adaptive   the corners of an octree with leaves of width 4 h. If the predicted path enters a leaf whose
+//   adaptive   the corners of an octree with leaves of width 4 h. If the predicted path enters a leaf whose
 //              corners are known or being solved, the leaf is split, down to width h
 //   path       every second lattice point along each axis, and points of the predicted path, chosen again in
 //              each planning step. None is nearer than h / 2 to a state that is known or being solved

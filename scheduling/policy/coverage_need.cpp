@@ -86,7 +86,7 @@ struct CoverageNeed::Index {
   Label label(const Vec3& q, std::size_t scale, Vec3* axis = nullptr) const {
     return label(q, scale, points.nearest(q, limits[scale].sparse_distance), axis);
   }
-  // nearest: the nearest state, searched for within the sparse distance of this scale or of a coarser one.
+  // nearest: the nearest state, searched within the sparse distance of this scale or of a coarser one.
   Label label(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3* axis) const {
     const CoverageQuery query(points, delaunay);
     const Thresholds& limit = limits[scale];
@@ -99,8 +99,8 @@ struct CoverageNeed::Index {
     if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
     return gap ? Label::gap : Label::blank;
   }
-  // Whether a state at p may change the label of the place q. A sparse place or a gap: if p is within 2 H. A
-  // blank place: if p is near enough to make it sparse, or within 8 H and inside the empty cone.
+  // Whether a state at p may change the label of the place q. For a sparse place or a gap: p is within 2 H.
+  // For a blank place: p is near enough to make it sparse, or within 8 H and inside the empty cone.
   bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale,
                   double h) const {
     const Vec3 to = p - q;
@@ -159,7 +159,7 @@ void CoverageNeed::learn(const StateSpace& space, std::span<const float> surpris
       if (std::exchange(place.due[s], false)) relabel(place, s);
 }
 
-// Counts for the coarsest spacing at which the place was blank or a gap before its state came.
+// Counts the surprise at the coarsest spacing at which the place was blank or a gap before its state came.
 void CoverageNeed::teach(const Vec3& at, double surprise) {
   for (std::size_t s = 0; s < scales; ++s) {
     const Label label = index_->label(at, s);
@@ -170,8 +170,8 @@ void CoverageNeed::teach(const Vec3& at, double surprise) {
   }
 }
 
-// Shares of misses by Laplace's rule with a prior. They do not fall towards coarser spacings: where a fine
-// spacing misses, a coarser one misses too.
+// Shares of misses by Laplace's rule with a prior. A coarser spacing gets at least the share of a finer one:
+// where a fine spacing misses, a coarser one misses too.
 void CoverageNeed::weigh_scales(bool with_stiffness) {
   constexpr double strength = 4;  // states that the prior counts as
   const std::array<double, scales> prior =
@@ -182,8 +182,8 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
   }
 }
 
-// A state asked for now is there after T, the time of a solve. Places that the hand reaches at about that
-// time count most; those it passes earlier are helped less, those it reaches later can wait.
+// A state requested now is known after T, the time of a solve. Places that the hand reaches at about that
+// time count most. Places it passes earlier benefit less; places it reaches later can wait.
 double CoverageNeed::urgency(double t, double solve) {
   const double late = (solve - t) / solve;
   return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
@@ -265,7 +265,7 @@ void CoverageNeed::gather_needs() {
   left_.begin(at, all, inverses);
 }
 
-// Walks the path in steps of half a spacing; each stretch has the weight of the prediction at its end.
+// Samples the path in steps of half a spacing; each segment has the weight of the prediction at its end.
 void CoverageNeed::gather_corners(const PlannerView& view) {
   corners_.clear();
   if (!view.in_cells || view.predicted.empty()) return;

@@ -1,4 +1,5 @@
-// Compiled with -ffp-contract=off: without fused products all clones for different processors round alike.
+// Compiled with -ffp-contract=off: without fused products the clones for different processors round
+// identically.
 #include "scheduling/policy/need_left.hpp"
 
 #include <algorithm>
@@ -8,11 +9,11 @@
 namespace forefeel {
 namespace {
 
-// Lists of fewer states than this are multiplied out again; from longer ones states are left out by division.
+// Shorter lists of states are multiplied again; from longer ones states are removed by division.
 constexpr std::size_t few = 32;
 
-// Less than this counts as zero. It is many orders above denormal numbers, which are slow; and a state that
-// leaves a millionth of a need can be left out without making it count again.
+// Smaller values count as zero. The threshold is far above denormal numbers, which are slow. It is also small
+// enough that a state that leaves a millionth of a need can be removed by division.
 constexpr double nothing = 1e-200;
 
 // left_i *= 1 - m(q_i, p), one scale
@@ -68,8 +69,8 @@ void NeedLeft::anew(std::span<const Vec3> under_way) {
   for (const Vec3& p : under_way) multiply(p);
 }
 
-// Divides by the factors of the states that are left out. Where these are nearly zero the product of the
-// place is computed again. False where this does not pay or the list is no part of the longest one.
+// Divides by the factors of the removed states. Where these are nearly zero, the product of the place is
+// computed again. Returns false if this does not pay or the list is not part of the longest one.
 bool NeedLeft::leave_out(std::span<const Vec3> under_way) {
   if (all_.size() < few || under_way.size() > all_.size() || all_.size() - under_way.size() > few / 4)
     return false;

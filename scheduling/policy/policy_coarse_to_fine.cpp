@@ -1,6 +1,6 @@
 // Coarse lattice points far around the predicted path, fine ones near it. With d the distance to the path the
 // priority is
-//   s / (s + d),    s = 4 h for lattice points that are multiples of 4 h, 2 h for those of 2 h, h for the rest
+//   s / (s + d),    s = 4 h for lattice points at multiples of 4 h, 2 h at multiples of 2 h, h elsewhere
 
 #include <cmath>
 

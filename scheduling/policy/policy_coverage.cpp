@@ -1,12 +1,12 @@
-// A state is worth what the labels of the places within its reach lack, weighted by how soon the hand may be
-// at each (coverage_need.hpp): blank, gap and sparse places on the predicted path turn safe soonest. Where
-// nothing is lacking, the order is outward from the HIP.
+// The priority of a state is the need of the places within its reach, weighted by how soon the hand may be at
+// each (coverage_need.hpp). So blank, gap and sparse places on the predicted path become safe first. Where
+// there is no need, states nearer to the HIP come first.
 //   coverage               the path as predicted
 //   clairvoyant-greedy     the path as it will be
-//   clairvoyant            the same; under the virtual clock the session rehearses all schedules first (rehearsal)
+//   clairvoyant            the same; under the virtual clock the session rehearses all schedules first
 //   shuffled               the placebo of coverage: the same labels, permuted among the places
 //   clairvoyant-shuffled   the placebo of clairvoyant-greedy
-// What a placebo loses is what the labels are worth.
+// The loss of a placebo against its policy measures the value of the labels.
 
 #include <algorithm>
 

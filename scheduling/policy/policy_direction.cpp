@@ -1,5 +1,5 @@
-// Along the predicted motion, the soonest first. A state asked for now is there after T, the time of a solve.
-// States that the hand then still has ahead of it have the priority
+// States along the predicted motion, the soonest first. A state requested now is known after T, the time of a
+// solve. States that are then still ahead of the hand have the priority
 //   1/2 + T / (T + t) / 2,    t = min_{s >= T} s - T + 2 d(s) / v
 // with d(s) the distance from the position predicted in s seconds, and v the speed of the hand. All others,
 // which the hand passes earlier or never approaches to a lattice cell, come after them with T / (T + t) / 2.

@@ -1,5 +1,5 @@
-// First come, first served: what the HIP came near first is solved first, 1 / (1 + time). What it never came
-// near follows, outward from rest.
+// First come, first served: candidates in the order in which the HIP came near them, priority 1 / (1 + time).
+// Those that it never came near follow, by distance from rest.
 
 #include <cmath>
 

@@ -129,8 +129,8 @@ SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule r
   return found;
 }
 
-// States needed per second of motion, those known at the start left out, over states solved per second while
-// every worker is busy. A job takes its worker the solves and a message each way.
+// States needed per second of motion, without those known at the start, divided by the states that busy
+// workers solve per second. A job takes the time of its solves and two messages.
 double load_of(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
   const double h = visit_cell(options.judging, input.touched.space.spacing);
   NeededStates needed(input.touched.space.box, h);
@@ -157,13 +157,13 @@ ByLabel<double> time_in_labels(const SessionResult& result) {
 }
 
 SessionSummary::Settings settings_of(const SessionOptions& options) {
-  return {
-      .clock = options.clock.kind,
-      .workers = options.workers.count,
-      .policy = to_text(options.planning.policy),
-      .select = options.model.fit.select,
-      .seed = options.seed,
-      .device = options.motion.replay ? "replay:" + options.motion.replay->string() : to_text(options.motion.device)};
+  return {.clock = options.clock.kind,
+          .workers = options.workers.count,
+          .policy = to_text(options.planning.policy),
+          .select = options.model.fit.select,
+          .seed = options.seed,
+          .device = options.motion.replay ? "replay:" + options.motion.replay->string()
+                                          : to_text(options.motion.device)};
 }
 
 SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {

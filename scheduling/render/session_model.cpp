@@ -10,9 +10,9 @@
 namespace forefeel {
 
 namespace {
-// While so few states are known the set does not tell how far apart states are. The first ones are asked for
-// 2 to 4 h apart, and a tangent that is held beyond 4 h, as for states h apart, renders half the force at the
-// far end of a box.
+// With so few states their distance cannot be estimated from the set. The first states are requested 2 to 4 h
+// apart. A tangent whose force is held constant beyond 4 h, as for states h apart, renders only half the
+// force at the far end of a box.
 constexpr std::size_t few = 3;
 constexpr double apart_at_first = 2;  // spacings
 constexpr double around =

@@ -17,7 +17,7 @@
 namespace forefeel {
 namespace {
 
-// A device shakes at a stiffness that it cannot render.
+// A device vibrates at a stiffness that it cannot render.
 void note_stiffness(const DeviceLimits& limits, const std::string& device, SessionResult& result) {
   double stiffest = 0;
   for (const State& state : result.states)
@@ -28,7 +28,7 @@ void note_stiffness(const DeviceLimits& limits, const std::string& device, Sessi
                                        stiffest, device, limits.stiffness));
 }
 
-// Errors of first visits and the load belong to lattice cells. Where no cell fits the box there are none.
+// Errors of first visits and the load refer to lattice cells. If no cell fits the box, neither exists.
 void note_no_cells(const SessionPlan& plan, SessionResult& result) {
   const Box& box = plan.input.touched.space.box;
   const double side = visit_cell(plan.options.judging, plan.input.touched.space.spacing);

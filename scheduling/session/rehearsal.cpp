@@ -14,7 +14,7 @@
 namespace forefeel {
 namespace {
 
-// Share of first visits within the JND; less than none where there are none.
+// Share of first visits within the JND; negative if there are no first visits.
 double first_visits_within(const SessionResult& result, const SwitchOptions& jnd) {
   std::size_t visits = 0, within = 0;
   for (const FrameRecord& f : result.frames) {
@@ -26,7 +26,7 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
   return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;
 }
 
-// The greedy one first: it is the best most of the time.
+// clairvoyant-greedy comes first: it is usually the best.
 std::vector<std::string> schedules_to_try() {
   std::vector<std::string> names = policy_names();
   std::erase_if(names, [](const std::string& name) {
@@ -45,7 +45,7 @@ ShowProgress as_rehearsal(const ShowProgress& show, std::size_t which, std::size
   };
 }
 
-// What an interrupted rehearsal leaves of the session: nothing was rendered, and nothing solved that counts.
+// The result of a session that was interrupted during a rehearsal: no frames and no solves.
 SessionResult not_begun(const SessionPlan& plan, SessionResult tried, std::string note) {
   open_state_file(plan.input);
   SessionResult result;

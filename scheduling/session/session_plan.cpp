@@ -21,8 +21,8 @@ double farthest(const Body& body) {
   return 2 * bounding_box(body.mesh).size().maxCoeff();
 }
 
-// As many states as there can be in the session, or a few more: `path` places states half a spacing apart, of
-// which no more than 12 go into the room of a lattice state.
+// Upper bound of the number of states in the session. `path` places states half a spacing apart; at most 12
+// of them fit into the volume of one lattice state.
 std::size_t most_states(const SessionPlan& plan) {
   const StateSpaceOptions& space = plan.input.touched.space;
   const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
@@ -37,8 +37,8 @@ void check_known(const std::vector<State>& known) {
       throw InputError("states", "a known state is not finite, expected finite positions and forces");
 }
 
-// A motion in other units than metres leads where no body can be pulled, and its references would take for
-// ever.
+// Refuses motions in units other than metres: they lead too far from rest, and their references would take
+// for ever.
 void check_motion(const SessionPlan& plan) {
   const double most = farthest(*plan.input.touched.body);
   for (std::size_t k = 0; k < plan.frames; k += 10) {
@@ -90,7 +90,7 @@ std::shared_ptr<Predictor> predictor_of(const SessionPlan& plan) {
   return make_predictor(plan.options.motion.predictor, factory_context(plan));
 }
 
-// Registered parts that are made later: what is wrong with them is said now.
+// Checks registered parts that are made later, so that errors appear now.
 void check_registered(const SessionPlan& plan) {
   const WorkerOptions& workers = plan.options.workers;
   const SessionParts& parts = plan.input.parts;
@@ -102,7 +102,7 @@ void check_registered(const SessionPlan& plan) {
     check_workers(workers.kind, is_virtual);
 }
 
-// How long the session is, given where the motion ends by itself [s].
+// Length of the session, given the duration of the motion [s].
 void settle_length(double duration, ClockOptions& clock) {
   const double whole = duration + clock.frame;  // the last row is a frame of its own
   if (std::isfinite(duration) && clock.length == RunLength::motion) clock.seconds = whole;

@@ -1,5 +1,5 @@
 #pragma once
-// What a cell of a study leaves: named values in a fixed order, one row of cells.csv.
+// The result of one cell of a study: named values in a fixed order, one row of cells.csv.
 
 #include <string>
 #include <string_view>
@@ -16,17 +16,17 @@ class StudyCellResult {
 
   const std::vector<Column>& columns() const { return columns_; }
   bool empty() const { return columns_.empty(); }
-  const ColumnValue* find(std::string_view name) const;  // null where there is none
-  // NaN where there is no such column or it holds no number.
+  const ColumnValue* find(std::string_view name) const;  // null if there is none
+  // NaN if there is no such column or it holds no number.
   double number(std::string_view name) const;
-  // A column that is there keeps its place; a new one comes last.
+  // An existing column keeps its position; a new one is appended.
   void set(std::string_view name, ColumnValue value);
 
  private:
   std::vector<Column> columns_;
 };
 
-// Of one session: the columns of its summary, and what a study adds:
+// The result of one session: the columns of its summary, and those that a study adds:
 //   error.first_visit.parts.…   95 % quantiles over first visits, as error.parts is over all samples
 //   error.first_visit.within_7  share of first visits within 7 % of the reference force
 //   states.used_share           of solved states
@@ -34,7 +34,7 @@ class StudyCellResult {
 //   solver.preempted            of these in solves that were cancelled
 //   solver.wasted               of these in solves whose state no model used
 //   cost                        cost model
-// Values that depend on wall time stay empty, so that a cell has the same result whenever it is run.
+// Values that depend on wall time are left empty, so a cell always has the same result.
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);
 

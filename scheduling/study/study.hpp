@@ -1,5 +1,5 @@
 #pragma once
-// A study: every combination of what varies, times every seed, each one a session under the virtual clock.
+// A study runs a session under the virtual clock for every combination of its axes and every seed.
 //
 //   Study study{.seeds = {1, 2, 3}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
 //   StudyPlan plan = plan_study(study, [&](std::span<const std::size_t> choice) {   // study_plan.hpp
@@ -22,21 +22,21 @@
 namespace forefeel {
 
 struct StudyValue {
-  std::string text;                   // for people and tables
+  std::string text;                   // as printed in tables
   std::optional<double> number = {};  // of the axes `target_load` and `speed`
 };
 
-// Three columns mean something to the study itself: `target_load` [1] sets the cost of solves, `speed` [m/s]
-// that of a path device, and `step` says that each value adds to the one before. What the others change is up
-// to whoever makes the sessions (StudySessions in study_plan.hpp).
+// The study itself interprets three columns: `target_load` [1] sets the cost of solves, `speed` [m/s] sets
+// the speed of a path device, and `step` means that each value adds to the one before. The caller interprets
+// all others when it makes the sessions (StudySessions in study_plan.hpp).
 struct StudyAxis {
   std::string column;
   std::vector<StudyValue> values;
 };
 
-// Each cell searches the highest speed that it sustains (sustained_speed.hpp).
+// Each cell searches for the highest speed that it sustains (sustained_speed.hpp).
 struct SustainedOptions {
-  double travel = 0.6;             // length of each run [m]; its seconds are travel / speed
+  double travel = 0.6;             // length of each run [m]; it takes travel / speed
   double share = 0.95;             // of first-visit frames that must be within the tolerance
   double tolerance = 0.07;         // of the reference force
   double low = 0.005, high = 2.0;  // speeds tried [m/s]
@@ -58,14 +58,14 @@ struct Study {
 
 // Number of the axis with this column.
 std::optional<std::size_t> find_axis(const Study& study, std::string_view column);
-// What the axis with this column says in a combination; nothing where there is none.
+// Value of the axis with this column in a combination; nullopt if there is no such axis.
 std::optional<double> number_at(const Study& study, const std::vector<std::size_t>& choice,
                                 std::string_view column);
-// Whether the axis holds traces, the unit of evidence: `device`.
+// Whether the values of the axis are traces (column `device`). Traces are the groups of the statistics.
 bool is_trace_axis(const StudyAxis& axis);
 
-// Block of each cell: cells that differ in nothing but one axis share a block. Numbered from 0 in order of
-// appearance.
+// Block of each cell: cells that differ only in this axis share a block. Blocks are numbered from 0 in order
+// of appearance.
 std::vector<std::size_t> blocks_without(const Study& study, std::size_t axis);
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 #pragma once
-// The cells of a study, worked out and checked before anything runs. Where a cell cannot run the InputError
-// names `study.speed`, `study.target_load`, `study.sustained`, or what make_plan() names.
+// Makes and checks the cells of a study before any of them runs. If a cell cannot run, the InputError names
+// `study.speed`, `study.target_load`, `study.sustained` or a key of make_plan().
 
 #include <functional>
 #include <span>
@@ -25,10 +25,11 @@ struct StudyCell {
   std::uint64_t seed = 0;
   std::size_t input = 0;   // into StudyPlan::inputs
   SessionOptions options;  // one thread; virtual clock
-  // Only with target_load and a hand, whose motion answers the force: the load that run_study() finds the
-  // cost for (0: none), and the states per second that the motion would need if nothing held the hand back.
+  // Used only with target_load and a hand, whose motion depends on the force. load_to_find: run_study()
+  // searches the cost that gives this load; 0: none. free_demand: states per second that the motion needs if
+  // no force acts on the hand.
   double load_to_find = 0, free_demand = 0;
-  // Names the content of the cell, so that a result kept on disk is found again; empty: nothing is kept.
+  // Identifies the content of the cell, to find its result on disk; empty: no result is kept.
   std::string key = {};
 };
 
@@ -38,29 +39,29 @@ struct StudyPlan {
   std::vector<StudyCell> cells;      // StudyPlan::study.cells() of them, in their order
 };
 
-// All at once: what the three steps below do for each cell.
+// Makes the whole plan: the three steps below for each cell.
 StudyPlan plan_study(const Study& study, const StudySessions& sessions);
 
-// 1. A cell with the clock, seed and speed of the study.
+// 1. Makes a cell with the clock, seed and speed of the study.
 StudyCell make_cell(const Study& study, std::size_t combination, std::uint64_t seed,
                     const SessionOptions& options);
-// 2. Throws for what a session of the cell would refuse.
+// 2. Throws if make_plan() would refuse the session of the cell.
 void check_cell(const Study& study, const StudyCell& cell, const SessionInput& input);
-// 3. The cost of its solves where the study varies target_load.
+// 3. Sets the cost of solves if the study varies target_load.
 void set_cost(const Study& study, const SessionInput& input, StudyCell& cell);
 
 // Lattice states that a motion needs per second: the corners, in the box, of every lattice cell that it
-// passes. Rest is left out where it is known from the start. This is the numerator of the summary's `load`.
-// Where visit_cell is set its cells count, so that methods on lattices of different spacing bear the same
-// load.
+// passes. Rest is excluded if it is known from the start. This is the numerator of the summary's `load`. If
+// visit_cell is set, cells of that side count, so that methods with lattices of different spacing get the
+// same load.
 double states_needed_per_second(const SessionInput& input, const SessionOptions& options);
-// Cost model under which `load` holds: log-normal with the spread of the paper's times and mean c [s], where
-// a worker gives b states (the batch) in the time of their solves and a message each way:
+// The cost model that gives `load`: log-normal with the sigma of the paper's times and mean c [s]. A worker
+// delivers b states (a batch) in the time of their solves and two messages:
 //   load = demand / (workers b / (c (1 + (b - 1) batch_share) + 2 latency))
-// InputError where c is not above 0 (the messages alone are more than the load) or is more than 1e6 s.
+// InputError if c is not positive (the messages alone exceed the load) or exceeds 1e6 s.
 CostSpec cost_for_load(double load, const SessionOptions& options, double demand);
-// The path at that speed, printed as "path:NAME,…,speed=V". InputError names `where` for a device that is no
-// path or that names its speed already.
+// The path at that speed, printed as "path:NAME,…,speed=V". InputError with key `where` for a device that is
+// not a path or that already has a speed.
 DeviceSpec device_at_speed(const DeviceSpec& device, double speed, const std::string& where);
 
 }  // namespace forefeel

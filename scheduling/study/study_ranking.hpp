@@ -1,8 +1,7 @@
 #pragma once
-// What a study shows: for each axis, which value is better, by how much, and how sure that is.
-// The unit of evidence is a trace with a seed. Whatever else varies is averaged within it, and only where
-// every value that is compared has a result, so that many settings of one recording do not pass for many
-// recordings.
+// Evaluates a study: for each axis, which value is better, by how much, and with which confidence. One
+// observation is a trace with a seed. Other axes are averaged within it, over those settings where all
+// compared values have a result. So many settings of one recording do not count as many recordings.
 
 #include <optional>
 #include <string>
@@ -16,20 +15,20 @@ namespace forefeel {
 
 struct StudyMetric {
   std::string key;    // column of a cell's result
-  std::string title;  // for people, with unit
+  std::string title;  // as printed, with unit
   bool larger_is_better = true;
   double scale = 1;    // the title's unit per SI unit
   bool ratio = false;  // compared by factors: differences are those of the logarithm
-  bool share = false;  // lies in [0, 1], and so do the intervals of its means
+  bool share = false;  // lies in [0, 1], like the intervals of its means
 };
 
 StudyMetric primary_metric(const Study& study);  // first visits within the JND, or the sustained speed
-// Error of first visits, compared by factors. It still tells values apart where nearly all first visits are
+// Error of first visits, compared by factors. It still distinguishes values when nearly all first visits are
 // within the JND.
 StudyMetric second_metric(const Study& study);
 std::vector<StudyMetric> study_metrics(const Study& study);  // the primary first
 
-// One value of another axis: only cells with it count.
+// Restricts an evaluation to the cells with this value of another axis.
 struct StudySlice {
   std::size_t axis = 0, value = 0;
 };
@@ -43,7 +42,7 @@ struct AxisRanking {
   StudyMetric metric;
   Ranking ranking;
 };
-// Of each axis with at least two values.
+// The ranking of each axis with at least two values.
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells);
 
 // The first axis' value `a` against `b`, over everything or in one slice. Means are differences, or
@@ -54,16 +53,17 @@ struct Contrast {
   std::optional<StudySlice> slice;
   Comparison comparison;
 };
-// Of steps: each against the one before. With a baseline, and for other axes without one against the best
-// over all: each value against it, over everything and at each value of every other axis but the traces.
+// If the first axis is `step`: each value against the one before. For other axes, and for `step` with a
+// baseline: each value against the baseline or, without one, against the best over all. These compare all
+// cells, and the cells at each value of every other axis except traces.
 std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellResult>& cells,
                                 const StudyMetric& metric);
 
-// Adds to each cell, where the policy `clairvoyant` is among what varies, how much less it has than the cell
-// that differs in the policy alone and is clairvoyant:
+// If the study varies the policy and includes `clairvoyant`: adds to each cell its deficit against the
+// clairvoyant cell with otherwise the same settings:
 //   regret.within_jnd, regret.first_visit.within_jnd
-// The clairvoyant policy takes the best of the schedules it rehearses: every policy but the placebos. Only a
-// policy that it does not know can have a regret below zero.
+// The clairvoyant policy takes the best of its rehearsed schedules: every policy except the placebos. Only a
+// policy that is not rehearsed can have a negative regret.
 void add_regret(const Study& study, std::vector<StudyCellResult>& cells);
 
 }  // namespace forefeel

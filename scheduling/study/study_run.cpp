@@ -83,7 +83,7 @@ StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, cons
   return cell_result(result, input, cell.options);
 }
 
-// The columns of a sustained cell are those of the session at the speed found, or at `low` where none holds.
+// The columns of a sustained cell are those of the session at the speed found, or at `low` if no speed holds.
 StudyCellResult run_sustained(const SustainedOptions& sought, const StudyCell& cell,
                               const SessionInput& input, const ShowPart& show) {
   std::map<double, StudyCellResult> seen;
@@ -111,7 +111,7 @@ bool raised(const std::atomic<bool>* flag) {
   return flag && flag->load(std::memory_order_relaxed);
 }
 
-// The threads that share the cells which are not there yet.
+// The threads that run the cells without a stored result.
 class Pool {
  public:
   Pool(const StudyPlan& plan, const StudyRunOptions& options, std::size_t threads,
@@ -142,7 +142,7 @@ class Pool {
     }
   }
 
-  // False where the cell was interrupted: its session may have been cut, so it is left out.
+  // Returns false if the cell was interrupted: its session may be incomplete, so the cell is dropped.
   bool run(std::size_t item) {
     StudyCell cell = plan_.cells[todo_[item]];
     cell.options.stop.interrupted = options_.interrupted;

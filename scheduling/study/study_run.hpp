@@ -1,6 +1,6 @@
 #pragma once
-// Runs the cells of a study in parallel. A result is the same however many threads run it and however often
-// it is resumed.
+// Runs the cells of a study in parallel. The result depends neither on the number of threads nor on
+// interruptions and resumes.
 
 #include <atomic>
 #include <functional>
@@ -13,11 +13,12 @@
 
 namespace forefeel {
 
-// Where results are kept from run to run. Both are called from several threads at a time.
+// Storage of results between runs. Both functions are called from several threads at once.
 struct StudyStore {
   std::function<std::optional<StudyCellResult>(const StudyCell&)> load =
-      {};  // nothing where the cell is not there
-  std::function<void(const StudyCell&, const StudyCellResult&)> save = {};  // the moment a cell is done
+      {};  // nullopt if the cell is not stored
+  std::function<void(const StudyCell&, const StudyCellResult&)> save =
+      {};  // called as soon as a cell is done
 };
 
 struct StudyProgress {
@@ -28,8 +29,8 @@ struct StudyProgress {
 struct StudyRunOptions {
   int threads = 0;  // 0: all cores
   StudyStore store = {};
-  // Once interrupted is true the cells under way are left out and the run ends; once hurried is true it does
-  // not even wait for reference solves.
+  // Once interrupted is true, the run drops unfinished cells and ends. Once hurried is true, it does not wait
+  // for reference solves either.
   const std::atomic<bool>* interrupted = nullptr;
   const std::atomic<bool>* hurried = nullptr;
   std::function<void(const StudyProgress&)> progress = {};
@@ -37,22 +38,21 @@ struct StudyRunOptions {
 };
 
 struct StudyResult {
-  std::vector<StudyCellResult>
-      cells;  // as StudyPlan::cells; of an interrupted study those not done are empty
+  std::vector<StudyCellResult> cells;  // as StudyPlan::cells; empty for cells not done
   std::size_t ran = 0, resumed = 0;
   bool interrupted = false;
   double seconds = 0;  // wall
 };
 
-// Throws what a session throws; results of cells that are done are kept.
+// Throws the exceptions of sessions; results of finished cells stay stored.
 StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options);
 
-// The cell with the cost that its load takes. Where a body holds a hand back, the hand needs fewer states
-// than it would alone; how many shows only in the session. The session is simulated and the cost corrected
-// until the load is within 2.5 % of the one asked for; the nearest of at most 12 tries counts. Other cells
-// come back as they are.
+// Finds the cost that gives the cell's load_to_find. The force of a body slows a hand, so the hand needs
+// fewer states than in free motion; how many is known only from the session. The session is therefore
+// simulated and the cost corrected until the load is within 2.5 % of the requested one. The nearest of at
+// most 12 tries is used. A cell without load_to_find is returned unchanged.
 StudyCell with_load_found(const StudyCell& cell, const SessionInput& input);
-// One line where cells with a hand miss their load by more than 5 % all the same; else nothing.
+// One line of warning if cells with a hand still miss their load by more than 5 %; else nullopt.
 std::optional<std::string> loads_missed(const StudyPlan& plan, const std::vector<StudyCellResult>& cells);
 
 }  // namespace forefeel

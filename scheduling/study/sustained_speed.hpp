@@ -5,9 +5,9 @@
 // with F the rendered force, f the reference and F_abs the floor of the JND. Each trial runs the same way,
 // `travel` [m], in travel / v seconds.
 //
-// The search first goes down from `high` by factors of 2 until a speed holds: fast runs are short, so most of
-// this scan costs little. Bisection in log v up to the last speed that failed then narrows the result to 5 %.
-// The speeds tried are the same for all cells, so that cells share their reference solves.
+// The search first halves the speed, from `high` down, until it holds; fast runs are short, so this costs
+// little. Bisection in log v between that speed and the last failed one then narrows the result to 5 %. All
+// cells try speeds of the same set, so that they share reference solves.
 
 #include <functional>
 
@@ -16,7 +16,7 @@
 namespace forefeel {
 
 struct SustainedSpeed {
-  double speed = 0;     // [m/s]; 0 where even `low` fails
+  double speed = 0;     // [m/s]; 0 if even `low` fails
   bool capped = false;  // `high` holds
   int trials = 0;
 };

@@ -177,7 +177,7 @@ void ReferenceService::work(std::stop_token stop) {
   }
 }
 
-// The lock is held while measuring: callers at the same time get the same list.
+// The lock is held while measuring, so that concurrent callers get the same list.
 RecordedCosts ReferenceService::recorded_costs() {
   const std::lock_guard lock(costs_mutex_);
   if (!costs_.solves.empty()) return costs_;
@@ -207,8 +207,8 @@ std::vector<double> ReferenceService::measured_costs() {
   return seconds;
 }
 
-// Between solves at other positions, as in a session. The first solve, which lays out the factor, is not
-// counted.
+// Measured between solves at other positions, as in a session. The first solve is not counted: it includes
+// the symbolic factorisation.
 std::vector<double> ReferenceService::measured_rest_costs() {
   constexpr int samples = 15;
   StateSolver solver(body_, linear_, solver_options_);

@@ -1,8 +1,8 @@
-// Workers of the virtual clock. A job reaches its worker a message later; each of its states takes what the
-// cost model says, a neighbour of the first a share of that; its result comes a message after. A cancellation
-// that arrives in time gives the worker back two messages after it was sent; the work done on a state until
-// then is not done again. Values are the reference branch's, solved on real threads from the moment they are
-// dispatched: how long that takes changes nothing but the wait.
+// Workers of the virtual clock. A job reaches its worker after one message time (the latency). Each of its
+// states takes the time of the cost model, a neighbour of the first one a share of it; the result arrives one
+// message time later. A cancellation that arrives in time releases the worker two message times after it was
+// sent; a later solve of that state resumes the work. The values are those of the reference branch. Real
+// threads solve them from the moment of dispatch; their speed affects the wall time only.
 
 #include <algorithm>
 #include <cmath>
