@@ -6,7 +6,7 @@
 // estimated at 512 points of a Halton sequence; the largest error at these and at a 7 x 7 x 7 grid that
 // includes the faces. The order of states is:
 //   rest, four corners of a tetrahedron at 3/4 of the box, while needed its other four, then the point of the
-//   largest estimate, until the estimate holds;
+//   largest estimate, until the estimate holds.
 // Then the true error is checked by tight solves on the reference branch at random positions and, for the
 // largest error, at corners, edges and faces of the box. If it does not hold, the worst position becomes a
 // state (it is solved already) and placement continues. If it holds, but some of these positions have become

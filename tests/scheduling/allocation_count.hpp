@@ -1,6 +1,6 @@
 #pragma once
-// Counts every heap allocation of the calling thread (malloc and what is built on it), where the allocator
-// may be replaced: not under a sanitizer, which brings its own.
+// Counts every heap allocation of the calling thread (malloc and everything built on it). It replaces the
+// allocator, so it cannot count under a sanitizer, which has its own.
 
 #include <cstddef>
 
@@ -17,6 +17,6 @@
 
 namespace forefeel::testing {
 
-std::size_t allocations();  // of this thread so far; always 0 where they are not counted
+std::size_t allocations();  // of this thread so far; always 0 under a sanitizer
 
 }  // namespace forefeel::testing

@@ -1,5 +1,5 @@
-// The parts of a session that a user may bring: each registered under a name and each given as an object does
-// what the built-in part that it wraps does, bit by bit.
+// Parts of a session that a user may supply. Each one here wraps a built-in part. Registered under a name or
+// given as an object, it must give the same bits as that part.
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -130,7 +130,7 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
     CHECK(really.p95 <= error);
     CHECK(really.max <= 2 * error);
     CHECK(placed.report.truth_on_surface > 0);
-    // Also where a model that was made within extrapolates: corners, middles of edges and of faces.
+    // Also where the model extrapolates: corners, and middles of edges and faces.
     Solver solver(input.touched.body);
     for (int part = 0; part < 27; ++part) {
       const Vec3 share(part % 3, part / 3 % 3, part / 9);
@@ -138,7 +138,7 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
       const State s = solver.reference(at, input.touched.space.spacing).state;
       CHECK((estimator.force(at) - s.force).norm() <= 2 * error * std::max(s.force.norm(), 0.05));
     }
-    // The estimate is no less than the truth by more than a half, in quantiles of the same sample.
+    // Quantiles of the true error exceed those of the estimate by at most a half, on the same sample.
     std::vector<double> estimates;
     for (const State& s : truth) estimates.push_back(estimator(s.at));
     std::sort(estimates.begin(), estimates.end());

@@ -127,8 +127,7 @@ TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again")
 
 namespace {
 
-// Coverage as a policy that says nothing about how its priorities change: all are ranked anew after each
-// dispatch.
+// The policy coverage without a bound at_most(): all candidates are ranked again after each dispatch.
 class RankedAnew final : public Policy {
  public:
   std::string_view name() const override { return "ranked-anew"; }

@@ -106,7 +106,8 @@ TEST_CASE("policies prefer what their names say") {
     CAPTURE(name);
     CHECK(worth(name, ahead) > worth(name, far_behind));
   }
-  // By the time to reach: what the hand has passed, or passes before it could be solved, comes last.
+  // Order by time to reach: positions that the hand has passed, or passes before they could be solved, come
+  // last.
   PlannerView slow = view;
   slow.solve_seconds = 0.2;  // 12 mm of way
   const auto direction = make_policy("direction", {});
@@ -278,7 +279,7 @@ TEST_CASE("what places still need: products kept from call to call are those mad
         {random::uniform(random::mix(8, i)), random::uniform(random::mix(9, i)), i % 3 == 0 ? 0.0 : 1.0});
   }
   for (std::uint64_t i = 0; i < 60; ++i) under_way.push_back(place(1000 + i));
-  under_way.push_back(at[3]);  // mends that place wholly
+  under_way.push_back(at[3]);  // removes all need of that place
   NeedLeft::Needs inverses;
   for (std::size_t s = 0; s < 3; ++s) inverses[s] = 1 / std::pow(std::array{0.048, 0.024, 0.012}[s], 2);
   NeedLeft kept;
@@ -303,7 +304,7 @@ TEST_CASE("what places still need: products kept from call to call are those mad
   expect({under_way.begin() + 30, under_way.end()});
   std::reverse(under_way.begin(), under_way.end());
   expect(under_way);
-  // Hundreds in one place leave less than any number can say, and fewer of them do again.
+  // Hundreds of states in one place underflow the need to zero; fewer of them give a positive need again.
   for (int i = 0; i < 400; ++i) under_way.push_back(at[5] + Vec3(0.004, 0, 0));
   expect(under_way);
   expect({under_way.begin(), under_way.end() - 3});

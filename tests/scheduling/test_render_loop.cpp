@@ -21,8 +21,8 @@ State stiffening(const Vec3& x) {
   return state;
 }
 
-// A planner reduced to what the loop needs: a new model every few frames, recycled as the loop gives them
-// back.
+// A minimal planner for the loop: it publishes a new model every few frames and reuses models that the loop
+// returns.
 class Feeder {
  public:
   Feeder(LoopLink& link, ModelOptions options)

@@ -1,4 +1,4 @@
-// Sessions at the border of what can be: not begun, more neighbours than states, no room for a lattice cell.
+// Limiting cases of sessions: not begun, more neighbours than states, no room for a lattice cell.
 
 #include <sqlite3.h>
 

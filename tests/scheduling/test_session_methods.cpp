@@ -62,7 +62,7 @@ TEST_CASE("placement: on the octree's lattice, or on the predicted path, each pl
     }
     CHECK((off > 0) == (placement == Placement::path));
   }
-  // What is being solved keeps free positions away as what is known does.
+  // States being solved keep free positions away, like known states.
   for (const std::string policy : {"nearest", "coverage"})
     for (const int workers : {2, 8}) {
       CAPTURE(policy, workers);

@@ -1,4 +1,4 @@
-// What a study shows, on made-up results: rankings, contrasts, the search of a sustained speed.
+// Evaluation of studies on synthetic results: rankings, contrasts, the search for a sustained speed.
 
 #include <catch2/catch.hpp>
 #include <cmath>
