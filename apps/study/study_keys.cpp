@@ -1,0 +1,130 @@
+#include "apps/study/study_keys.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "apps/console/suggest.hpp"
+#include "apps/scene_input/scene_keys.hpp"
+#include "apps/study/study_toml.hpp"
+
+namespace forefeel::study_keys {
+
+namespace fs = std::filesystem;
+using study_toml::toml_of;
+
+namespace {
+
+const std::vector<std::string> short_keys{"policy", "select", "workers", "device", "cost", "switch"};
+const std::vector<std::string> vary_words{"policy", "select", "workers",     "device",
+                                          "cost",   "switch", "target_load", "speed"};
+
+}  // namespace
+
+std::span<const std::string> scene_sections() {
+  static const std::vector<std::string> all{"body",        "material", "clamp",  "contact",
+                                            "state_space", "model",    "session"};
+  return all;
+}
+
+std::string scene_key(const std::string& written, const InputPlace& place, bool pseudo_allowed) {
+  if (std::ranges::find(short_keys, written) != short_keys.end()) return "session." + written;
+  if (pseudo_allowed && (written == "target_load" || written == "speed")) return written;
+  if (written == "model.select") return "session.select";  // one and the same
+  const std::string section = written.substr(0, written.find('.'));
+  const bool dotted = section.size() + 1 < written.size();
+  if (dotted && std::ranges::find(scene_sections(), section) != scene_sections().end()) return written;
+  if (dotted)
+    throw InputError(place, fmt::format("unknown section, did you mean '{}{}'? Expected one of {}",
+                                        nearest_word(section, scene_sections()),
+                                        written.substr(section.size()), listed(scene_sections())));
+  if (pseudo_allowed && std::ranges::find(scene_sections(), written) != scene_sections().end())
+    return written;
+  const std::vector<std::string>& words = pseudo_allowed ? vary_words : short_keys;
+  throw InputError(place,
+                   fmt::format("unknown key, did you mean '{}'? Expected one of {}, or a scene key in quotes "
+                               "(\"model.kernel\")",
+                               nearest_word(written, words), listed(words)));
+}
+
+void ClaimedKeys::claim(const std::string& key, const InputPlace& place, const std::string& how) {
+  const auto within = [](const std::string& inner, const std::string& outer) {
+    return inner == outer || inner.starts_with(outer + ".");
+  };
+  for (const auto& [other, given] : claimed_) {
+    const bool cost_twice = (key == "target_load" && other == "session.cost") ||
+                            (key == "session.cost" && other == "target_load");
+    if (within(key, other) || within(other, key) || cost_twice)
+      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected it once", how, other, given.first,
+                                          given.second.text()));
+    // Those of one axis take turns.
+    const bool in_turn = place == given.second || (how == "changed by a step" && how == given.first);
+    if (exclude_each_other(key, other) && !in_turn && place.option.empty())
+      throw InputError(place, fmt::format("{}, but {} is {} ({}); expected one of the two", how, other,
+                                          given.first, given.second.text()));
+  }
+  if (key == "session.clock" && how != "fixed")
+    throw InputError(place, "the clock of a study is virtual, so that its cells repeat; it cannot be varied");
+  claimed_[key] = {how, place};
+}
+
+bool ClaimedKeys::unfix(const std::string& key) {
+  const auto found = claimed_.find(key);
+  if (found == claimed_.end() || found->second.first != "fixed") return false;
+  claimed_.erase(found);
+  return true;
+}
+
+const InputPlace* ClaimedKeys::place_of(const std::string& key) const {
+  const auto found = claimed_.find(key);
+  return found == claimed_.end() ? nullptr : &found->second.second;
+}
+
+std::map<std::string, InputPlace> ClaimedKeys::places() const {
+  std::map<std::string, InputPlace> places;
+  for (const auto& [key, given] : claimed_) places[key] = given.second;
+  return places;
+}
+
+std::string rebased(const StudyPaths& study, const std::string& key, const toml::node& node) {
+  const auto* text = node.as_string();
+  const bool names_file = key == "session.device" || key == "session.arrivals" || key == "body.mesh";
+  if (!text || !names_file) return toml_of(node);
+  const auto moved = [&](const std::string& file) -> std::string {
+    const fs::path beside = study.file.parent_path() / file;
+    if (file.empty() || fs::path(file).is_absolute() || !fs::exists(beside)) return file;
+    const fs::path folder = fs::absolute(study.scene).parent_path();
+    return fs::proximate(fs::absolute(beside).lexically_normal(), folder.lexically_normal()).string();
+  };
+  std::string value = text->get();
+  if (key != "session.device") {
+    value = moved(value);
+  } else if (value.starts_with("trace:")) {
+    const std::size_t end = std::min(value.find(','), value.size());
+    value = "trace:" + moved(value.substr(6, end - 6)) + value.substr(end);
+  }
+  return toml_of(toml::value<std::string>(value));
+}
+
+std::string identity(const StudyPaths& study, const std::string& key, const toml::node& node) {
+  if (const auto* number = node.as_integer()) return std::to_string(number->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  const std::string written = rebased(study, key, node);
+  const auto* text = node.as_string();
+  const bool device = key == "session.device";
+  if (!text ||
+      !(device ? text->get().starts_with("trace:") : key == "session.arrivals" || key == "body.mesh"))
+    return written;
+  const std::string value = toml::parse("value = " + written)["value"].value_or(std::string());
+  const std::size_t begin = device ? 6 : 0,
+                    end = device ? std::min(value.find(','), value.size()) : value.size();
+  std::error_code error;
+  const fs::path file =
+      fs::weakly_canonical(study.scene.parent_path() / value.substr(begin, end - begin), error);
+  return error ? written : value.substr(0, begin) + file.string() + value.substr(end);
+}
+
+}  // namespace forefeel::study_keys
