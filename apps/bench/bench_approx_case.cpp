@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "apps/bench/bench_approx.hpp"
+#include "apps/bench/bench_approx_parts.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"

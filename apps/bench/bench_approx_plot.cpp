@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "apps/bench/bench_approx.hpp"
+#include "apps/bench/bench_approx_parts.hpp"
 #include "apps/picture/plot.hpp"
 
 namespace forefeel::bench {

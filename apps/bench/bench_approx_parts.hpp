@@ -1,8 +1,9 @@
 #pragma once
-// Parts of `forefeel bench approx`: its states and references, the times it measures, and the picture of
-// speed against error.
+// Parts of `forefeel bench approx`: its states and references, the times it measures, its tables, and the
+// picture of speed against error.
 
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,7 +49,26 @@ struct Measured {
   std::optional<std::size_t> states_for_1, states_for_7;  // fewest whose p95 is below 1 % and 7 %
 };
 
+// How many states are replaced in the updates that are timed: Measured::update.
+constexpr std::size_t replacements[3] = {1, 5, 20};
+
+// What one method takes beside a baseline; medians [us].
+struct Comparison {
+  std::string name, baseline;  // "update r3", "own refit"
+  double ours = unknown, theirs = unknown;
+  Errors error;  // of the method, inside
+  std::size_t n = 0;
+  std::optional<std::size_t> k = {};  // replaced states, of an update
+  double by_refit = unknown;          // share of the updates that were made by a refit
+};
+
 double now_us();
+
+// The tables as text (known: states of the lattice), and the JSON of `rows` and `methods`.
+void print_tables(const Globals& globals, const Case& taken, std::size_t known,
+                  const std::vector<Comparison>& rows, const std::vector<Measured>& table);
+nlohmann::ordered_json rows_json(const Case& taken, const std::vector<Comparison>& rows);
+nlohmann::ordered_json methods_json(const Case& taken, const std::vector<Measured>& table);
 
 // Draws the Pareto front: no faster method has as small an error. Two panels: evaluation, and update with k =
 // 5 (or refit, for a method without updates).

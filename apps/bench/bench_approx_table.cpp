@@ -1,0 +1,120 @@
+// The tables of `forefeel bench approx`, as text and as JSON.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "approx/loops/instruction_set.hpp"
+#include "apps/bench/bench_approx_parts.hpp"
+#include "apps/console/json.hpp"
+
+namespace forefeel::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string short_number(double value, int width) {
+  return std::isfinite(value) ? fmt::format("{:{}.3g}", value, width) : fmt::format("{:>{}}", "-", width);
+}
+
+std::string table_line(const Measured& m) {
+  std::string line =
+      fmt::format("{:13} {:4} |   {} {} {} {} {:>9} |", m.method, m.n, short_number(m.refit, 7),
+                  short_number(m.update[0], 6), short_number(m.update[1], 6), short_number(m.update[2], 6),
+                  short_number(m.evaluate, 9));
+  line += fmt::format(" {:10.1e} {:8.1e} {:8.1e} |            ", m.inside.p50, m.inside.p95, m.inside.max);
+  for (const Errors& e : m.outside)
+    line += std::isfinite(e.p50) ? fmt::format("    {:7.1e}", e.p50) : fmt::format("{:>11}", "-");
+  line += " |";
+  for (const auto& states : {m.states_for_1, m.states_for_7})
+    line += fmt::format(" {:>5}", states ? std::to_string(*states) : "-");
+  return line;
+}
+
+std::string row_line(const Comparison& r) {
+  return fmt::format("{:18} {:4} {:>3} {:10.3f} {:>26} {:10.3f} {:7.2f} {:9.1e} {:9.1e} {:>8}", r.name, r.n,
+                     r.k ? std::to_string(*r.k) : "-", r.ours, r.baseline, r.theirs, r.theirs / r.ours,
+                     r.error.p50, r.error.p95,
+                     std::isfinite(r.by_refit) ? fmt::format("{:.0f} %", 100 * r.by_refit) : "-");
+}
+
+Json errors_json(const Errors& e) {
+  return {{"p50", number(e.p50)}, {"p95", number(e.p95)}, {"max", number(e.max)}};
+}
+
+}  // namespace
+
+Json rows_json(const Case& taken, const std::vector<Comparison>& rows) {
+  Json all = Json::array();
+  for (const Comparison& row : rows) {
+    Json r;
+    r["name"] = row.name;
+    r["baseline"] = row.baseline;
+    r["ratio"] = number(row.theirs / row.ours);
+    r["ours_us"] = number(row.ours);
+    r["baseline_us"] = number(row.theirs);
+    r["error"] = errors_json(row.error);
+    r["n"] = row.n;
+    r["k"] = row.k ? Json(*row.k) : Json(nullptr);
+    r["by_refit"] = number(row.by_refit);
+    r["scene"] = taken.name;
+    r["law"] = name(taken.body->material.law);
+    r["elements"] = taken.body->mesh.tets.size();
+    r["threads"] = 1;
+    r["tolerance"] = 1e-9;
+    all.push_back(std::move(r));
+  }
+  return all;
+}
+
+Json methods_json(const Case& taken, const std::vector<Measured>& table) {
+  Json all = Json::array();
+  for (const Measured& m : table) {
+    Json one;
+    one["method"] = m.method;
+    one["n"] = m.n;
+    one["refit_us"] = number(m.refit);
+    for (std::size_t t = 0; t < 3; ++t)
+      one["update_us"]["k" + std::to_string(replacements[t])] = number(m.update[t]);
+    one["evaluate_us"] = number(m.evaluate);
+    one["error"] = errors_json(m.inside);
+    for (std::size_t p = 0; p < m.outside.size(); ++p)
+      one["outside"][fmt::format("mm{:.0f}", 1e3 * taken.outside[p].distance)] = errors_json(m.outside[p]);
+    one["states_for_1_percent"] = m.states_for_1 ? Json(*m.states_for_1) : Json(nullptr);
+    one["states_for_7_percent"] = m.states_for_7 ? Json(*m.states_for_7) : Json(nullptr);
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+void print_tables(const Globals& globals, const Case& taken, std::size_t known,
+                  const std::vector<Comparison>& rows, const std::vector<Measured>& table) {
+  say(globals, fmt::format("{}: {} states, {} instructions, one thread; medians\n", taken.name, known,
+                           name(approx_instruction_set())));
+  say(globals, fmt::format("{:18} {:>4} {:>3} {:>10} {:>26} {:>10} {:>7} {:>9} {:>9} {:>8}", "", "n", "k",
+                           "ours us", "baseline", "us", "ratio", "error p50", "p95", "by refit"));
+  for (const Comparison& row : rows) say(globals, row_line(row));
+  say(globals,
+      "evaluate: three force components on n centres and the polynomial (r3 linear, hermite-r5 quadratic), "
+      "from a "
+      "position in metres; ours with the check of its bound, the baseline centre by centre. update, refit: "
+      "from the states to the "
+      "coefficients, three right-hand sides; ours with the tangent and bound of the model. by refit: "
+      "updates that the updater made by a refit, as it does where that is cheaper.");
+  std::string head;
+  for (const auto& plane : taken.outside) head += fmt::format(" {:>8.0f} mm", 1e3 * plane.distance);
+  say(globals,
+      fmt::format("\n{:13} {:>4} | us: refit  k = 1      5     20  evaluate | inside p50      p95      "
+                  "max | outside p50:{} | states for 1 %, 7 %",
+                  "method", "n", head));
+  for (const Measured& m : table) say(globals, table_line(m));
+  say(globals,
+      "inside: within the lattice. outside: of the half up to the front, at the given distance beyond it. "
+      "states: the "
+      "fewest, of the lattice and of every second, third, fourth and sixth of its planes, whose p95 is "
+      "below that; at "
+      "the same inside positions, also where a thinned lattice ends before them.");
+}
+
+}  // namespace forefeel::bench

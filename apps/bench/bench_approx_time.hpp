@@ -1,0 +1,32 @@
+#pragma once
+// Times of one model in `forefeel bench approx`, each beside a baseline of the same run.
+
+#include <vector>
+
+#include "approx/fit/rbf_fit.hpp"
+#include "apps/bench/bench_approx_parts.hpp"
+
+namespace forefeel::bench {
+
+// Microseconds of one force(x), mean of `repeats`.
+template <class Force>
+double evaluation_us(const Globals& globals, const Force& force, const std::vector<Vec3>& at, int repeats) {
+  Vec3 sum = Vec3::Zero();
+  const Vec3 *next = at.data(), *end = next + at.size();  // a modulo would be timed with it
+  const double start = now_us();
+  for (int i = 0; i < repeats; ++i) {
+    sum += force(*next);
+    if (++next == end) next = at.data();
+  }
+  const double time = (now_us() - start) / repeats;
+  if (!sum.allFinite()) warn(globals, "an evaluation was not finite");
+  return time;
+}
+
+// Refit, update and evaluation of the model of these options on the first n samples of the pool, which the
+// other samples replace. Fills the times of `m`, whose method and errors are there already, and appends the
+// comparisons to `rows`.
+void time_model(const Globals& globals, const Case& taken, const std::vector<Sample>& pool,
+                const ModelOptions& options, Measured& m, std::vector<Comparison>& rows);
+
+}  // namespace forefeel::bench
