@@ -191,14 +191,120 @@ nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& basel
   return row;
 }
 
+// What the rounds gave. Times are seconds a state, one of each round.
+struct SolverRounds {
+  std::vector<double> our_times, eigen_times, cholmod_times;
+  BaselineRun last_eigen, last_cholmod;
+  GenerateReport report;      // of the last round
+  std::vector<State> states;  // of the last round
+  double scaling = unknown;   // states per second relative to one thread
+  std::size_t whole = 0;      // states of the scene's whole lattice
+  Errors errors;
+  double ours() const { return median(our_times); }
+  double eigen() const { return median(eigen_times); }
+  double cholmod() const { return median(cholmod_times); }
+};
+
+constexpr std::size_t error_sample = 60;
+constexpr int rounds = 3;
+constexpr double tolerance = 1e-6;
+constexpr double enough = 40;  // [s]; no further round starts after this
+
+void run_round(const Globals& globals, const BenchCase& bench, const GenerateOptions& options, int round,
+               Progress& progress, SolverRounds& m) {
+  progress.show(static_cast<double>(round) / rounds, "whole lattice");
+  m.states.clear();
+  m.report =
+      generate_lattice(bench.body, options, {}, [&](State s) { m.states.push_back(std::move(s)); }, {});
+  m.our_times.push_back(m.report.seconds / static_cast<double>(std::max<std::size_t>(1, m.report.solved)));
+  std::sort(m.states.begin(), m.states.end(), [](const State& a, const State& b) {
+    return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+  });
+  // A random share of the lattice, new in each round, that takes no longer than about our whole lattice.
+  std::vector<std::size_t> sample(m.states.size());
+  for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
+  std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
+  std::shuffle(sample.begin(), sample.end(), random);
+  sample.resize(std::min(sample.size(), std::max<std::size_t>(20, m.states.size() / 20)));
+  const double budget = std::max(2.0, m.report.seconds);
+  progress.show((round + 0.5) / rounds, "baselines");
+  m.last_eigen =
+      run_baseline(Baseline::eigen_ldlt, bench, m.states, sample, options.threads, tolerance, budget);
+  m.last_cholmod =
+      run_baseline(Baseline::cholmod, bench, m.states, sample, options.threads, tolerance, budget);
+  m.eigen_times.push_back(m.last_eigen.per_state);
+  m.cholmod_times.push_back(m.last_cholmod.per_state);
+}
+
+SolverRounds run_rounds(const Globals& globals, const BenchCase& bench, const GenerateOptions& options,
+                        Progress& progress) {
+  SolverRounds m;
+  const auto begun = SteadyClock::now();
+  for (int round = 0; round < rounds && (round == 0 || seconds_since(begun) < enough); ++round)
+    run_round(globals, bench, options, round, progress, m);
+  if (options.threads > 1 && seconds_since(begun) < enough) {
+    progress.show(0.9, "one thread");
+    GenerateOptions alone = options;
+    alone.threads = 1;
+    std::size_t count = 0;
+    const GenerateReport one = generate_lattice(bench.body, alone, {}, [&](const State&) { ++count; }, {});
+    m.scaling = one.seconds / static_cast<double>(std::max<std::size_t>(1, one.solved)) / m.ours();
+  }
+  progress.show(1, "errors");
+  m.errors = sample_errors(bench, m.states, error_sample, globals.seed, options.threads);
+  return m;
+}
+
+nlohmann::ordered_json document_of(const BenchCase& bench, int threads, SolverRounds& m) {
+  nlohmann::ordered_json document;
+  document["rows"] = nlohmann::ordered_json::array();
+  const std::size_t n = m.report.solved;
+  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", m.ours(), m.eigen(),
+                                      m.errors, n, threads, tolerance));
+  document["rows"].push_back(
+      make_row(bench, "CHOLMOD full Newton", m.ours(), m.cholmod(), m.errors, n, threads, tolerance));
+  document["blas"] = cholmod_blas();
+  document["instruction_set"] = instruction_set();
+  document["failed"] = m.report.failed;
+  document["states_of_the_scene"] = m.whole;
+  document["speedup_over_one_thread"] = number(m.scaling);
+  document["errors_drawn"] = m.errors.values.size();
+  document["baseline_states"] = {m.last_eigen.states, m.last_cholmod.states};
+  document["baseline_iterations"] = number(m.last_eigen.iterations);
+  document["baseline_failed"] = m.last_eigen.failed + m.last_cholmod.failed;
+  document["peak_bytes"] = number(peak_bytes());
+  document["provenance"] = provenance("");
+  return document;
+}
+
+void print_text(const Globals& globals, const BenchCase& bench, int threads, SolverRounds& m) {
+  const std::size_t n = m.report.solved;
+  say(globals, fmt::format("{}: {}, {} tetrahedra, {} states, {} failed, {} threads, {}", bench.name,
+                           name(bench.body->material.law), bench.body->mesh.tets.size(), n, m.report.failed,
+                           threads, instruction_set()));
+  if (n + m.report.failed < m.whole)
+    say(globals,
+        fmt::format("the {} states nearest to rest, of {} in the scene's box", n + m.report.failed, m.whole));
+  say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
+  say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * m.ours()));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * m.eigen(),
+                           m.eigen() / m.ours()));
+  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * m.cholmod(),
+                           m.cholmod() / m.ours(), cholmod_blas()));
+  if (std::isfinite(m.scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, m.scaling));
+  say(globals,
+      fmt::format(
+          "baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
+          "charged), on the same threads",
+          m.last_eigen.states, m.last_cholmod.states));
+  say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}",
+                           m.errors.values.size(), m.errors.at(0.5), m.errors.at(0.95), m.errors.at(1)));
+}
+
 }  // namespace
 
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states) {
   match_blas_to_processor();
-  constexpr double tolerance = 1e-6;
-  constexpr std::size_t error_sample = 60;
-  constexpr int rounds = 3;
-  constexpr double enough = 40;  // [s]; no further round starts after this
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   BenchCase bench = take_case(globals, scene);
   if (most_states == 1) return bench_one_state(globals, bench.body, bench.space.spacing, bench.name);
@@ -212,83 +318,11 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   options.want_displacements = true;
 
   Progress progress(globals, "bench solver");
-  std::vector<State> states;
-  GenerateReport report;
-  std::vector<double> ours, eigen, cholmod;
-  BaselineRun last_eigen, last_cholmod;
-  const auto begun = SteadyClock::now();
-  for (int round = 0; round < rounds && (round == 0 || seconds_since(begun) < enough); ++round) {
-    progress.show(static_cast<double>(round) / rounds, "whole lattice");
-    states.clear();
-    report = generate_lattice(bench.body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
-    ours.push_back(report.seconds / static_cast<double>(std::max<std::size_t>(1, report.solved)));
-    std::sort(states.begin(), states.end(), [](const State& a, const State& b) {
-      return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
-    });
-    // A random share of the lattice, new in each round, that takes no longer than about our whole lattice.
-    std::vector<std::size_t> sample(states.size());
-    for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
-    std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
-    std::shuffle(sample.begin(), sample.end(), random);
-    sample.resize(std::min(sample.size(), std::max<std::size_t>(20, states.size() / 20)));
-    const double budget = std::max(2.0, report.seconds);
-    progress.show((round + 0.5) / rounds, "baselines");
-    last_eigen = run_baseline(Baseline::eigen_ldlt, bench, states, sample, threads, tolerance, budget);
-    last_cholmod = run_baseline(Baseline::cholmod, bench, states, sample, threads, tolerance, budget);
-    eigen.push_back(last_eigen.per_state);
-    cholmod.push_back(last_cholmod.per_state);
-  }
-  double scaling = unknown;  // states per second relative to one thread
-  if (threads > 1 && seconds_since(begun) < enough) {
-    progress.show(0.9, "one thread");
-    GenerateOptions alone = options;
-    alone.threads = 1;
-    std::size_t count = 0;
-    const GenerateReport one = generate_lattice(bench.body, alone, {}, [&](const State&) { ++count; }, {});
-    scaling = one.seconds / static_cast<double>(std::max<std::size_t>(1, one.solved)) / median(ours);
-  }
-  progress.show(1, "errors");
-  Errors errors = sample_errors(bench, states, error_sample, globals.seed, threads);
-
-  nlohmann::ordered_json document;
-  document["rows"] = nlohmann::ordered_json::array();
-  const std::size_t n = report.solved;
-  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", median(ours), median(eigen),
-                                      errors, n, threads, tolerance));
-  document["rows"].push_back(
-      make_row(bench, "CHOLMOD full Newton", median(ours), median(cholmod), errors, n, threads, tolerance));
-  document["blas"] = cholmod_blas();
-  document["instruction_set"] = instruction_set();
-  document["failed"] = report.failed;
-  document["states_of_the_scene"] = whole;
-  document["speedup_over_one_thread"] = number(scaling);
-  document["errors_drawn"] = errors.values.size();
-  document["baseline_states"] = {last_eigen.states, last_cholmod.states};
-  document["baseline_iterations"] = number(last_eigen.iterations);
-  document["baseline_failed"] = last_eigen.failed + last_cholmod.failed;
-  document["peak_bytes"] = number(peak_bytes());
-  document["provenance"] = provenance("");
+  SolverRounds m = run_rounds(globals, bench, options, progress);
+  m.whole = whole;
+  const nlohmann::ordered_json document = document_of(bench, threads, m);
   if (globals.json) print_json(document);
-  say(globals, fmt::format("{}: {}, {} tetrahedra, {} states, {} failed, {} threads, {}", bench.name,
-                           name(bench.body->material.law), bench.body->mesh.tets.size(), n, report.failed,
-                           threads, instruction_set()));
-  if (n + report.failed < whole)
-    say(globals,
-        fmt::format("the {} states nearest to rest, of {} in the scene's box", n + report.failed, whole));
-  say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
-  say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * median(ours)));
-  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton",
-                           1e6 * median(eigen), median(eigen) / median(ours)));
-  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * median(cholmod),
-                           median(cholmod) / median(ours), cholmod_blas()));
-  if (std::isfinite(scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, scaling));
-  say(globals,
-      fmt::format(
-          "baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
-          "charged), on the same threads",
-          last_eigen.states, last_cholmod.states));
-  say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}",
-                           errors.values.size(), errors.at(0.5), errors.at(0.95), errors.at(1)));
+  print_text(globals, bench, threads, m);
   return 0;
 }
 
