@@ -1,8 +1,7 @@
-// A device of your own that follows a measured motion. Usage: device MOTION.csv, rows of t,x,y,z [s, m].
+// A device of your own that follows a measured motion. Usage: device MOTION.csv, columns t,x,y,z [s, m].
 
 #include <fmt/format.h>
 #include <forefeel/forefeel.hpp>
-#include <fstream>
 
 using namespace forefeel;
 
@@ -18,14 +17,13 @@ struct Measured final : Device {
   }
 };
 
-int main(int argc, char** argv) {
-  // 2. The motion, read before the session begins.
+int main(int argc, char** argv) try {
+  // 2. The motion, read before the session begins; a bad file is one clear error line.
+  if (argc < 2) return fmt::print(stderr, "usage: device MOTION.csv\n"), 2;
   auto device = std::make_shared<Measured>();
-  std::ifstream file(argc > 1 ? argv[1] : "");
-  double t, x, y, z;
-  for (char comma; file >> t >> comma >> x >> comma >> y >> comma >> z;)
-    device->samples.emplace_back(t, Vec3(x, y, z));
-  if (device->samples.empty()) return fmt::print(stderr, "expected a file of t,x,y,z\n"), 2;
+  const Trace motion = read_trace(argv[1]);
+  for (std::size_t i = 0; i < motion.times.size(); ++i)
+    device->samples.emplace_back(motion.times[i], motion.positions[i]);
   // 3. The session takes the device as an object.
   auto body = std::make_shared<Body>();
   body->mesh = phantom("beam", 240);
@@ -37,4 +35,6 @@ int main(int argc, char** argv) {
   options.clock = {.kind = Clock::virtual_time, .seconds = device->duration()};
   for (const FrameRecord& frame : run_session(input, options).frames)
     fmt::print("{:.3f},{:.6f}\n", frame.t, frame.sent.norm());  // [s], [N]
+} catch (const InputError& error) {
+  return fmt::print(stderr, "{}\n", error.what()), 2;
 }

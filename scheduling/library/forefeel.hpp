@@ -27,6 +27,7 @@
 // Which state is solved next, by which worker, and when?
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
+#include "scheduling/motion/trace.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"

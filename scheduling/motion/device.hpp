@@ -16,7 +16,10 @@
 //     return std::make_unique<Tap>(with.arguments.number("rate", 1, 0.01, 20), 0.01 * with.inward);
 //   }), true);
 //
-// Scenes, studies and --device then know it as "tap" and "tap:rate=2".
+// In code, options.motion.device = Registered("tap", {{"rate", "2"}}) then selects it. A command that is
+// built with it knows "tap" and "tap:rate=2" too, in scenes, studies and --device
+// (apps/examples/command_policy.cpp).
+// A measured motion: read_trace() and make_trace_device() in scheduling/motion/trace.hpp.
 //
 // Order of calls. The factory and limits() run before the session. The session then calls position() over the
 // whole motion, with force zero, to check it. After that it calls position() frame by frame, from t = 0
@@ -47,7 +50,7 @@ class Device {
  public:
   virtual ~Device() = default;
   // Position of the HIP at frame time t [s], relative to rest [m]. force: what the last frame rendered [N].
-  // The motion starts at 0. A call with an earlier time than the last restarts the motion.
+  // The motion starts at t = 0, at rest (x = 0). If t is smaller than in the call before, start over.
   virtual Vec3 position(double t, const Vec3& force) noexcept = 0;
   virtual double duration() const = 0;  // of the motion [s]; infinite for a motion without end
   // Whether the motion depends on the force. If so, the policy `clairvoyant` cannot run: it needs the motion

@@ -1,5 +1,5 @@
 #pragma once
-// The device of a session, as a typed choice. apps/scene_input/spec_text.hpp parses the user's text for it
+// The device of a session, as a typed choice. The command parses the user's text for it
 // ("path:press,speed=0.06"); to_text() returns that text.
 //
 //   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.1};

@@ -13,7 +13,8 @@
 //   const bool known = (forefeel::register_predictor("still", [](forefeel::FactoryContext&) {
 //     return std::make_unique<Still>(); }), true);
 //
-// Scenes (session.predictor), studies and --predictor then know it.
+// In code, options.planning.predictor = Registered("still") then selects it. A command that is built with it
+// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
 //
 // Order of calls: observe() for each new sample of the HIP, then predict() for several horizons, at least
 // once between two samples. Under the virtual clock there is a sample each frame; under the real clock the

@@ -14,8 +14,9 @@
 //   const bool known = (forefeel::register_policy("deepest", [](forefeel::FactoryContext&) {
 //     return std::make_unique<Deepest>(); }), true);
 //
-// Scenes (session.policy), studies and --policy then know it. Each built-in policy has a file of its own,
-// policy_NAME.cpp.
+// In code, options.planning.policy = Registered("deepest") then selects it. A command that is built with it
+// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
+// Each built-in policy has a file of its own, policy_NAME.cpp.
 //
 // Order of calls in each planning step (each frame under the virtual clock, about every millisecond under the
 // real one): look() once; prioritise() for all candidates; after each dispatch pend(), then prioritise()

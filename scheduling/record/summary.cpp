@@ -156,14 +156,22 @@ ByLabel<double> time_in_labels(const SessionResult& result) {
   return shares;
 }
 
-SessionSummary::Settings settings_of(const SessionOptions& options) {
+// Parts given as objects are named for what they are; those that the options name did not run.
+std::string policy_that_ran(const SessionInput& input, const SessionOptions& options) {
+  return input.parts.policy ? std::string(input.parts.policy->name()) : to_text(options.planning.policy);
+}
+std::string device_that_ran(const SessionInput& input, const SessionOptions& options) {
+  if (options.motion.replay) return "replay:" + options.motion.replay->string();
+  return input.parts.device ? "object" : to_text(options.motion.device);
+}
+
+SessionSummary::Settings settings_of(const SessionInput& input, const SessionOptions& options) {
   return {.clock = options.clock.kind,
           .workers = options.workers.count,
-          .policy = to_text(options.planning.policy),
+          .policy = policy_that_ran(input, options),
           .select = options.model.fit.select,
           .seed = options.seed,
-          .device = options.motion.replay ? "replay:" + options.motion.replay->string()
-                                          : to_text(options.motion.device)};
+          .device = device_that_ran(input, options)};
 }
 
 SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {
@@ -184,7 +192,7 @@ SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& op
 
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,
                          const SessionOptions& options) {
-  return {.settings = settings_of(options),
+  return {.settings = settings_of(input, options),
           .run = run_of(result, options),
           .deadline = deadline_of(result, options),
           .states = states_of(result),

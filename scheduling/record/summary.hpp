@@ -72,14 +72,14 @@ struct SessionSummary {
   struct Safety {
     std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
   };
-  // What was asked for.
+  // What was asked for. A policy given as an object has the name that it says itself.
   struct Settings {
     Clock clock = Clock::real;
     int workers = 0;
     std::string policy;
     Select select = Select::label;
     std::uint64_t seed = 0;
-    std::string device;  // "replay:RUN" where a run is replayed
+    std::string device;  // "replay:RUN" where a run is replayed, "object" where an object was given
   };
   // How the run itself went.
   struct Run {

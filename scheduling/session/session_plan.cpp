@@ -42,11 +42,15 @@ void check_known(const std::vector<State>& known) {
 void check_motion(const SessionPlan& plan) {
   const double most = farthest(*plan.input.touched.body);
   for (std::size_t k = 0; k < plan.frames; k += 10) {
-    const double distance =
-        plan.device->position(frame_time(k, plan.options.clock.frame), Vec3::Zero()).norm();
+    const double t = frame_time(k, plan.options.clock.frame);
+    const double distance = plan.device->position(t, Vec3::Zero()).norm();
+    const std::string name = plan.input.parts.device ? "object" : to_text(plan.options.motion.device);
+    if (!std::isfinite(distance))
+      throw InputError({.key = "device", .value = name},
+                       fmt::format("its position at {:g} s is not finite, expected metres", t));
     if (!(distance <= most))
       throw InputError(
-          {.key = "device", .value = to_text(plan.options.motion.device)},
+          {.key = "device", .value = name},
           fmt::format("leads {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
                       distance, most));
   }

@@ -4,7 +4,7 @@
 //   Study study{.seeds = {1, 2, 3}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
 //   StudyPlan plan = plan_study(study, [&](std::span<const std::size_t> choice) {   // study_plan.hpp
 //     StudySession session = mine;
-//     session.options.policy = choice[0] == 0 ? "nearest" : "coverage";
+//     session.options.planning.policy = choice[0] == 0 ? "nearest" : "coverage";
 //     return session;
 //   });
 //   StudyResult result = run_study(plan, {});                                       // study_run.hpp

@@ -10,7 +10,8 @@
 //   const bool known = (forefeel::register_cost("deeper", [](forefeel::FactoryContext& with) {
 //     return std::make_unique<Deeper>(with.arguments.number("least", 0.01, 1e-6, 10)); }), true);
 //
-// Scenes (session.cost), studies and --cost then know it as "deeper" and "deeper:least=0.02".
+// In code, options.workers.cost = Registered("deeper") then selects it. A command that is built with it
+// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
 //
 // Order of calls: before the session for a coarse grid of positions, whose median is the planner's first
 // estimate; then once for each dispatched state. Thread: that of the session. The cost must depend on

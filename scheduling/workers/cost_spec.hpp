@@ -1,5 +1,5 @@
 #pragma once
-// The cost model of the virtual clock, as a typed choice. apps/scene_input/spec_text.hpp parses the user's
+// The cost model of the virtual clock, as a typed choice. The command parses the user's
 // text for it ("lognormal:0.1,0.5"); to_text() returns that text.
 //
 //   options.workers.cost = LogNormalCost{.median = 0.1, .sigma = 0.5};

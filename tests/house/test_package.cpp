@@ -101,7 +101,7 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   CHECK(value_after(policies, "ahead: within the JND on ") > 0);
   CHECK(value_after(policies, "nearest: within the JND on ") > 0);
 
-  shop.write("motion.csv", "0,0,0,0\n0.5,0,0,-0.004\n1,0.002,0,-0.004\n");
+  shop.write("motion.csv", "t,x,y,z\n0,0,0,0\n0.5,0,0,-0.004\n1,0.002,0,-0.004\n");
   const std::string forces = ran(shop, "build/device motion.csv");
   CHECK(count(forces, "\n") == 1000);
   CHECK(value_after(forces, "\n0.900,") > 0.001);  // [N]

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <thread>
 
 #include "geometry/common/error.hpp"
@@ -10,6 +11,8 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
+#include "scheduling/record/summary.hpp"
+#include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "scheduling/workers/worker_threads.hpp"
@@ -250,4 +253,31 @@ TEST_CASE("a rehearsed session refuses objects that can be used once") {
   CHECK_THAT(refusal([&] { make_plan(input, options); }), Catch::Contains("register it under a name"));
   input.parts = {.policy = make_policy("clairvoyant-greedy")};
   CHECK_NOTHROW(run_session(input, options));  // a policy object is run as it is
+}
+
+namespace {
+
+struct Lost final : Device {  // is nowhere after half a second
+  Vec3 position(double t, const Vec3&) noexcept override {
+    return t < 0.5 ? Vec3::Zero() : Vec3::Constant(NAN);
+  }
+  double duration() const override { return 1; }
+};
+
+}  // namespace
+
+TEST_CASE("summary and errors name a part given as an object, not the one that the options name", "[doors]") {
+  SessionOptions options = built_in_options();
+  options.clock.seconds = 0.2;
+  SessionInput input = small_input();
+  input.parts = {.device = make_device(PathMotion{}, {.box = input.touched.space.box}),
+                 .policy = make_policy("fifo")};
+  const SessionSummary summary = summarise(run_session(input, options), input, options);
+  CHECK(summary.settings.policy == "fifo");
+  CHECK(summary.settings.device == "object");
+
+  input.parts.device = std::make_shared<Lost>();
+  options.clock.seconds = 1;
+  CHECK_THROWS_WITH(make_plan(input, options),
+                    Catch::Contains("object") && Catch::Contains("at 0.5 s is not finite"));
 }
