@@ -130,7 +130,8 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
     CHECK(row["half_axes"][1].get<double>() == Approx(0.8 * row["half_axes"][0].get<double>()));
   }
   CHECK(offline);
-  CHECK_THAT(page, Catch::Contains("half axes 4.8 and 3.84 mm") && !Catch::Contains("r costs what r3 costs"));
+  CHECK_THAT(page,
+             Catch::Contains("Half axes: 4.8 and 3.84 mm") && !Catch::Contains("r costs what r3 costs"));
   const auto& times = found["experiments"]["timing"]["rows"];
   if (times[0]["n"] == 100 && times[1]["n"] == 100) {
     CHECK(times[0]["kernel"] == "linear");
