@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 bash apps/setup.sh
 cmake --preset release
-cmake --build --preset release --target forefeel
+cmake --build --preset release --target forefeel_installable
 
 run=build/quickstart
 rm -rf "$run"

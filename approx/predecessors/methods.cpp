@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "geometry/common/error.hpp"
@@ -110,11 +111,16 @@ TwoForce::TwoForce(std::span<const State> states) {
 Vec3 TwoForce::force(const Vec3& x) const {
   if (points_.empty()) return Vec3::Zero();
   const std::size_t first = detail::nearest_of(points_, x);
+  const Vec3 nearest = points_[first];
   std::size_t second = points_.size();
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    if (i != first && (points_[i] - points_[first]).squaredNorm() > 0 &&
-        (second == points_.size() || (points_[i] - x).squaredNorm() < (points_[second] - x).squaredNorm()))
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const double squared = (points_[i] - x).squaredNorm();
+    if ((second == points_.size() || squared < least) && (points_[i] - nearest).squaredNorm() > 0) {
+      least = squared;
       second = i;
+    }
+  }
   if (second == points_.size()) return forces_[first];
   const Vec3 span = points_[first] - points_[second];
   return forces_[first] +

@@ -15,7 +15,7 @@
 #include "approx/model/model_options.hpp"
 #include "approx/predecessors/methods.hpp"
 #include "approx/select/updater.hpp"
-#include "apps/classify/repeated_states.hpp"
+#include "geometry/states/repeated_states.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"

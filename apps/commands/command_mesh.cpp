@@ -14,6 +14,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/mesh_file.hpp"
+#include "geometry/mesh/mesh_summary.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
 
@@ -105,33 +106,31 @@ nlohmann::ordered_json repair_json(const MadeMesh& made) {
   return repaired;
 }
 
-nlohmann::ordered_json document_of(const MadeMesh& made, const MeshQuality& measured,
-                                   const std::string& output) {
+nlohmann::ordered_json document_of(const MadeMesh& made, const MeshSummary& sum, const std::string& output) {
   nlohmann::ordered_json document;
-  document["nodes"] = made.mesh.nodes.size();
-  document["elements"] = made.mesh.tets.size();
-  document["volume"] = number(measured.volume);
-  document["min_dihedral_deg"] = number(measured.min_dihedral_deg);
-  document["max_dihedral_deg"] = number(measured.max_dihedral_deg);
+  document["nodes"] = sum.nodes;
+  document["elements"] = sum.elements;
+  document["volume"] = number(sum.quality.volume);
+  document["min_dihedral_deg"] = number(sum.quality.min_dihedral_deg);
+  document["max_dihedral_deg"] = number(sum.quality.max_dihedral_deg);
   document["hausdorff"] = number(made.hausdorff);
   document["repaired"] = repair_json(made);
-  document["min_tet_volume"] = number(measured.min_tet_volume);
-  document["longest_side"] = number(longest_side(made.mesh));
-  document["surface_triangles"] = boundary_triangles(made.mesh).size();
+  document["min_tet_volume"] = number(sum.quality.min_tet_volume);
+  document["longest_side"] = number(sum.box.size().maxCoeff());
+  document["surface_triangles"] = sum.surface_triangles;
   document["groups"] = nlohmann::ordered_json::object();
-  for (const auto& [name, nodes] : made.mesh.groups) document["groups"][name] = nodes.size();
+  for (const auto& [name, nodes] : sum.groups) document["groups"][name] = nodes;
   document["file"] = output;
   document["warnings"] = made.warnings;
   return document;
 }
 
-void tell(const Globals& globals, const MadeMesh& made, const MeshQuality& measured,
-          const std::string& output) {
+void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, const std::string& output) {
   say(globals,
       fmt::format(
           "{}: {} tetrahedra, {} nodes, {:.4g} m long, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees",
-          output, made.mesh.tets.size(), made.mesh.nodes.size(), longest_side(made.mesh),
-          1e6 * measured.volume, measured.min_dihedral_deg, measured.max_dihedral_deg));
+          output, sum.elements, sum.nodes, sum.box.size().maxCoeff(), 1e6 * sum.quality.volume,
+          sum.quality.min_dihedral_deg, sum.quality.max_dihedral_deg));
   if (!made.repaired) return;
   const RepairReport& r = made.report.repair;
   say(globals,
@@ -146,11 +145,11 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   MadeMesh made = make(arguments);
   // A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read.
   check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
-  const MeshQuality measured = mesh_quality(made.mesh);
+  const MeshSummary sum = summarise(made.mesh);
   write_msh(arguments.output, made.mesh);
   for (const std::string& warning : made.warnings) warn(globals, warning);
-  if (globals.json) print_json(document_of(made, measured, arguments.output));
-  tell(globals, made, measured, arguments.output);
+  if (globals.json) print_json(document_of(made, sum, arguments.output));
+  tell(globals, made, sum, arguments.output);
   return 0;
 }
 

@@ -7,7 +7,7 @@
 namespace forefeel {
 
 void add_mesh(CommandLine& line);
-void add_import(CommandLine& line);  // import, export and info live in command_states.cpp
+void add_import(CommandLine& line);  // import and export live in command_states.cpp
 void add_export(CommandLine& line);
 void add_info(CommandLine& line);
 void add_solve(CommandLine& line);

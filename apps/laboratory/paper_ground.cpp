@@ -56,21 +56,37 @@ StateSpace PaperGround::space(const std::vector<State>& known) const {
   return space;
 }
 
+namespace {
+
+// The paper uses the sum at any distance from the states. With such a length between states, our model does the
+// same (model_data.hpp).
+ModelOptions nearest_100(Kernel kernel) {
+  return {.kernel = kernel, .data = Data::force, .neighbours = 100, .select = Select::nearest, .length = 1e3};
+}
+
+}  // namespace
+
+PathMethod linear_of_100() {
+  return {"r, 100 nearest", "r", "r with the paper's settings", nearest_100(Kernel::linear)};
+}
+
+PathMethod cubic_of_100() {
+  return {"r3, 100 nearest", "r3", "r3 with the paper's settings", nearest_100(Kernel::cubic)};
+}
+
+PathMethod our_default() {
+  return {"Hermite r5, 25 by label",
+          "Hermite r5",
+          "Ours (Hermite r5, 25 states by label, extrapolation bounded, sides of the gap by their distances)",
+          {.kernel = Kernel::quintic,
+           .data = Data::force_and_stiffness,
+           .neighbours = 25,
+           .select = Select::label},
+          true};
+}
+
 std::vector<PathMethod> paper_methods() {
-  // The paper uses the sum at any distance from the states. With such a length between states, our model does
-  // the same (model_data.hpp).
-  const auto nearest = [](Kernel kernel) {
-    return ModelOptions{
-        .kernel = kernel, .data = Data::force, .neighbours = 100, .select = Select::nearest, .length = 1e3};
-  };
-  return {{"r, 100 nearest", nearest(Kernel::linear)},
-          {"r3, 100 nearest", nearest(Kernel::cubic)},
-          {"Hermite r5, 25 by label",
-           {.kernel = Kernel::quintic,
-            .data = Data::force_and_stiffness,
-            .neighbours = 25,
-            .select = Select::label},
-           true}};
+  return {linear_of_100(), cubic_of_100(), our_default()};
 }
 
 }  // namespace forefeel

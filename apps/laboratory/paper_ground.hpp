@@ -46,10 +46,15 @@ class PaperGround {
 
 // One method with the settings of the paper or with our defaults.
 struct PathMethod {
-  std::string name;  // "r, n 100"
+  std::string name;        // in legends: "r, 100 nearest"
+  std::string short_name;  // "r"
+  std::string in_words;    // in sentences
   ModelOptions model;
   bool ours = false;
 };
-std::vector<PathMethod> paper_methods();  // r and r^3 with the 100 nearest states, then our default
+PathMethod linear_of_100();  // r with the 100 nearest states
+PathMethod cubic_of_100();   // r^3 with the 100 nearest states
+PathMethod our_default();
+std::vector<PathMethod> paper_methods();  // these three
 
 }  // namespace forefeel

@@ -29,11 +29,10 @@ struct Way {
 };
 
 std::vector<Way> ways() {
-  const std::vector<PathMethod> methods = paper_methods();
-  return {{"paper (r3), undamped", methods[1], SwitchRule::none},
-          {"paper (r3), damped", methods[1], SwitchRule::paper},
-          {"ours, undamped", methods[2], SwitchRule::none},
-          {"ours, smooth", methods[2], SwitchRule::smooth}};
+  return {{"paper (r3), undamped", cubic_of_100(), SwitchRule::none},
+          {"paper (r3), damped", cubic_of_100(), SwitchRule::paper},
+          {"ours, undamped", our_default(), SwitchRule::none},
+          {"ours, smooth", our_default(), SwitchRule::smooth}};
 }
 
 struct Script {

@@ -157,10 +157,9 @@ std::string table(const Fig2& fig, const Judge& judge, const PaperGround& ground
   return html_table(rows);
 }
 
-const Curve& curve_of(const Fig2& fig, std::string_view setup, std::size_t method) {
-  return *std::ranges::find_if(fig.curves, [&](const Curve& c) {
-    return c.setup == setup && c.method.name == paper_methods()[method].name;
-  });
+const Curve& curve_of(const Fig2& fig, std::string_view setup, const PathMethod& method) {
+  return *std::ranges::find_if(
+      fig.curves, [&](const Curve& c) { return c.setup == setup && c.method.name == method.name; });
 }
 
 std::string p50_p95_max(const std::vector<double>& values) {
@@ -193,17 +192,13 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
           ? fmt::format(", at the {} of {} positions that have a solution, the last at {:.3g} mm",
                         fig.tight.size(), fig.asked, fig.tight_s.empty() ? 0 : 1e3 * fig.tight_s.back())
           : "");
-  for (const std::size_t m : {0u, 1u, 2u}) {
+  for (const PathMethod& m : paper_methods()) {
     const Curve &blank = curve_of(fig, "blank", m), &sparse = curve_of(fig, "sparse", m),
                 &gap = curve_of(fig, "gap", m);
     text += fmt::format(
         " {}: blank {} ({} at its end); sparse {} ({}); the path across the gap {}, the gap alone {}. There "
         "{}; the largest jump in the gap is {}.",
-        m == 0   ? "r with the paper's settings"
-        : m == 1 ? "r3 with the paper's settings"
-                 : "Ours (Hermite r5, 25 states by label, extrapolation bounded, sides of the gap by their "
-                   "distances)",
-        p50_p95_max(errors(blank, true)), percent(at_end(errors(blank, true))),
+        m.in_words, p50_p95_max(errors(blank, true)), percent(at_end(errors(blank, true))),
         p50_p95_max(errors(sparse, true)), percent(at_end(errors(sparse, true))),
         p50_p95_max(errors(gap, true)), p50_p95_max(errors(gap, true, ground.far_side())),
         crossing_in_words(gap, judge), shown(largest(gap, judge, 0, ground.far_side())));
@@ -214,20 +209,19 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
 // Our results that are worse than those of a kernel of the paper by more than rounding.
 std::string where_worse(const Fig2& fig, const PaperGround& ground) {
   std::vector<std::string> cases;
-  const auto compare = [&](const std::string& what, double ours, double theirs, const char* kernel) {
+  const auto compare = [&](const std::string& what, double ours, double theirs, const std::string& kernel) {
     if (ours > 1.005 * theirs)
       cases.push_back(fmt::format("{} {:.3g} against {:.3g} % ({})", what, 100 * ours, 100 * theirs, kernel));
   };
-  for (const std::size_t m : {0u, 1u})
+  for (const PathMethod& m : {linear_of_100(), cubic_of_100()})
     for (const char* area : {"blank", "sparse", "gap"}) {
       const double end = std::string_view(area) == "gap" ? ground.far_side() : INFINITY;
-      const std::vector<double> ours = errors(curve_of(fig, area, 2), true, end),
+      const std::vector<double> ours = errors(curve_of(fig, area, our_default()), true, end),
                                 theirs = errors(curve_of(fig, area, m), true, end);
-      const char* kernel = m == 0 ? "r" : "r3";
       for (const auto& [name, share] : {std::pair{"p50", 0.5}, std::pair{"p95", 0.95}, std::pair{"max", 1.0}})
         compare(fmt::format("{} {}", area, name), quantile_of(ours, share), quantile_of(theirs, share),
-                kernel);
-      compare(fmt::format("{} at its end", area), at_end(ours), at_end(theirs), kernel);
+                m.short_name);
+      compare(fmt::format("{} at its end", area), at_end(ours), at_end(theirs), m.short_name);
     }
   if (cases.empty())
     return "Nowhere: in each area our p50, p95, max and error at the end are at most those of r and r3.";

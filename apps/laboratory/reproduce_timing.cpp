@@ -145,7 +145,7 @@ std::vector<Row> methods(std::size_t states) {
                         {},
                         {}});
   rows.push_back({fmt::format("Hermite r5, n {}", std::min<std::size_t>(25, states)),
-                  paper_methods()[2].model,
+                  our_default().model,
                   {},
                   {},
                   {},

@@ -40,6 +40,8 @@ add_custom_command(OUTPUT ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.
           -P ${package_folder}/manual.cmake
   DEPENDS forefeel ${package_folder}/manual.cmake COMMENT "Manual page and completion of forefeel" VERBATIM)
 add_custom_target(forefeel_manual ALL DEPENDS ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.bash)
+# All that `cmake --install` and `cpack` need.
+add_custom_target(forefeel_installable DEPENDS forefeel forefeel_library forefeel_manual)
 
 include(CMakePackageConfigHelpers)
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/forefeel)

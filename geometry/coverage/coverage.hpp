@@ -8,7 +8,7 @@
 //             rho
 // The label is the coverage class of q, the first of safe, sparse, gap, blank that holds (thresholds below).
 // Safe means densely known; it says nothing of stability. A gap lies between known regions; blank is beyond
-// them.
+// them. Sparse asks for a near state only, so a sparse place may lie outside the hull, with infinite spread.
 
 #include <cstdint>
 #include <limits>

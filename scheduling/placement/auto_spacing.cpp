@@ -85,13 +85,9 @@ class References {
   std::size_t solved_ = 0;
 };
 
-AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
-                             double h, References& references, std::size_t& solves) {
-  StateSpaceOptions space_options;
-  space_options.spacing = h;
-  space_options.box = options.box;
-  space_options.coverage = options.coverage;
-  StateSpace space(space_options);
+// The solved lattice of spacing h, in the order of positions; an unfinished one if the user wants to end.
+std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
+                                  double h, std::size_t& solves) {
   GenerateOptions lattice;
   lattice.spacing = h;
   lattice.box = options.box;
@@ -104,13 +100,23 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
       [&](std::size_t, std::size_t) {
         if (wanted_to_end(options)) stop.request_stop();
       });
-  if (wanted_to_end(options)) return {};
   solves += report.solved + report.failed;
   std::ranges::sort(states, [](const State& a, const State& b) {
     return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
   });
-  for (State& state : states)
+  return states;
+}
+
+AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
+                             double h, References& references, std::size_t& solves) {
+  StateSpaceOptions space_options;
+  space_options.spacing = h;
+  space_options.box = options.box;
+  space_options.coverage = options.coverage;
+  StateSpace space(space_options);
+  for (State& state : lattice_states(body, options, h, solves))
     if (state.usable()) space.insert(std::move(state));
+  if (wanted_to_end(options)) return {};
   AutoSpacingTrial trial{.spacing = h, .states = space.size(), .safe = 0};
   if (space.empty()) return trial;
 

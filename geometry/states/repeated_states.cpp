@@ -1,4 +1,4 @@
-#include "apps/classify/repeated_states.hpp"
+#include "geometry/states/repeated_states.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,20 @@
+#pragma once
+// Prints what `forefeel classify` found for one set of states: as one JSON document, or in words.
+
+#include "apps/classify/classify.hpp"
+
+namespace forefeel {
+
+// One set of states with the labels of the asked positions.
+struct ClassifiedPoints {
+  const Classified& set;
+  const std::vector<Vec3>& points;     // [m]
+  const std::vector<Coverage>& found;  // one for each point
+  const std::optional<Agreement>& agreement;
+  double seconds;  // for reading, indexing and labelling
+};
+
+void print_classified(const Globals& globals, const ClassifyArguments& arguments,
+                      const ClassifiedPoints& result);
+
+}  // namespace forefeel

@@ -1,0 +1,22 @@
+#include "geometry/mesh/mesh_summary.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace forefeel {
+
+MeshSummary summarise(const TetMesh& mesh) {
+  const std::vector<int> part = components(mesh);
+  MeshSummary sum{.nodes = mesh.nodes.size(),
+                  .elements = mesh.tets.size(),
+                  .quality = mesh_quality(mesh),
+                  .box = bounding_box(mesh),
+                  .components = 1 + *std::ranges::max_element(part),
+                  .surface_nodes = surface_nodes(mesh).size(),
+                  .surface_triangles = boundary_triangles(mesh).size(),
+                  .groups = {}};
+  for (const auto& [name, nodes] : mesh.groups) sum.groups[name] = nodes.size();
+  return sum;
+}
+
+}  // namespace forefeel

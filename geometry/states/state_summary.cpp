@@ -1,0 +1,32 @@
+#include "geometry/states/state_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/states/repeated_states.hpp"
+
+namespace forefeel {
+
+StateSetSummary summarise(std::span<const State> states) {
+  StateSetSummary sum;
+  sum.states = states.size();
+  if (!states.empty()) sum.extent = {states.front().at, states.front().at};
+  for (const State& s : states) {
+    sum.extent.low = sum.extent.low.cwiseMin(s.at), sum.extent.high = sum.extent.high.cwiseMax(s.at);
+    ++sum.by_status[std::string(name(s.status))];
+    sum.multivalued += s.multivalued;
+    if (std::isfinite(s.seconds)) sum.solve_seconds += s.seconds;
+    if (!s.usable()) continue;
+    ++sum.usable;
+    sum.with_stiffness += s.has_stiffness();
+    sum.with_energy += std::isfinite(s.energy);
+    sum.with_displacements += s.displacements != nullptr;
+    sum.max_force = std::max(sum.max_force, s.force.norm());
+  }
+  const RepeatedStates repeats = repeated_states(states);
+  sum.repeated = repeats.repeated;
+  sum.contradicting = repeats.contradicting;
+  return sum;
+}
+
+}  // namespace forefeel
