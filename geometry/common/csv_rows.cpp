@@ -30,6 +30,13 @@ CsvRows::CsvRows(const std::string& content, std::string name) : name_(std::move
   if (left_.starts_with(byte_order_mark)) left_.remove_prefix(byte_order_mark.size());
 }
 
+void CsvRows::expect_whole_lines() const {
+  if (left_.empty() || left_.back() == '\n') return;
+  const auto lines = static_cast<std::size_t>(std::ranges::count(left_, '\n'));
+  throw InputError({.file = name_, .line = line_ + lines + 1},
+                   "the file ends within this line, expected a whole file: it was cut short");
+}
+
 bool CsvRows::next() {
   if (std::exchange(again_, false)) return true;
   while (!left_.empty()) {

@@ -21,6 +21,9 @@ class CsvRows {
   // lives.
   CsvRows(const std::string& content, std::string name);
 
+  // InputError where the last line has no line break: what forefeel wrote ends with one, unless it was cut.
+  void expect_whole_lines() const;
+
   bool next();                     // to the next row; false after the last
   void again() { again_ = true; }  // the following next() stays at this row
 

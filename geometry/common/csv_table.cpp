@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/scanner.hpp"
@@ -16,18 +14,18 @@ namespace forefeel {
 namespace {
 
 std::string content_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
+  std::error_code error;
+  if (!std::filesystem::exists(file, error) || std::filesystem::is_directory(file, error))
     throw InputError({.file = file.string()}, "cannot be read, expected a CSV file");
-  std::ostringstream all;
-  all << in.rdbuf();
-  return std::move(all).str();
+  const bool empty = std::filesystem::file_size(file, error) == 0 && !error;
+  return empty ? std::string() : read_text_file(file);
 }
 
 // Place of each wanted column in the rows, in the order of `columns`.
 struct Places {
   std::vector<std::size_t> number;
   std::optional<std::size_t> text;
+  std::size_t width = 0;  // of the header; 0 without one
 };
 
 std::size_t place_of(const CsvRows& header, std::string_view column, const std::string& problem) {
@@ -46,6 +44,7 @@ Places find_places(CsvRows& rows, std::span<const std::string_view> columns, con
     rows.again();
     return places;
   }
+  places.width = rows.cells().size();
   for (const std::string_view column : columns)
     places.number.push_back(
         place_of(rows, column, fmt::format("column {} is missing, expected a header {}", column, wanted)));
@@ -61,6 +60,7 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
                   const CsvOptions& options) {
   const std::string content = content_of(file), wanted = fmt::format("{}", fmt::join(columns, ","));
   CsvRows rows(content, file.string());
+  if (options.whole_lines) rows.expect_whole_lines();
   CsvTable table{.columns = columns.size(), .values = {}, .texts = {}, .lines = {}};
   if (!rows.next())
     throw InputError({.file = file.string()}, fmt::format("holds no rows, expected {}", wanted));
@@ -77,6 +77,9 @@ CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string
         rows.fail(fmt::format("{} is '{}', expected a finite number", columns[i], cell));
       table.values.push_back(value);
     }
+    if (cells.size() < places.width)
+      rows.fail(fmt::format("a row of {} values, expected {} as in the header: was the file cut short?",
+                            cells.size(), places.width));
     if (places.text) table.texts.emplace_back(*places.text < cells.size() ? cells[*places.text] : "");
     table.lines.push_back(rows.line());
   }

@@ -23,9 +23,11 @@ struct CsvTable {
 struct CsvOptions {
   bool allow_empty_cells = false;     // true: an empty cell is NaN; false: an error
   std::string_view text_column = {};  // a column to be kept as text; the file then needs a header
+  bool whole_lines = false;  // true: the last line must end with a line break too, as forefeel's own files do
 };
 
-// InputError that names file and line: missing file, no rows, missing column, short row, no finite number.
+// InputError that names file and line: missing file, no rows, missing column, a row shorter than
+// the header, no finite number.
 CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                   const CsvOptions& options = {});
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "geometry/common/csv_rows.hpp"
@@ -14,13 +12,15 @@
 namespace forefeel {
 
 CsvText CsvText::read(const std::filesystem::path& file, std::string_view expected) {
-  std::ifstream in(file);
-  if (!in) throw InputError({.file = file.string()}, fmt::format("cannot be read, expected {}", expected));
-  std::ostringstream all;
-  all << in.rdbuf();
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    throw InputError({.file = file.string()}, fmt::format("cannot be read, expected {}", expected));
+  if (std::filesystem::file_size(file, error) == 0 && !error)
+    throw InputError({.file = file.string()}, "is empty, expected a header line");
   CsvText table;
-  table.content_ = std::make_shared<const std::string>(std::move(all).str());
+  table.content_ = std::make_shared<const std::string>(read_text_file(file));
   CsvRows rows(*table.content_, file.string());
+  rows.expect_whole_lines();
   if (!rows.next()) throw InputError({.file = file.string()}, "is empty, expected a header line");
   table.columns_.assign(rows.cells().begin(), rows.cells().end());
   while (rows.next()) {

@@ -13,8 +13,8 @@ namespace forefeel {
 
 class CsvText {
  public:
-  // InputError that names file and line for a missing file, no header, or a row of another length than the
-  // header. expected: what the message calls the file ("a file of a run").
+  // InputError that names file and line for a missing file, no header, a row of another length than the
+  // header, or a last line without a line break (a file that was cut short). expected: what the message calls the file ("a file of a run").
   static CsvText read(const std::filesystem::path& file, std::string_view expected);
 
   std::size_t rows() const { return lines_.size(); }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/link_target.hpp"
 
 namespace forefeel {
 namespace {
@@ -43,7 +44,33 @@ void sweep_parts(const fs::path& folder, const std::string& name) {
   }
 }
 
+// Opens the temporary file. It gets the mode of the file that it replaces before anything is written.
+int open_part(const fs::path& part, const fs::path& replaced) {
+  struct stat status {};
+  const bool replaces = ::stat(replaced.c_str(), &status) == 0;
+  const int descriptor =
+      ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, replaces ? 0600 : 0666);
+  if (descriptor < 0 || !replaces) return descriptor;
+  if (::fchown(descriptor, status.st_uid, status.st_gid) != 0) {
+    // Only root may give a file away. The file then belongs to who writes it.
+  }
+  ::fchmod(descriptor, status.st_mode & 07777);
+  return descriptor;
+}
+
 }  // namespace
+
+fs::path followed(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_symlink(file, error)) return file;
+  fs::path at = file;
+  for (int links = 0; fs::is_symlink(at, error); ++links) {
+    if (links == 40)
+      throw InputError({.file = file.string()}, "is a symbolic link in a circle, expected a file");
+    at = folder_of(at) / fs::read_symlink(at);  // an absolute target replaces the folder
+  }
+  return at;
+}
 
 void check_writable(const fs::path& file, std::initializer_list<fs::path> read) {
   std::error_code error;
@@ -51,7 +78,7 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
   if (is_special(file)) return;
   if (fs::is_directory(file, error))
     throw InputError({.file = file.string()}, "is a folder, expected a file to write");
-  const fs::path folder = folder_of(file);
+  const fs::path folder = folder_of(followed(file));
   if (!fs::is_directory(folder, error))
     throw InputError({.file = file.string()},
                      fmt::format("cannot be written, folder {} does not exist", folder.string()));
@@ -67,6 +94,7 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
 
 OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
   check_writable(file_);
+  file_ = followed(file_);
   if (is_special(file_)) {
     descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
@@ -74,7 +102,7 @@ OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
     sweep_parts(folder_of(file_), file_.filename().string());
     temporary_ =
         folder_of(file_) / fmt::format(".{}.{}-{}.part", file_.filename().string(), ::getpid(), counter++);
-    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    descriptor_ = open_part(temporary_, file_);
   }
   if (descriptor_ < 0) fail(errno);
 }

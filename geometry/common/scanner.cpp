@@ -7,7 +7,10 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
+
+#include "geometry/common/memory.hpp"
 
 namespace forefeel {
 namespace {
@@ -18,11 +21,43 @@ bool is_space(char c) {
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& file) {
-  return read_start(file, std::string::npos);
+namespace {
+
+constexpr std::size_t longest_line = 1 << 20, largest_stream = 1'000'000'000, small_file = 64'000'000;
+
+// Finds a line that is too long while the content grows.
+class LineCheck {
+ public:
+  explicit LineCheck(const std::filesystem::path& file) : file_(file) {}
+  void take(std::string_view block) {
+    for (;;) {
+      const std::size_t end = block.find('\n');
+      length_ += std::min(end, block.size());
+      if (length_ > longest_line)
+        throw InputError({.file = file_.string(), .line = line_},
+                         fmt::format("a line of more than {} bytes, expected a text", longest_line));
+      if (end == std::string_view::npos) return;
+      block.remove_prefix(end + 1);
+      length_ = 0;
+      ++line_;
+    }
+  }
+
+ private:
+  const std::filesystem::path& file_;
+  std::size_t line_ = 1, length_ = 0;
+};
+
+void check_size(const std::filesystem::path& file, std::uintmax_t bytes) {
+  if (bytes < small_file) return;
+  const double left = available_memory();
+  if (static_cast<double>(bytes) > left)
+    throw InputError({.file = file.string()},
+                     fmt::format("is {} large, but {} of memory are left, expected a smaller file",
+                                 bytes_in_words(static_cast<double>(bytes)), bytes_in_words(left)));
 }
 
-std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
+std::string read_blocks(const std::filesystem::path& file, std::size_t bytes, LineCheck* lines) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
     throw InputError({.file = file.string()}, "is a folder, expected a file");
@@ -31,17 +66,37 @@ std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
     throw InputError({.file = file.string()}, fmt::format("cannot be read: {}", std::strerror(errno)));
   std::string content;
   const auto size = std::filesystem::file_size(file, error);
+  if (!error) check_size(file, std::min<std::uintmax_t>(size, bytes));
   if (!error) content.reserve(std::min<std::size_t>(size, bytes) + 1);
   char block[1 << 16];
   while (content.size() < bytes) {
     const std::size_t n = std::fread(block, 1, std::min(sizeof block, bytes - content.size()), stream.get());
     if (n == 0) break;
+    if (lines) lines->take({block, n});
+    if (content.size() + n > largest_stream && !std::filesystem::is_regular_file(file, error))
+      throw InputError({.file = file.string()},
+                       "is a device or pipe without an end within 1 GB, expected a file");
     content.append(block, n);
   }
   if (std::ferror(stream.get()))
     throw InputError({.file = file.string()}, fmt::format("cannot be read: {}", std::strerror(errno)));
   if (content.empty()) throw InputError({.file = file.string()}, "is empty");
   return content;
+}
+
+}  // namespace
+
+std::string read_file(const std::filesystem::path& file) {
+  return read_blocks(file, std::string::npos, nullptr);
+}
+
+std::string read_text_file(const std::filesystem::path& file) {
+  LineCheck lines(file);
+  return read_blocks(file, std::string::npos, &lines);
+}
+
+std::string read_start(const std::filesystem::path& file, std::size_t bytes) {
+  return read_blocks(file, bytes, nullptr);
 }
 
 std::string lower_case(std::string_view text) {

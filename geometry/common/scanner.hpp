@@ -14,8 +14,11 @@
 
 namespace forefeel {
 
-// The whole content. InputError if the file is missing, a folder, unreadable or empty.
+// The whole content. InputError if the file is missing, a folder, unreadable, empty, larger than the memory that
+// is left, or a device or pipe of more than 1 GB.
 std::string read_file(const std::filesystem::path& file);
+// The whole content of a text: also InputError for a line above 1 MiB, found before the rest is read.
+std::string read_text_file(const std::filesystem::path& file);
 std::string read_start(const std::filesystem::path& file,
                        std::size_t bytes);  // only the first bytes; the same errors
 std::string lower_case(std::string_view text);

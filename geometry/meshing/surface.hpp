@@ -1,6 +1,7 @@
 #pragma once
 // Triangle surfaces: reading, repair, and tetrahedralisation with a given number of elements. Lengths in [m].
 
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -47,7 +48,11 @@ struct TetrahedraliseOptions {
   std::size_t elements = 0;                     // wanted number, met within 5 %; 0: as the surface is
   std::optional<double> length = std::nullopt;  // rescale so that the longest side is this [m]
   std::string name = "surface";                 // what errors call it
+  // For all of it, repair and every try included [s]. Nothing: 120, or 1 for each 5000 elements if that is more.
+  std::optional<double> time_limit = std::nullopt;
+  const std::atomic<bool>* stop = nullptr;  // once true, it ends with an InputError "interrupted"
 };
+double default_time_limit(std::size_t elements);  // [s]
 
 struct TetrahedraliseReport {
   RepairReport repair;
@@ -55,7 +60,8 @@ struct TetrahedraliseReport {
 };
 
 // Repairs and decimates a surface and fills it by TetGen; bisection finds the volume bound that gives the
-// wanted number. InputError if that number cannot be met.
+// wanted number. Runs in a child process: CGAL and TetGen loop, crash and print on some inputs. InputError if
+// the number cannot be met, if the time is up, or if the body is not 1e-6 to 1e6 m long.
 TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
                        TetrahedraliseReport* report = nullptr);
 

@@ -1,17 +1,14 @@
 #include "geometry/meshing/tet_fill.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <unistd.h>  // _exit
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <map>
 
+#include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/tet_improve.hpp"
 
 // libtet is compiled with TETLIBRARY: on failure it frees its memory, throws an int, and frees the memory
@@ -60,20 +57,9 @@ void load(tetgenio& in, const Surface& surface, double scale) {
   }
 }
 
-bool write_all(int descriptor, const void* data, std::size_t size) {
-  const char* at = static_cast<const char*>(data);
-  while (size > 0) {
-    const ssize_t n = ::write(descriptor, at, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    at += n, size -= static_cast<std::size_t>(n);
-  }
-  return true;
-}
-
 // In the child: writes two counts, coordinates, indices.
-[[noreturn]] void run_child(int out, const Surface& surface, double scale, const std::string& switches) {
-  // No destructors: the process ends here.
+int run_tetgen(int out, const Surface& surface, double scale, const std::string& switches) {
+  // No destructors: the child process ends soon.
   auto& in = *new tetgenio;
   auto& result = *new tetgenio;
   load(in, surface, scale);
@@ -81,31 +67,14 @@ bool write_all(int descriptor, const void* data, std::size_t size) {
     std::string text = switches;
     tetrahedralize(text.data(), &in, &result);
   } catch (...) {
-    _exit(100);
+    return 100;
   }
   const std::int64_t counts[2] = {result.numberofpoints, result.numberoftetrahedra};
   const bool written =
-      write_all(out, counts, sizeof counts) &&
-      write_all(out, result.pointlist, sizeof(REAL) * 3 * static_cast<std::size_t>(counts[0])) &&
-      write_all(out, result.tetrahedronlist, sizeof(int) * 4 * static_cast<std::size_t>(counts[1]));
-  _exit(written ? 0 : 99);
-}
-
-// Reads all that the child writes; false after the deadline.
-bool drain(int in, Clock::time_point deadline, std::string& data) {
-  char block[1 << 16];
-  for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return false;
-    pollfd wait{in, POLLIN, 0};
-    const int ready = ::poll(&wait, 1, static_cast<int>(std::min<long long>(left, 1000)));
-    if (ready < 0 && errno != EINTR) return false;
-    if (ready <= 0) continue;
-    const ssize_t n = ::read(in, block, sizeof block);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return n == 0;
-    data.append(block, static_cast<std::size_t>(n));
-  }
+      write_to(out, counts, sizeof counts) &&
+      write_to(out, result.pointlist, sizeof(REAL) * 3 * static_cast<std::size_t>(counts[0])) &&
+      write_to(out, result.tetrahedronlist, sizeof(int) * 4 * static_cast<std::size_t>(counts[1]));
+  return written ? 0 : child_cut_short;
 }
 
 // Number of connected parts of the surface.
@@ -116,9 +85,14 @@ std::size_t parts(const Surface& surface) {
   return part.empty() ? 0 : static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end()));
 }
 
-std::string reason(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("TetGen crashed (signal {})", WTERMSIG(status));
-  switch (WEXITSTATUS(status)) {
+std::string reason(const ChildOutcome& outcome) {
+  using End = ChildOutcome::End;
+  if (outcome.end == End::late) return "TetGen did not finish in time";
+  if (outcome.end == End::stopped) return "interrupted";
+  if (outcome.end == End::not_begun)
+    return fmt::format("TetGen cannot be started: {}", std::strerror(outcome.code));
+  if (outcome.end == End::signalled) return fmt::format("TetGen crashed (signal {})", outcome.code);
+  switch (outcome.code) {
     case 101:
       return "TetGen ran out of memory";
     case 103:
@@ -130,7 +104,7 @@ std::string reason(int status) {
     case 110:
       return "TetGen rejects the surface";
     default:
-      return fmt::format("TetGen failed (code {})", WEXITSTATUS(status) - 100);
+      return fmt::format("TetGen failed (code {})", outcome.code - 100);
   }
 }
 
@@ -144,10 +118,29 @@ std::optional<TetMesh> unpack(const std::string& data, double scale) {
   mesh.nodes.resize(points), mesh.tets.resize(tets);
   std::memcpy(static_cast<void*>(mesh.nodes.data()), data.data() + sizeof counts, 24 * points);
   std::memcpy(mesh.tets.data(), data.data() + sizeof counts + 24 * points, 16 * tets);
+  for (const Tet& tet : mesh.tets)
+    for (const NodeIndex node : tet)
+      if (node < 0 || static_cast<std::size_t>(node) >= points) return std::nullopt;
   for (Vec3& node : mesh.nodes) node /= scale;
   for (std::size_t t = 0; t < tets; ++t)  // TetGen's own orientation is the opposite of ours
     if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
   return mesh;
+}
+
+// False where a node is not finite or lies outside the surface's box, beyond rounding.
+bool stays_near(const TetMesh& mesh, const Surface& surface) {
+  const Box box = bounding_box(surface);
+  const Vec3 margin = Vec3::Constant(1e-6 * box.size().norm());
+  const Box around{box.low - margin, box.high + margin};
+  return std::ranges::all_of(mesh.nodes, [&](const Vec3& node) { return around.contains(node); });
+}
+
+// False where one closed part, whose triangles all stay, is not filled: the volumes differ.
+bool fills(const TetMesh& mesh, const Surface& surface) {
+  double volume = 0;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) volume += std::abs(tet_volume(mesh, t));
+  const double wanted = enclosed_volume(surface);
+  return std::abs(volume - wanted) <= 1e-3 * wanted;
 }
 
 }  // namespace
@@ -158,31 +151,19 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   if (options.keep_surface) switches += "Y";
   const double scale = scale_for(surface);
   if (options.max_volume > 0) switches += fmt::format("a{:.9f}", options.max_volume * scale * scale * scale);
-  int ends[2];
-  if (::pipe(ends) != 0) return problem = fmt::format("no pipe: {}", std::strerror(errno)), std::nullopt;
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::close(ends[0]);
-    run_child(ends[1], surface, scale, switches);
-  }
-  ::close(ends[1]);
-  if (child < 0)
-    return ::close(ends[0]), problem = fmt::format("no process: {}", std::strerror(errno)), std::nullopt;
-  std::string data;
-  const bool in_time = drain(ends[0], Clock::now() + options.patience, data);
-  ::close(ends[0]);
-  if (!in_time) ::kill(child, SIGKILL);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!in_time)
-    return problem = fmt::format("TetGen did not finish within {} s", options.patience.count()), std::nullopt;
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return problem = reason(status), std::nullopt;
-  std::optional<TetMesh> mesh = unpack(data, scale);
-  if (!mesh) problem = "TetGen's answer was cut short";
-  if (mesh && options.keep_surface && parts(surface) > 1) drop_cavities(*mesh, surface);
+  const ChildOutcome outcome = run_apart({.deadline = Clock::now() + options.patience},
+                                         [&](int out) { return run_tetgen(out, surface, scale, switches); });
+  if (outcome.end != ChildOutcome::End::exited || outcome.code != 0)
+    return problem = reason(outcome), std::nullopt;
+  std::optional<TetMesh> mesh = unpack(outcome.data, scale);
+  if (!mesh) return problem = "TetGen's answer was cut short", std::nullopt;
+  if (!stays_near(*mesh, surface)) return problem = "TetGen's mesh leaves the surface", std::nullopt;
+  const bool one_part = parts(surface) == 1;
+  if (options.keep_surface && one_part && !fills(*mesh, surface))
+    return problem = "TetGen's mesh has another volume than the surface", std::nullopt;
+  if (options.keep_surface && !one_part) drop_cavities(*mesh, surface);
   // New nodes on the surface cannot be told from inner ones; in that case no node may move.
-  if (mesh && options.improve)
+  if (options.improve)
     improve_shapes(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
   return mesh;
 }

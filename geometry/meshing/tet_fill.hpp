@@ -1,7 +1,8 @@
 #pragma once
 // Fills a closed surface without self-intersections with tetrahedra, by TetGen. TetGen throws int, and
-// crashes or loops on some inputs. It therefore runs in a forked child process, and the caller only sees
-// success or a reason.
+// crashes or loops on some inputs. It therefore runs in a forked child process (child_process.hpp), and the
+// caller only sees success or a reason. A mesh that leaves the surface's box, or that has another volume, is
+// no success.
 
 #include <chrono>
 #include <optional>
@@ -12,12 +13,12 @@
 namespace forefeel {
 
 struct TetFillOptions {
-  double max_volume = 0;               // bound on each tetrahedron [m^3]; 0: none
-  double radius_edge = 1.3;            // bound on circumradius / shortest edge (TetGen -q)
-  double min_dihedral_deg = 14;        // wanted; TetGen does not always reach it
-  bool keep_surface = true;            // no new nodes on the surface (TetGen -Y)
-  bool improve = true;                 // flips and smoothing afterwards (tet_improve.hpp)
-  std::chrono::seconds patience{120};  // then the child process is killed
+  double max_volume = 0;                        // bound on each tetrahedron [m^3]; 0: none
+  double radius_edge = 1.3;                     // bound on circumradius / shortest edge (TetGen -q)
+  double min_dihedral_deg = 14;                 // wanted; TetGen does not always reach it
+  bool keep_surface = true;                     // no new nodes on the surface (TetGen -Y)
+  bool improve = true;                          // flips and smoothing afterwards (tet_improve.hpp)
+  std::chrono::milliseconds patience{120'000};  // then the child process is killed
 };
 
 // Nodes of the surface come first. Nothing, and the reason in `problem`, if TetGen fails.

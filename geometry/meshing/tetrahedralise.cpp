@@ -1,9 +1,15 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <new>
+#include <type_traits>
 
 #include "geometry/common/error.hpp"
+#include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/meshing/surface_process.hpp"
 #include "geometry/meshing/tet_fill.hpp"
@@ -39,6 +45,12 @@ bool meets(const std::optional<TetMesh>& mesh, std::size_t elements) {
          std::abs(static_cast<double>(mesh->tets.size()) / static_cast<double>(elements) - 1) <= share;
 }
 
+// One try may take half of the time, so that another is left.
+std::chrono::milliseconds patience_of(const TetrahedraliseOptions& options) {
+  const double limit = options.time_limit.value_or(default_time_limit(options.elements));
+  return std::chrono::milliseconds(static_cast<std::int64_t>(500 * limit));
+}
+
 class Attempts {
  public:
   Attempts(const Surface& input, Surface closed, const TetrahedraliseOptions& options,
@@ -48,7 +60,8 @@ class Attempts {
   TetMesh run() {
     double edge = edge_for(closed_, options_.elements);
     for (int k = 0; k < 14; ++k) {
-      CountedFill fill = fill_to_count(skin(edge), options_.elements, close_enough);
+      CountedFill fill =
+          fill_to_count(skin(edge), options_.elements, close_enough, {.patience = patience_of(options_)});
       if (meets(fill.mesh, options_.elements)) return std::move(*fill.mesh);
       if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_))
         log_ratio_ = log_ratio(*fill.mesh);
@@ -94,16 +107,117 @@ class Attempts {
   std::string problem_;
 };
 
-TetMesh fill_as_given(const Surface& closed, const std::string& name) {
+TetMesh fill_as_given(const Surface& closed, const TetrahedraliseOptions& options) {
+  const auto patience = patience_of(options);
   std::string problem;
-  std::optional<TetMesh> mesh = fill_with_tets(closed, {}, problem);
-  if (!mesh) mesh = fill_with_tets(closed, {.keep_surface = false}, problem);
+  std::optional<TetMesh> mesh = fill_with_tets(closed, {.patience = patience}, problem);
+  if (!mesh) mesh = fill_with_tets(closed, {.keep_surface = false, .patience = patience}, problem);
   if (!mesh || mesh->tets.empty())
-    throw InputError(name, fmt::format("cannot be filled with tetrahedra: {}", problem));
+    throw InputError(options.name, fmt::format("cannot be filled with tetrahedra: {}", problem));
   return std::move(*mesh);
 }
 
+TetMesh make(const Surface& input, const TetrahedraliseOptions& options, bool measure,
+             TetrahedraliseReport& report) {
+  TetMesh mesh;
+  try {
+    const Surface closed = repair_surface(input, report.repair);
+    mesh = options.elements == 0 ? fill_as_given(closed, options)
+                                 : Attempts(input, closed, options, report.repair).run();
+  } catch (const InputError& error) {
+    if (error.place().key != "surface" || options.name == "surface") throw;
+    throw InputError(options.name, error.problem());
+  }
+  if (options.length) match_length(mesh, *options.length, bounding_box(input).centre());
+  if (measure) report.hausdorff = hausdorff_distance(input, boundary_surface(mesh));
+  return mesh;
+}
+
+// ---- the answer of the child process: a report and a mesh, or the words of an error
+
+constexpr int input_error = 10, no_memory = 11, other_error = 12;
+
+bool send(int out, const TetrahedraliseReport& report, const TetMesh& mesh) {
+  static_assert(std::is_trivially_copyable_v<TetrahedraliseReport>);
+  const std::uint64_t counts[2] = {mesh.nodes.size(), mesh.tets.size()};
+  return write_to(out, &report, sizeof report) && write_to(out, counts, sizeof counts) &&
+         write_to(out, mesh.nodes.data(), sizeof(Vec3) * mesh.nodes.size()) &&
+         write_to(out, mesh.tets.data(), sizeof(Tet) * mesh.tets.size());
+}
+
+TetMesh received(const std::string& data, TetrahedraliseReport& report) {
+  std::uint64_t counts[2];
+  TetMesh mesh;
+  const char* at = data.data();
+  const auto take = [&](void* to, std::size_t size) { std::memcpy(to, at, size), at += size; };
+  take(&report, sizeof report);
+  take(counts, sizeof counts);
+  mesh.nodes.resize(counts[0]), mesh.tets.resize(counts[1]);
+  take(static_cast<void*>(mesh.nodes.data()), sizeof(Vec3) * mesh.nodes.size());
+  take(mesh.tets.data(), sizeof(Tet) * mesh.tets.size());
+  return mesh;
+}
+
+int send_error(int out, int code, const std::string& key, const std::string& problem) {
+  const std::string text = key + '\0' + problem;
+  return write_to(out, text.data(), text.size()) ? code : child_cut_short;
+}
+
+int make_in_child(int out, const Surface& input, const TetrahedraliseOptions& options, bool measure) {
+  try {
+    TetrahedraliseReport report;
+    const TetMesh mesh = make(input, options, measure, report);
+    return send(out, report, mesh) ? 0 : child_cut_short;
+  } catch (const InputError& error) {
+    return send_error(out, input_error, error.place().text(), error.problem());
+  } catch (const std::bad_alloc&) {
+    return no_memory;
+  } catch (const std::exception& error) {  // of CGAL
+    return send_error(out, other_error, options.name, "cannot be meshed, expected a closed surface");
+  }
+}
+
+[[noreturn]] void fail(const ChildOutcome& outcome, const TetrahedraliseOptions& options, double limit) {
+  using End = ChildOutcome::End;
+  switch (outcome.end) {
+    case End::late:
+      throw InputError(options.name,
+                       fmt::format("no mesh was found in {:g} s, the limit of time; expected a "
+                                   "cleaner surface, or forefeel mesh with a longer --time-limit",
+                                   limit));
+    case End::stopped:
+      throw InputError(options.name, "interrupted while it was meshed");
+    case End::not_begun:
+      throw InputError(options.name, fmt::format("cannot be meshed: {}", std::strerror(outcome.code)));
+    case End::signalled:
+      throw InputError(options.name,
+                       fmt::format("cannot be meshed: CGAL or TetGen crashed (signal {})", outcome.code));
+    case End::exited:
+      break;
+  }
+  if (outcome.code == no_memory) throw std::bad_alloc();
+  const std::size_t middle = outcome.data.find('\0');
+  if ((outcome.code == input_error || outcome.code == other_error) && middle != std::string::npos)
+    throw InputError(outcome.data.substr(0, middle), outcome.data.substr(middle + 1));
+  throw InputError(options.name, "cannot be meshed, expected a closed surface");
+}
+
+constexpr double shortest = 1e-6, longest = 1e6;  // bodies that can be solved [m]
+
+void check_side(const Surface& input, const TetrahedraliseOptions& options) {
+  const double side = bounding_box(input).size().maxCoeff();
+  if (side == 0) throw InputError(options.name, "has no extent, expected a closed surface");
+  if (!(side >= shortest && side <= longest))
+    throw InputError(options.name,
+                     fmt::format("is {:.3g} m long, expected {:g} to {:g} m; --length scales it", side,
+                                 shortest, longest));
+}
+
 }  // namespace
+
+double default_time_limit(std::size_t elements) {
+  return std::max(120.0, static_cast<double>(elements) / 5000);
+}
 
 TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
                        TetrahedraliseReport* report) {
@@ -111,21 +225,16 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
     throw InputError(options.name, "holds no triangles, expected a closed surface");
   Surface input = surface;
   if (options.length) scale(input, *options.length, options.name);
+  check_side(input, options);
+  const double limit = options.time_limit.value_or(default_time_limit(options.elements));
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * limit));
+  const ChildOutcome outcome = run_apart({.deadline = deadline, .stop = options.stop}, [&](int out) {
+    return make_in_child(out, input, options, report != nullptr);
+  });
+  if (outcome.end != ChildOutcome::End::exited || outcome.code != 0) fail(outcome, options, limit);
   TetrahedraliseReport local;
-  TetrahedraliseReport& out = report ? *report : local;
-  out = {};
-  TetMesh mesh;
-  try {
-    const Surface closed = repair_surface(input, out.repair);
-    mesh = options.elements == 0 ? fill_as_given(closed, options.name)
-                                 : Attempts(input, closed, options, out.repair).run();
-  } catch (const InputError& error) {
-    if (error.place().key != "surface" || options.name == "surface") throw;
-    throw InputError(options.name, error.problem());
-  }
-  if (options.length) match_length(mesh, *options.length, bounding_box(input).centre());
-  if (report) out.hausdorff = hausdorff_distance(input, boundary_surface(mesh));
-  return mesh;
+  return received(outcome.data, report ? *report : local);
 }
 
 }  // namespace forefeel

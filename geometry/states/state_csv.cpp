@@ -24,7 +24,7 @@ class NamedRows {
   // required: columns that must be there, and their order in a file without a header line (if that is
   // allowed).
   NamedRows(const std::filesystem::path& file, std::span<const char* const> required, bool header_optional)
-      : content_(read_file(file)), rows_(content_, file.string()) {
+      : content_(read_text_file(file)), rows_(content_, file.string()) {
     if (!rows_.next())
       throw InputError({.file = rows_.name()},
                        fmt::format("holds no header line, expected {}", fmt::join(required, ",")));

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/link_target.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/sqlite_handle.hpp"
 #include "geometry/states/state_rows.hpp"
@@ -91,14 +92,16 @@ StateFile::~StateFile() = default;
 StateFile::StateFile(StateFile&&) noexcept = default;
 StateFile& StateFile::operator=(StateFile&&) noexcept = default;
 
-StateFile StateFile::open_or_create(const fs::path& file, const StateFileHeader& header) {
-  check_writable(file);
+StateFile StateFile::open_or_create(const fs::path& name, const StateFileHeader& header) {
+  check_writable(name);
+  const fs::path file = followed(name);
   auto impl = std::make_unique<Impl>();
   impl->where = file.string();
   std::error_code error;
   if (fs::file_size(file, error) > 0 && !error) check_signature(file);
   impl->lock = std::make_unique<WriterLock>(file);
   if (!fs::exists(file) || fs::file_size(file, error) == 0) create(file, header);
+  impl->lock->take_file();
   impl->database = open_database(impl->where, impl->where, SQLITE_OPEN_READWRITE);
   check_schema(impl->database.get(), impl->where);
   impl->header = read_header(impl->database.get(), impl->where);
@@ -119,7 +122,8 @@ namespace {
 
 // Opens for reading. SQLite may complete what a killed writer left, if file and folder are writable;
 // otherwise nothing is touched.
-Database open_reader(const fs::path& file) {
+Database open_reader(const fs::path& given) {
+  const fs::path file = followed(given);
   const std::string where = file.string();
   const auto attempt = [&](const std::string& name, int flags) {
     Database database = open_database(name, where, flags);
@@ -128,9 +132,14 @@ Database open_reader(const fs::path& file) {
     return database;
   };
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (::access(folder.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0)
+  // SQLite's log goes by name. Another name of a file shows what was there when its last writer ended.
+  const bool other_name = names_of(file) > 1 && !fs::exists(where + "-wal");
+  if (other_name && is_being_written(file))
+    throw InputError({.file = given.string()},
+                     "is being written under another of its names (hard links), expected that name");
+  if (!other_name && ::access(folder.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0)
     return attempt(where, SQLITE_OPEN_READWRITE);
-  if (fs::exists(where + "-wal")) return attempt(where, SQLITE_OPEN_READONLY);
+  if (!other_name && fs::exists(where + "-wal")) return attempt(where, SQLITE_OPEN_READONLY);
   std::string uri = "file:";
   for (const char c : fs::absolute(file).string())
     uri += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02x}", static_cast<unsigned>(c))
@@ -156,7 +165,6 @@ const StateFileHeader& StateFile::header() const {
 
 std::vector<State> StateFile::read_all() const {
   std::vector<State> states;
-  states.reserve(size());
   impl_->damaged.clear();
   for (StateRows rows(impl_->database.get(), impl_->where, impl_->checksums); rows.next();) {
     if (std::optional<State> state = rows.read())
@@ -174,6 +182,7 @@ std::string damage_in_words(const std::string& file, std::size_t damaged, bool s
 }
 
 void StateFile::check_pages() const {
+  const StepLimit limit(impl_->database.get());
   Statement check(impl_->database.get(), impl_->where, "PRAGMA quick_check(1)");
   if (!check.step() || check.text(0) != "ok")
     throw InputError({.file = impl_->where},

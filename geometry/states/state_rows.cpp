@@ -18,6 +18,7 @@ namespace {
 
 constexpr int application_id = 0x46465331;  // "FFS1"
 constexpr int schema_version = 1;
+constexpr double largest_number = 1e100;  // squares must not overflow
 
 constexpr const char* schema = R"sql(
 CREATE TABLE identity (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -70,12 +71,15 @@ State read_row(Statement& row, const std::string& where) {
   }
   if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
     throw InputError({.file = where}, "a state has a position or force that is not finite");
-  static constexpr double largest_number = 1e100;  // squares must not overflow
   const auto too_large = [](const auto& values) { return (values.array().abs() > largest_number).any(); };
   if (too_large(state.at) || too_large(state.force) || too_large(state.stiffness))
     throw InputError({.file = where},
                      fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
                                  largest_number));
+  if (state.spacing <= 0)
+    throw InputError(
+        {.file = where},
+        fmt::format("a state has the spacing h = {}, expected a positive number", state.spacing));
   return state;
 }
 
@@ -149,11 +153,30 @@ void check_schema(sqlite3* database, const std::string& where) {
   if (!version.step() || version.integer(0) != schema_version)
     throw InputError({.file = where},
                      fmt::format("has schema version {}, expected {}", version.integer(0), schema_version));
+  check_plain_tables(database, where);
   Statement probe(database, where, fmt::format("SELECT {} FROM states LIMIT 0", columns).c_str());
   probe.step();
 }
 
+namespace {
+
+void check_header(const StateFileHeader& header, const std::string& where) {
+  if (header.spacing <= 0 || header.spacing > largest_number)
+    throw InputError({.file = where, .key = "header"},
+                     fmt::format("spacing is {}, expected a number above 0 [m]", header.spacing));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = header.box.low[axis], high = header.box.high[axis];
+    if (low > high || std::abs(low) > largest_number || std::abs(high) > largest_number)
+      throw InputError({.file = where, .key = "header"},
+                       fmt::format("box reaches from {} to {} along {}, expected a finite box [m]", low, high,
+                                   "xyz"[axis]));
+  }
+}
+
+}  // namespace
+
 StateFileHeader read_header(sqlite3* database, const std::string& where) {
+  const StepLimit limit(database);
   StateFileHeader header;
   for (auto [table, target] : {std::pair("identity", &header.identity), std::pair("notes", &header.notes)}) {
     Statement rows(database, where, fmt::format("SELECT key, value FROM {}", table).c_str());
@@ -166,6 +189,7 @@ StateFileHeader read_header(sqlite3* database, const std::string& where) {
       if (numbers.text(0) == box_keys[static_cast<std::size_t>(i)])
         (i < 3 ? header.box.low[i] : header.box.high[i - 3]) = numbers.real(1);
   }
+  check_header(header, where);
   return header;
 }
 
@@ -208,6 +232,7 @@ constexpr int checksum_column = 27, id_column = 28;
 
 StateRows::StateRows(sqlite3* database, const std::string& where, bool checksums)
     : where_(where),
+      limit_(database),
       rows_(database, where,
             fmt::format("SELECT {}, {}, id FROM states ORDER BY id", columns, checksums ? "checksum" : "NULL")
                 .c_str()) {}

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "geometry/states/hostile_file.hpp"
 #include "geometry/states/sqlite_handle.hpp"
 #include "geometry/states/state_header.hpp"
 
@@ -32,6 +33,7 @@ class StateRows {
 
  private:
   const std::string& where_;
+  StepLimit limit_;
   sqlite::Statement rows_;
 };
 

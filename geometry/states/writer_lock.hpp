@@ -1,8 +1,13 @@
 #pragma once
-// One writer at a time: the lock of a state file that is open for appending.
-// It is a file of its own beside the database (NAME-lock), because closing any descriptor of the database
-// would drop SQLite's own locks. The operating system releases the lock when the process ends, however it
-// ends.
+// One writer at a time: the lock of a state file that is open for appending. It holds under every name of the
+// file.
+//   NAME-lock   a file of its own beside the database, NAME with its symbolic links followed. It also covers
+//               the moment in which the database is made.
+//   the file    the database itself (device and inode), by flock(2), for mounts that show one file in two
+//               places. Network file systems turn flock into SQLite's own kind of lock; there it is left out.
+//   hard links  SQLite keeps what is newest in NAME-wal, which goes by name. A file with several names is
+//               therefore never written.
+// The operating system releases the locks when the process ends, however it ends.
 
 #include <filesystem>
 #include <string>
@@ -11,17 +16,26 @@ namespace forefeel {
 
 class WriterLock {
  public:
-  // InputError that names the file if another process holds the lock or if it cannot be made.
+  // file: with its symbolic links followed; it may be missing. InputError that names the file if another
+  // process holds the lock, if it cannot be made, or if the file has several names.
   explicit WriterLock(const std::filesystem::path& file);
   ~WriterLock();
   WriterLock(const WriterLock&) = delete;
   WriterLock& operator=(const WriterLock&) = delete;
 
+  void take_file();  // also locks the file itself, which must exist now; the same errors
+
  private:
+  void lock_name();
   std::string read_owner() const;  // " (PID)" of the process that holds it, or nothing
 
-  std::string path_;
-  int descriptor_ = -1;
+  std::string file_, path_;            // path_: of the lock
+  int descriptor_ = -1, target_ = -1;  // target_: of the file itself; closed after the database is
 };
+
+// The number of names (hard links) of a file; 0 if it is missing.
+std::size_t names_of(const std::filesystem::path& file);
+// True if a process that writes the file holds its lock, under whichever name.
+bool is_being_written(const std::filesystem::path& file);
 
 }  // namespace forefeel

@@ -19,8 +19,9 @@ struct Trace {
 };
 
 // Reads CSV t,x,y,z in SI units; times are shifted so that the first is 0. InputError(file:line) for short
-// rows, values that are not finite, times that do not increase, a file without rows.
-Trace read_trace(const std::filesystem::path& file);
+// rows, values that are not finite, times that do not increase, a file without rows. whole_lines: also for a
+// last line without a line break, as in frames.csv of a run whose disk was full.
+Trace read_trace(const std::filesystem::path& file, bool whole_lines = false);
 std::unique_ptr<Device> make_trace_device(Trace trace);
 
 // folder/file if that exists; else the path unchanged, relative to the working directory.

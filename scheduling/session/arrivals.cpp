@@ -44,15 +44,10 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
 }
 
 Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
-  Replay replay{.motion = read_trace(run_folder / "frames.csv"), .arrivals = {}, .of_arrivals = false};
+  Replay replay{.motion = read_trace(run_folder / "frames.csv", true), .arrivals = {}, .of_arrivals = false};
   const auto dispatch = run_folder / "dispatch.csv";
-  std::vector<DispatchRow> rows;
-  try {
-    rows = read_dispatch(dispatch);
-  } catch (const InputError&) {
-    if (!std::filesystem::exists(dispatch)) throw;
-    return replay;  // a run in which nothing was dispatched
-  }
+  const std::vector<DispatchRow> rows =
+      read_dispatch(dispatch);  // none in a run in which nothing was dispatched
   for (const DispatchRow& row : rows) {
     if (!row.became_known() || !std::isfinite(row.known)) continue;
     replay.of_arrivals = replay.of_arrivals || row.status == name(DispatchStatus::arrived);

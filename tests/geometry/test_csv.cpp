@@ -3,10 +3,14 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <filesystem>
 
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/csv_table.hpp"
 #include "geometry/common/csv_text.hpp"
+#include "geometry/common/scanner.hpp"
+#include "geometry/states/state_file.hpp"
+#include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace forefeel {
@@ -96,6 +100,44 @@ TEST_CASE("Columns of text are read by name, and numbers where a cell is one", "
   CHECK(message_of([&] { read(""); }) == file + ": is empty, expected a header line");
   CHECK(message_of([&] { CsvText::read(folder / "none", "a file of a run"); }) ==
         (folder / "none").string() + ": cannot be read, expected a file of a run");
+}
+
+TEST_CASE("A row that was cut is refused: no missing digit is read as a zero", "[csv]") {
+  const test::TemporaryFolder folder;
+  constexpr std::string_view columns[] = {"t", "x"};
+  const auto said = [&](std::string_view content, bool whole) {
+    const auto file = folder.write("a.csv", content);
+    const std::string text = message_of([&] { read_csv(file, columns, {.whole_lines = whole}); });
+    return text.starts_with(file.string()) ? text.substr(file.string().size()) : text;
+  };
+  CHECK(said("t,x,y,z\n0,1,2,3\n1,2\n", false) ==
+        ":3: a row of 2 values, expected 4 as in the header: was the file cut short?");
+  CHECK(said("t,x\n0,0.1\n1,0", true) ==
+        ":3: the file ends within this line, expected a whole file: it was cut short");
+  CHECK(said("t,x\n0,0.1\n1,0", false) == "no error");  // tables of others may end like this
+  CHECK(said("t,x\n0,0.1\n1,0\n", true) == "no error");
+  CHECK_THAT(message_of([&] { CsvText::read(folder.write("b.csv", "a,b\n1,2\n3,4"), "a file of a run"); }),
+             Catch::Contains("b.csv:3: the file ends within this line"));
+}
+
+TEST_CASE("A line without an end is refused before it fills the memory", "[csv]") {
+  constexpr std::string_view columns[] = {"t", "x"};
+  CHECK(message_of([&] { read_csv("/dev/zero", columns); }) ==
+        "/dev/zero:1: a line of more than 1048576 bytes, expected a text");
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("a.csv", "t,x\n1,2\n" + std::string(2'000'000, '7') + "\n");
+  CHECK_THAT(message_of([&] { read_csv(file, columns); }), Catch::Contains("a.csv:3: a line of more than"));
+  CHECK_THAT(message_of([&] { read_points_csv(file); }), Catch::Contains("a.csv:3: a line of more than"));
+}
+
+TEST_CASE("A file that is larger than the memory is refused before it is read", "[csv]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("large.obj", "v 0 0 0\n");
+  std::error_code error;
+  std::filesystem::resize_file(file, std::uintmax_t{4} << 40, error);  // sparse
+  if (error) return test::skip("this file system has no files of 4 TB");
+  CHECK_THAT(message_of([&] { read_file(file); }),
+             Catch::Contains("of memory are left, expected a smaller file"));
 }
 
 }  // namespace forefeel

@@ -30,4 +30,24 @@ TEST_CASE("An error keeps its parts and says them in one line", "[error]") {
   CHECK(std::string(named.what()) == "model.neighbours: is 0, expected at least 1");
 }
 
+TEST_CASE("A long input is quoted in short: no line repeats a file", "[error]") {
+  const std::string flood(100'000, 'x');
+  const auto line = [](const InputError& error) { return std::string(error.what()); };
+  CHECK(line(InputError("policy", "'" + flood + "' is unknown, expected one of fifo, coverage")).size() <
+        200);
+  CHECK_THAT(line(InputError("policy", "'" + flood + "' is unknown, expected one of fifo, coverage")),
+             Catch::EndsWith("is unknown, expected one of fifo, coverage"));
+  CHECK(line(InputError({.option = "--set", .key = flood, .value = flood}, "is odd")).size() < 700);
+  std::string words;
+  for (int i = 0; i < 30'000; ++i) words += "word ";
+  CHECK(line(InputError("policy", "'" + words + "' is unknown, expected fifo")).size() < 200);
+  CHECK(line(InputError("policy", words + "is unknown")).size() < 1600);
+  CHECK(line(InputError({.file = "/" + flood}, "cannot be read")).size() < 600);
+  std::string umlauts;
+  for (int i = 0; i < 50'000; ++i) umlauts += "ü";
+  CHECK_THAT(line(InputError("name", umlauts + " is unknown")), Catch::Contains("ü…ü"));
+  const std::string whole = "'a b' at the body's end of 'c', expected users' names";
+  CHECK(InputError("name", whole).problem() == whole);
+}
+
 }  // namespace forefeel

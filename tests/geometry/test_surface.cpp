@@ -1,9 +1,16 @@
 #include <catch2/catch.hpp>
 
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "geometry/common/error.hpp"
+#include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "tests/support/mesh_samples.hpp"
@@ -160,6 +167,53 @@ TEST_CASE("a surface that encloses nothing is refused") {
   CHECK_THROWS_WITH(tetrahedralise({}, {.name = "nothing.obj"}),
                     Catch::Contains("nothing.obj: holds no triangles"));
   CHECK_THROWS_AS(tetrahedralise(test::unit_cube(), {.length = -1.0}), InputError);
+}
+
+TEST_CASE("the limit of time holds for repair and all tries together, and is said") {
+  const auto line = error_of([] {
+    tetrahedralise(test::unit_cube(), {.elements = 200'000, .name = "cube.obj", .time_limit = 0.05});
+  });
+  CHECK_THAT(line, Catch::Contains("cube.obj: no mesh was found in 0.05 s, the limit of time"));
+  std::atomic<bool> stop = true;
+  CHECK_THAT(error_of([&] { tetrahedralise(test::unit_cube(), {.stop = &stop}); }),
+             Catch::Contains("interrupted while it was meshed"));
+}
+
+TEST_CASE("a body of no size that can be solved is refused, as a coordinate of 1e37 makes it") {
+  for (const double far : {1e37, 1e7}) {
+    Surface torn = test::unit_cube();
+    torn.nodes.back() = Vec3::Constant(far);
+    CHECK_THAT(error_of([&] { tetrahedralise(torn, {.elements = 400, .name = "torn.obj"}); }),
+               Catch::Contains("torn.obj: is 1e+") && Catch::Contains("m long, expected 1e-06 to 1e+06 m"));
+  }
+}
+
+TEST_CASE("what runs apart returns bytes, and its prints, crashes and loops stay there") {
+  using End = ChildOutcome::End;
+  const auto later = [](int ms) { return std::chrono::steady_clock::now() + std::chrono::milliseconds(ms); };
+  const ChildOutcome good = run_apart({.deadline = later(60'000)}, [](int out) {
+    std::puts("Assertion failed");
+    std::fflush(stdout);
+    return write_to(out, "abc", 3) ? 0 : 1;
+  });
+  CHECK(good.end == End::exited);
+  CHECK(good.code == 0);
+  CHECK(good.data == "abc");
+  const ChildOutcome crash = run_apart({.deadline = later(60'000)}, [](int) {
+    ::raise(SIGKILL);
+    return 0;
+  });
+  CHECK(crash.end == End::signalled);
+  CHECK(crash.code == SIGKILL);
+  const ChildOutcome thrown = run_apart({.deadline = later(60'000)}, [](int) -> int { throw 1; });
+  CHECK(thrown.code == child_threw);
+  const auto loop = [](int) {
+    for (;;) ::pause();
+    return 0;
+  };
+  CHECK(run_apart({.deadline = later(50)}, loop).end == End::late);
+  const std::atomic<bool> stop = true;
+  CHECK(run_apart({.deadline = later(60'000), .stop = &stop}, loop).end == End::stopped);
 }
 
 TEST_CASE("Hausdorff distance of shifted and scaled bodies") {

@@ -19,7 +19,7 @@ TemporaryFolder::TemporaryFolder() {
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
   for (const auto& entry : fs::recursive_directory_iterator(path_, ignored))
-    if (entry.is_directory() && !entry.is_symlink())
+    if (!entry.is_symlink(ignored) && entry.is_directory(ignored))
       fs::permissions(entry.path(), fs::perms::owner_all, ignored);  // a test may have taken them away
   fs::remove_all(path_, ignored);
 }
