@@ -15,6 +15,7 @@
 #include "apps/laboratory/laboratory.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
+#include "apps/scene_input/given_states.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/calibration/calibration.hpp"
 #include "scheduling/record/run_files.hpp"
@@ -35,9 +36,7 @@ std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Prog
     return laboratory.lattice_states(
         scene.space.box, scene.space.spacing,
         [&](double share, const std::string& text) { progress.show(0.3 * share, text); });
-  LoadedStates loaded = load_states(file);
-  if (loaded.damaged > 0) warn(laboratory.globals(), damage_in_words(file, loaded.damaged));
-  check_same_body(file, loaded.header.identity, scene.identity);
+  LoadedStates loaded = given_states(laboratory.globals(), scene, file, false).loaded;
   std::erase_if(loaded.states, [](const State& s) { return !s.usable(); });
   if (loaded.states.size() < 4)
     throw InputError(file, fmt::format("holds {} usable states, expected at least 4", loaded.states.size()));

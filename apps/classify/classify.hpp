@@ -23,6 +23,8 @@ struct ClassifyArguments {
   std::optional<double> spacing, grid;
   std::optional<std::size_t> snapshots;  // default 40
   bool agreement = false;
+  bool foreign = false;  // states of another body beside a scene
+  bool list = false;     // print every point
   CoverageOptions coverage;
 };
 

@@ -12,6 +12,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
+#include "apps/scene_input/given_states.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/bridge.hpp"
@@ -41,7 +42,7 @@ Box parse_box(const std::string& text) {
 void take_scene(const ClassifyArguments& arguments, const std::string& where, const OwnFrame& own,
                 const Globals& globals, Classified& result) {
   const Scene scene = load_scene(arguments.scene, globals.set);
-  check_same_body(where, own.identity, scene.identity);
+  belonging_of(globals, scene, where, own.identity, result.states, arguments.foreign);
   if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
   result.box = scene.space.box;
   // HIP coordinates are relative to the rest position of the contact.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -90,16 +91,27 @@ std::string millimetres(double metres) {
   return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres);
 }
 
-void print_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found,
-                  const Globals& globals) {
-  for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 200); ++i)
+constexpr std::size_t most_listed = 20;  // points, unless --list asks for all
+
+void list_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found,
+                 const Globals& globals) {
+  for (std::size_t i = 0; i < points.size(); ++i)
     answer(globals,
            fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
                        1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
                        millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
                        std::isnan(found[i].gamma_deg) ? "not needed"
                                                       : fmt::format("{:.4g} deg", found[i].gamma_deg)));
-  if (points.size() > 200) answer(globals, fmt::format("… {} points in all", points.size()));
+}
+
+// "1331 points: safe 343, sparse 386, gap 0, blank 602; --list prints each"
+void count_points(const std::vector<Coverage>& found, const Globals& globals) {
+  std::array<std::size_t, 4> count{};
+  for (const Coverage& c : found) ++count[static_cast<std::size_t>(c.label)];
+  std::string text;
+  for (std::size_t k = 0; k < count.size(); ++k)
+    text += fmt::format("{} {} {}", k == 0 ? ":" : ",", name(static_cast<Label>(k)), count[k]);
+  answer(globals, fmt::format("{} points{}; --list prints each", found.size(), text));
 }
 
 void print_summary(const Classified& set, double seconds, const Globals& globals) {
@@ -141,9 +153,18 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
 void print_classified(const Globals& globals, const ClassifyArguments& arguments,
                       const ClassifiedPoints& result) {
   if (globals.json) return print_json(document_of(arguments, result));
-  if (std::filesystem::path(arguments.output).extension() != ".csv")
-    print_points(result.points, result.found, globals);
+  const std::string extension = std::filesystem::path(arguments.output).extension();
+  if (arguments.list || (result.points.size() <= most_listed && extension != ".csv"))
+    list_points(result.points, result.found, globals);
+  else
+    count_points(result.found, globals);
   print_summary(result.set, result.seconds, globals);
+  if (!arguments.output.empty() && extension != ".vtu")  // a .vtu names its three files itself
+    say(globals, fmt::format("{}: {}",
+                             extension != ".csv"     ? "picture"
+                             : result.points.empty() ? "regions"
+                                                     : "labels of the points",
+                             arguments.output));
   if (result.agreement) print_agreement(globals, *result.agreement);
 }
 

@@ -16,6 +16,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
 #include "apps/picture/coverage_picture.hpp"
+#include "apps/scene_input/given_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
@@ -145,6 +146,8 @@ void check_effect(const Globals& globals, const ClassifyArguments& arguments, bo
                      "is for the folder of a run, expected classify RUN/");
   if (!globals.set.empty() && arguments.scene.empty())
     throw InputError("--set", "overrides keys of a scene, expected it with --scene or --calibrate");
+  if (arguments.foreign && arguments.scene.empty())
+    throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   if (!arguments.through.empty() && extension != ".svg" && extension != ".png")
     throw InputError("--through", "places the slices of a picture, expected it with -o OUT.svg or OUT.png");
   const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
@@ -245,6 +248,8 @@ void add_classify(CommandLine& line) {
       .shows("A B");
   sub.flag("--agreement", arguments->agreement, "Compare both indexes by volume");
   sub.option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body").shows("SCENE");
+  sub.flag("--foreign", arguments->foreign, foreign_help);
+  sub.flag("--list", arguments->list, "Print every point; default: if they are at most 20");
   sub.option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
       .shows("X,Y,Z");
   sub.option("--known", arguments->known, "States known before a run began").shows("STATES");

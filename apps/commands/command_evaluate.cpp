@@ -1,88 +1,37 @@
-// forefeel evaluate STATES --points Q.csv: approximated forces. Each point gets its own neighbour set; an
-// older method (--method) uses all states.
+// forefeel evaluate STATES --points Q.csv: approximated forces (approx/evaluate/evaluate.hpp). Each point
+// gets its own neighbour set; an older method (--method) uses all states.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
-#include "approx/judge/leave_one_out.hpp"
-#include "approx/model/model_options.hpp"
-#include "approx/predecessors/methods.hpp"
-#include "approx/select/updater.hpp"
-#include "geometry/states/repeated_states.hpp"
+#include "approx/evaluate/evaluate.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
+#include "apps/scene_input/given_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {
 namespace {
 
 struct EvaluateArguments {
-  std::string states, points, output, method = "rbf", kernel, data, select = "label";
+  std::string states, points, output, scene;
+  std::optional<std::string> method, kernel, data, select, ridge;
   std::optional<std::size_t> neighbours;
   std::optional<double> spacing;
-  std::string ridge = "0";
+  bool foreign = false;
 };
-
-// Limits of a model. Its force never exceeds `bound` [N]. Outside the hull of its states the model is
-// replaced by its tangent beyond `tangent` [m]; the force is held constant beyond `held` [m] from where the
-// tangent is taken.
-struct Reach {
-  double bound, tangent, held;
-};
-
-struct Evaluation {
-  std::vector<Reach> reach;  // by point; no tangent for the older methods
-  std::vector<Vec3> forces;
-  std::vector<Label> labels;
-  std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
-  std::size_t fitted = 0, updated = 0,
-              reused = 0;                 // number of points whose model was made anew, updated, kept
-  std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
-  std::size_t stepped_down = 0;
-};
-
-std::vector<State> usable_states(std::vector<State> states) {
-  std::erase_if(states, [](const State& s) { return !s.usable(); });
-  return states;
-}
-
-ModelOptions model_options(const EvaluateArguments& arguments, const std::vector<State>& states) {
-  const bool stiffness =
-      std::ranges::any_of(states, [](const State& s) { return s.usable() && s.has_stiffness(); });
-  ModelOptions options;
-  const bool offline =
-      arguments.method == "offline-rbf";  // one model of all states; uses forces alone unless --data is given
-  options.kernel = arguments.kernel == "linear"  ? Kernel::linear
-                   : arguments.kernel == "cubic" ? Kernel::cubic
-                   : !arguments.kernel.empty()   ? Kernel::quintic
-                   : stiffness && !offline       ? Kernel::quintic
-                                                 : Kernel::cubic;
-  if (arguments.data.empty())
-    options.data =
-        stiffness && !offline && options.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force;
-  else
-    options.data = arguments.data == "force" ? Data::force : Data::force_and_stiffness;
-  if (options.data == Data::force_and_stiffness && !stiffness)
-    throw InputError(arguments.states,
-                     "no state has a stiffness, expected columns k11 to k33 or --data force");
-  options.neighbours = arguments.neighbours.value_or(options.data == Data::force ? 100 : 25);
-  options.neighbours = std::min(options.neighbours, std::max<std::size_t>(states.size(), 1));
-  options.select = arguments.select == "nearest" ? Select::nearest : Select::label;
-  return options;
-}
 
 double ridge_of(const std::string& text) {
   double value = 0;
@@ -93,78 +42,31 @@ double ridge_of(const std::string& text) {
   return value;
 }
 
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+// The value with this name; the parser has refused all others.
+template <class Value>
+std::optional<Value> named(const std::optional<std::string>& text, std::span<const Value> values) {
+  for (const Value value : values)
+    if (text && name(value) == *text) return value;
+  return {};
 }
 
-// One point. Its evaluation is repeated so that the clock resolves its time.
-template <class Field>
-void measure(const Field& field, const Vec3& x, Evaluation& result) {
-  result.forces.push_back(field.force(x));
-  constexpr int repeats = 16;
-  Vec3 sum = Vec3::Zero();
-  const auto begin = Clock::now();
-  for (int r = 0; r < repeats; ++r) sum += field.force(x);
-  result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
+EvaluateOptions options_of(const EvaluateArguments& arguments) {
+  constexpr std::array kernels{Kernel::linear, Kernel::cubic, Kernel::quintic};
+  constexpr std::array data{Data::force, Data::force_and_stiffness};
+  constexpr std::array rules{Select::label, Select::nearest};
+  EvaluateOptions options;
+  if (arguments.method) options.choose = *arguments.method == "auto";
+  options.method = named(arguments.method, all_methods());
+  options.kernel = named<Kernel>(arguments.kernel, kernels);
+  options.data = named<Data>(arguments.data, data);
+  options.select = named<Select>(arguments.select, rules);
+  options.neighbours = arguments.neighbours;
+  options.choose_ridge = arguments.ridge == "auto" && options.choose != true;
+  if (arguments.ridge && *arguments.ridge != "auto") options.ridge = ridge_of(*arguments.ridge);
+  return options;
 }
 
-// The kernel used. It is a simpler one if the states do not determine the polynomial (rbf_fit.hpp).
-std::string_view kernel_of(const Model& model) {
-  if (model.is_tangent()) return "tangent";
-  return model.degree() == 0 ? "linear with constant" : name(model.kernel());
-}
-
-Evaluation evaluate(const StateSpace& space, const std::vector<Vec3>& points, const ModelOptions& options,
-                    const Globals& globals) {
-  ModelUpdater updater(space, options);
-  Model model;
-  model.reserve(options);
-  Evaluation result;
-  Progress progress(globals, "evaluate");
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    UpdateReport report;
-    updater.forget();
-    const auto start = Clock::now();
-    updater.update(points[i], model, &report);
-    const double seconds = since(start);
-    const bool changed = report.refit || report.replaced > 0;
-    if (changed) result.fit_us.push_back(1e6 * seconds);
-    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
-    result.labels.push_back(report.label);
-    result.kernels.push_back(kernel_of(model));
-    result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
-    result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
-    measure(model, points[i], result);
-    progress.show(double(i + 1) / double(points.size()),
-                  fmt::format("{} of {} points", i + 1, points.size()));
-  }
-  return result;
-}
-
-Evaluation evaluate_older(Method method, const std::vector<State>& states, const StateSpace& space,
-                          const std::vector<Vec3>& points, const MethodOptions& options) {
-  Evaluation result;
-  const auto start = Clock::now();
-  const Approximation field(method, states, options);
-  result.fit_us.push_back(1e6 * since(start));
-  result.fitted = 1;  // one field for all points
-  result.reused = points.size() - 1;
-  for (const Vec3& x : points) {
-    result.labels.push_back(space.coverage(x).label);
-    result.reach.push_back({field.bound(x), unknown, unknown});
-    measure(field, x, result);
-  }
-  return result;
-}
-
-Method method_of(const std::string& text) {
-  for (const Method method : all_methods())
-    if (name(method) == text) return method;
-  return Method::rbf;
-}
-
-void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& result) {
+void write_csv(const std::string& file, const std::vector<Vec3>& points, const EvaluatedPoints& result) {
   OutputFile out(file);
   out.write("x,y,z,fx,fy,fz,label\n");
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -177,26 +79,17 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
 
 // The older methods ignore some options; a warning says which.
 void warn_of_unused(const Globals& globals, const EvaluateArguments& arguments) {
-  if (arguments.method == "rbf") return;
-  const bool offline = arguments.method == "offline-rbf";
+  const std::string method = arguments.method.value_or("rbf");
+  if (method == "rbf" || method == "auto") return;
+  const bool offline = method == "offline-rbf";
   std::vector<std::string> unused;
-  if (arguments.select != "label") unused.push_back("--select");
-  if (!arguments.kernel.empty() && !offline) unused.push_back("--kernel");
-  if (!arguments.data.empty() && !offline) unused.push_back("--data");
-  if (arguments.neighbours && arguments.method != "rbf-network") unused.push_back("--neighbours");
-  if (arguments.ridge != "0" && !offline) unused.push_back("--ridge");
+  if (arguments.select) unused.push_back("--select");
+  if (arguments.kernel && !offline) unused.push_back("--kernel");
+  if (arguments.data && !offline) unused.push_back("--data");
+  if (arguments.neighbours && method != "rbf-network") unused.push_back("--neighbours");
+  if (arguments.ridge && !offline) unused.push_back("--ridge");
   if (!unused.empty())
-    warn(globals,
-         fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), arguments.method));
-}
-
-// Refuses a model that does not fit into memory, as a session does.
-void check_memory(const ModelOptions& options, std::size_t states) {
-  try {
-    for_states(options, states);
-  } catch (const InputError& error) {
-    throw InputError("--neighbours", error.problem());
-  }
+    warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), method));
 }
 
 std::vector<Vec3> read_points(const std::string& file) {
@@ -208,72 +101,62 @@ std::vector<Vec3> read_points(const std::string& file) {
   return points;
 }
 
-std::vector<State> read_known(const Globals& globals, const EvaluateArguments& arguments, double& spacing) {
+// The states, and whether they were taken as those of another body; nothing without a scene.
+struct KnownStates {
+  std::vector<State> states;
+  double spacing = unknown;  // [m]
+  std::optional<Belonging> belonging;
+};
+
+KnownStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
   LoadedStates loaded = load_states(arguments.states);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  spacing = arguments.spacing.value_or(loaded.header.spacing);
-  return std::move(loaded.states);
-}
-
-// Keeps the first of states at the same position.
-StateSpace space_of(const Globals& globals, const EvaluateArguments& arguments,
-                    const std::vector<State>& states, double spacing) {
-  if (!(spacing > 0)) spacing = estimate_spacing(usable_states(states));
-  StateSpace space({.spacing = spacing > 0 ? spacing : StateSpaceOptions{}.spacing});
-  std::size_t contradicting = 0;
-  for (const State& state : states) {
-    if (!state.usable()) continue;
-    const StateSpace::Insertion made = space.insert(state);
-    contradicting += !made.is_new && contradict(space[made.id], state) ? 1 : 0;
+  KnownStates known{.spacing = loaded.header.spacing};
+  if (!arguments.scene.empty()) {
+    const Scene scene = load_scene(arguments.scene, globals.set);
+    for (const std::string& warning : scene.warnings) warn(globals, warning);
+    known.belonging = belonging_of(globals, scene, arguments.states, loaded.header.identity,
+                                   averaged(loaded.states).states, arguments.foreign);
+    if (!(known.spacing > 0)) known.spacing = scene.space.spacing;
   }
-  if (contradicting > 0)
-    warn(globals, fmt::format("{}: {} another at the same position{}", arguments.states,
-                              contradicting == 1 ? "1 state contradicts"
-                                                 : fmt::format("{} states contradict", contradicting),
-                              method_of(arguments.method) == Method::rbf ? "; the first is kept" : ""));
-  return space;
+  if (arguments.spacing) known.spacing = *arguments.spacing;
+  known.states = std::move(loaded.states);
+  return known;
 }
 
-// Result of `forefeel evaluate`: forces at the points, how they were computed, and the times.
+// What `forefeel evaluate` prints.
 struct EvaluateResult {
-  Method method = Method::rbf;
-  MethodOptions options;   // .model: of rbf
-  std::size_t states = 0;  // known positions
   std::vector<Vec3> points;
-  Evaluation made;
-  double fit_us = unknown, evaluate_ns = unknown;  // medians
+  Evaluation found;
+  std::optional<Belonging> belonging;
 };
 
-EvaluateResult evaluate(const Globals& globals, const EvaluateArguments& arguments) {
-  EvaluateResult result{.method = method_of(arguments.method), .options = {}, .points = {}, .made = {}};
-  result.points = read_points(arguments.points);
-  double spacing = unknown;
-  const std::vector<State> states = read_known(globals, arguments, spacing);
-  ModelOptions& model = result.options.model = model_options(arguments, states);
-  if (arguments.ridge != "auto") model.ridge = ridge_of(arguments.ridge);
+EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
+  EvaluateOptions options = options_of(arguments);
+  EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}};
+  KnownStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
-  const StateSpace space = space_of(globals, arguments, states, spacing);
-  result.states = space.size();
-  result.options.spacing = space.options().spacing;
-  if (result.method == Method::rbf) check_memory(model, space.size());
-  model.neighbours = std::min(model.neighbours, space.size());
-  if (arguments.ridge == "auto") model.ridge = choose_ridge(space, model).ridge;
-  if (result.method == Method::rbf_network)
-    result.options.centres =
-        RbfNetwork::centres_of(static_cast<std::size_t>(std::ranges::count_if(states, &State::usable)),
-                               arguments.neighbours.value_or(0));
-  result.made = result.method == Method::rbf
-                    ? evaluate(space, result.points, model, globals)
-                    : evaluate_older(result.method, states, space, result.points, result.options);
-  result.fit_us = median(result.made.fit_us);
-  result.evaluate_ns = median(result.made.evaluate_ns);
+  options.spacing = known.spacing;
+  result.belonging = known.belonging;
+  Progress progress(globals, "evaluate");
+  const std::size_t count = result.points.size();
+  try {
+    result.found = evaluate(known.states, result.points, options, [&](std::size_t done) {
+      progress.show(double(done) / double(count), fmt::format("{} of {} points", done, count));
+    });
+  } catch (const InputError& error) {
+    if (error.place().key == "states") throw InputError(arguments.states, error.problem());
+    throw;
+  }
+  if (result.found.repeated.contradicting > 0)
+    warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;
 }
 
 // The settings of the method; null if it has no such setting.
-void describe(nlohmann::ordered_json& document, const EvaluateResult& result) {
+void describe(nlohmann::ordered_json& document, const Evaluation& result) {
   const ModelOptions& model = result.options.model;
   const bool moving = result.method == Method::rbf, offline = result.method == Method::offline_rbf,
              network = result.method == Method::rbf_network;
@@ -288,7 +171,25 @@ void describe(nlohmann::ordered_json& document, const EvaluateResult& result) {
   if_so("ridge", moving || offline, model.ridge);
 }
 
-nlohmann::ordered_json to_json(const EvaluateResult& result) {
+// Null where the model was not chosen, or where too few states allow no choice.
+void describe_choice(nlohmann::ordered_json& document, const Evaluation& result) {
+  document["chosen"] = nullptr;
+  document["expected_error"] = nullptr;
+  if (!result.chosen) return;
+  const ModelOptions& model = result.options.model;
+  document["chosen"] = {{"kernel", name(model.kernel)},
+                        {"neighbours", model.neighbours},
+                        {"ridge", model.ridge},
+                        {"select", name(model.select)},
+                        {"data", name(model.data)}};
+  document["expected_error"] = {{"p50", number(result.chosen->p50)},
+                                {"p95", number(result.chosen->p95)},
+                                {"positions", result.chosen->positions},
+                                {"groups", result.chosen->groups}};
+}
+
+nlohmann::ordered_json to_json(const EvaluateResult& evaluated) {
+  const Evaluation& result = evaluated.found;
   nlohmann::ordered_json document;
   document["forces"] = nlohmann::ordered_json::array();
   document["labels"] = nlohmann::ordered_json::array();
@@ -301,9 +202,14 @@ nlohmann::ordered_json to_json(const EvaluateResult& result) {
   document["fitted"] = result.made.fitted;
   document["updated"] = result.made.updated;
   document["reused"] = result.made.reused;
-  document["method"] = name(result.method);
+  document["method"] = result.chosen ? "auto" : name(result.method);
   describe(document, result);
+  describe_choice(document, result);
   document["spacing"] = number(result.options.spacing);
+  document["averaged"] = result.repeated.averaged;
+  document["largest_difference"] = result.repeated.largest_difference;
+  document["belonging"] = nullptr;
+  if (evaluated.belonging) document["belonging"] = name(*evaluated.belonging);
   for (const char* key : {"force_bounds", "tangent_from", "held_from"})
     document[key] = nlohmann::ordered_json::array();
   for (const Reach& reach : result.made.reach) {
@@ -315,13 +221,14 @@ nlohmann::ordered_json to_json(const EvaluateResult& result) {
 }
 
 // ", quintic on force+stiffness, 25 neighbours"
-std::string in_words(const EvaluateResult& result) {
+std::string in_words(const Evaluation& result) {
   const ModelOptions& model = result.options.model;
-  const Evaluation& made = result.made;
+  const EvaluatedPoints& made = result.made;
   std::string how;
   if (result.method == Method::rbf || result.method == Method::offline_rbf)
     how = fmt::format(", {} on {}", name(model.kernel), name(model.data));
   if (result.method == Method::rbf) how += fmt::format(", {} neighbours", model.neighbours);
+  if (result.chosen) how += fmt::format(" by rule {}, ridge {:g}", name(model.select), model.ridge);
   if (result.method == Method::rbf_network) how = fmt::format(", {} centres", result.options.centres);
   if (made.stepped_down > 0)
     how += fmt::format(
@@ -330,11 +237,20 @@ std::string in_words(const EvaluateResult& result) {
   return how;
 }
 
-void tell(const Globals& globals, const EvaluateResult& result, bool with_forces) {
-  const Evaluation& made = result.made;
+std::string expectation_in_words(const AutoModel& chosen) {
+  if (!std::isfinite(chosen.p95))
+    return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
+  return fmt::format(
+      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} known forces, left out in {} groups of neighbours",
+      chosen.p50, chosen.p95, chosen.positions, chosen.groups);
+}
+
+void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_forces) {
+  const Evaluation& result = evaluated.found;
+  const EvaluatedPoints& made = result.made;
   if (with_forces)
-    for (std::size_t i = 0; i < result.points.size(); ++i) {
-      const Vec3 &x = result.points[i], &f = made.forces[i];
+    for (std::size_t i = 0; i < evaluated.points.size(); ++i) {
+      const Vec3 &x = evaluated.points[i], &f = made.forces[i];
       answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}", x[0],
                                   x[1], x[2], f[0], f[1], f[2], name(made.labels[i])));
     }
@@ -343,15 +259,19 @@ void tell(const Globals& globals, const EvaluateResult& result, bool with_forces
   if (made.reused > 0) models += fmt::format(", {} reused", made.reused);
   say(globals,
       fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
-                  result.points.size(), result.states, name(result.method), in_words(result), models,
-                  result.fit_us, result.evaluate_ns));
+                  evaluated.points.size(), result.states, result.chosen ? "auto" : name(result.method),
+                  in_words(result), models, result.fit_us, result.evaluate_ns));
+  if (result.chosen) answer(globals, expectation_in_words(*result.chosen));
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   warn_of_unused(globals, arguments);
-  if (!globals.set.empty()) warn(globals, "--set: without effect on evaluate, which reads no scene");
-  const EvaluateResult result = evaluate(globals, arguments);
-  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.made);
+  if (!globals.set.empty() && arguments.scene.empty())
+    warn(globals, "--set: without effect on evaluate without --scene");
+  if (arguments.foreign && arguments.scene.empty())
+    throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
+  const EvaluateResult result = evaluate_command(globals, arguments);
+  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.found.made);
   if (globals.json)
     print_json(to_json(result));
   else
@@ -367,10 +287,14 @@ void add_evaluate(CommandLine& line) {
   sub.runs([arguments](const Globals& globals) { return run_evaluate(globals, *arguments); });
   sub.option("STATES", arguments->states, "State file, or states as CSV").required();
   sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").required().shows("Q.csv");
-  sub.option("--method", arguments->method, "Approximation")
-      .one_of({"rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"})
-      .shows_default();
-  sub.option("--kernel", arguments->kernel, "Default: quintic with stiffness, else cubic")
+  sub.option(
+         "--method", arguments->method,
+         "Approximation. auto chooses kernel, neighbours and ridge by leaving out groups of neighbouring "
+         "states, and says the error to expect; what is given beside it is kept. Default: auto for states "
+         "without stiffness if none of kernel, data, neighbours and ridge is given, else rbf")
+      .one_of(
+          {"auto", "rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"});
+  sub.option("--kernel", arguments->kernel, "Default of rbf: quintic with stiffness, else cubic")
       .one_of({"linear", "cubic", "quintic"});
   sub.option("--data", arguments->data, "Default: force+stiffness if the states have it")
       .one_of({"force", "force+stiffness"});
@@ -384,14 +308,20 @@ void add_evaluate(CommandLine& line) {
         const double n = std::strtod(text.c_str(), nullptr);
         return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
       });
-  sub.option("--select", arguments->select, "Neighbour rule").one_of({"label", "nearest"}).shows_default();
+  sub.option("--select", arguments->select, "Neighbour rule; default of rbf: label")
+      .one_of({"label", "nearest"});
   sub.option("--spacing", arguments->spacing,
              "h [m]; default: as in the file, else the median distance of states")
       .check(above_zero);
   sub.option("--ridge", arguments->ridge,
-             "For noisy states: added to the kernel's diagonal; auto: chosen by leave-one-out")
-      .shows("NUMBER|auto")
-      .shows_default();
+             "For noisy states: added to the kernel's diagonal; auto: chosen by leaving out single states. "
+             "Default of rbf: 0")
+      .shows("NUMBER|auto");
+  sub.option("--scene", arguments->scene,
+             "Scene of the states' body. States that name no body are compared with it and refused if they "
+             "differ")
+      .shows("SCENE");
+  sub.flag("--foreign", arguments->foreign, foreign_help);
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 

@@ -40,7 +40,9 @@ Json states_json(const StateSetSummary& sum, const StateFileHeader& header, cons
   document["with_energy"] = sum.with_energy;
   document["with_displacements"] = sum.with_displacements;
   document["multivalued"] = sum.multivalued;
-  document["contradicting"] = sum.contradicting;
+  document["contradicting"] = sum.at_one_position.contradicting;
+  document["averaged"] = sum.at_one_position.averaged;
+  document["largest_difference"] = sum.at_one_position.largest_difference;
   document["spacing"] = number(header.spacing);
   document["box"] = box_json(header.box);
   document["extent"] = box_json(sum.extent);
@@ -56,11 +58,7 @@ int info_states(const Globals& globals, const std::string& file) {
   const LoadedStates loaded = load_states(file);
   if (loaded.damaged > 0) warn(globals, damage_in_words(file, loaded.damaged));
   const StateSetSummary sum = summarise(loaded.states);
-  if (sum.contradicting > 0)
-    warn(globals,
-         fmt::format("{}: {} another at the same position; the first is kept", file,
-                     sum.contradicting == 1 ? "1 state contradicts"
-                                            : fmt::format("{} states contradict", sum.contradicting)));
+  if (sum.at_one_position.contradicting > 0) warn(globals, contradictions_in_words(file, sum.at_one_position));
   if (globals.json) print_json(states_json(sum, loaded.header, file));
   answer(globals,
          fmt::format(

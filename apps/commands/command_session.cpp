@@ -1,7 +1,9 @@
-// forefeel session SCENE … -o RUN/: a headless haptic session. Options that are not given come from the scene.
+// forefeel session SCENE … -o RUN/: a headless haptic session. Options that are not given come from the
+// scene.
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <future>
@@ -17,6 +19,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/picture/report.hpp"
+#include "apps/scene_input/given_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -29,15 +32,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The plan with the states known at the start, and the file that new ones are appended to.
-SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
-                        SessionPlan plan) {
-  if (given.states.empty())
-    return with_state_file(std::move(plan), fs::path(given.output) / "session.states");
-  const fs::path file = given.states;
-  if (file.extension() == ".csv")  // measured or foreign states stay as they are
-    return with_known(with_state_file(std::move(plan), fs::path(given.output) / "session.states"),
-                      read_states_csv(file));
+// States and their file, which what is solved will be appended to. The file is made if it is missing.
+SessionPlan extend_states(const Scene& scene, const fs::path& file, const Globals& globals,
+                          SessionPlan plan) {
   plan = with_state_file(std::move(plan), file);
   if (!fs::exists(file)) {
     check_writable(file);
@@ -54,6 +51,31 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
   return plan;
 }
 
+// The plan with the states known at the start, and the file for those that will be solved: the run's own,
+// unless the given one is to be extended.
+SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
+                        SessionPlan plan) {
+  const KnownStatesArguments& states = given.states;
+  if (states.file.empty() && (states.extend || states.foreign))
+    throw InputError(states.extend ? "--extend" : "--foreign",
+                     "is about the file of --states, expected both");
+  const fs::path own = fs::path(given.output) / "session.states";
+  if (states.file.empty()) return with_state_file(std::move(plan), own);
+  if (states.extend) return extend_states(scene, states.file, globals, std::move(plan));
+  std::error_code error;
+  if (fs::equivalent(states.file, own, error))
+    throw InputError("--states " + states.file,
+                     "is where this run keeps what it solves, expected --extend to append to it, or another "
+                     "folder for -o");
+  GivenStates known = given_states(globals, scene, states.file, states.foreign);
+  if (known.belonging == Belonging::foreign) {
+    if (std::ranges::none_of(known.loaded.states, &State::usable))
+      throw InputError(states.file, "holds no usable state, expected some to render");
+    return with_foreign(std::move(plan), std::move(known.loaded.states));
+  }
+  return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
+}
+
 // The run that is replayed must not be overwritten.
 void keep_replayed(const SessionOptions& options, const fs::path& run) {
   std::error_code error;
@@ -61,14 +83,17 @@ void keep_replayed(const SessionOptions& options, const fs::path& run) {
     throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
 }
 
-// States of an earlier run into this folder are renamed to session-1.states, session-2.states, … and kept.
-void set_aside_states_of_last_run(const Globals& globals, const SessionInput& input, const fs::path& run) {
+// States of an earlier run into this folder, unless they are being extended, are renamed to session-1.states,
+// session-2.states, … and kept.
+void set_aside_states_of_last_run(const Globals& globals, const SessionArguments& given,
+                                  const fs::path& run) {
   const fs::path file = run / "session.states";
-  if (input.files.states != file || !fs::exists(file)) return;
+  std::error_code error;
+  if (!fs::exists(file) || (given.states.extend && fs::equivalent(given.states.file, file, error))) return;
   int k = 1;
   while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
   warn(globals,
-       fmt::format("{}: states of an earlier run, kept as session-{}.states; --states continues from them",
+       fmt::format("{}: states of an earlier run, kept as session-{}.states; --states begins with them",
                    file.string(), k));
   for (const char* end : {"-wal", "-shm", ""}) {
     const fs::path part = file.string() + end;
@@ -161,7 +186,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const SessionInput& input = plan.input;
   keep_replayed(options, run);
   prepare_run_folder(run);
-  set_aside_states_of_last_run(globals, input, run);
+  set_aside_states_of_last_run(globals, given, run);
   warn_of_replay(globals, scene, given);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
@@ -220,8 +245,14 @@ void add_session(CommandLine& line) {
     return given->mpi ? run_with_mpi(globals, *given) : run_session_command(globals, *given, nullptr);
   });
   sub.option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults").required();
-  sub.option("--states", given->states, "States known at the start; new ones are appended (.states)")
+  sub.option(
+         "--states", given->states.file,
+         "States known at the start (.states or CSV), of this body. The file is read only: what is solved "
+         "goes to RUN/session.states")
       .shows("S");
+  const Option extend = sub.flag("--extend", given->states.extend,
+                                 "Append what is solved to the file of --states; it is made if missing");
+  sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
   sub.option("--device", given->device,
              "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or "
              "hand:PROFILE[,target=NAME,grip=…]");

@@ -50,13 +50,19 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
-  if (sum.repeated > 0)
-    warn(globals,
-         fmt::format("{}: {} duplicate positions; the first is kept", arguments.input, sum.repeated));
+  const RepeatedStates& repeats = sum.at_one_position;
+  if (repeats.contradicting > 0)
+    warn(globals, contradictions_in_words(arguments.input, repeats));
+  else if (repeats.repeated > 0)
+    warn(globals, fmt::format("{}: {} duplicate positions with the same force; each counts once",
+                              arguments.input, repeats.repeated));
   if (globals.json)
     print_json({{"states", states.size()},
                 {"with_stiffness", sum.with_stiffness},
-                {"repeated", sum.repeated},
+                {"repeated", repeats.repeated},
+                {"contradicting", repeats.contradicting},
+                {"averaged", repeats.averaged},
+                {"largest_difference", repeats.largest_difference},
                 {"spacing", number(header.spacing)},
                 {"box", {vector3(header.box.low), vector3(header.box.high)}},
                 {"file", arguments.output}});

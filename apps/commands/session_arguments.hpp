@@ -1,6 +1,6 @@
 #pragma once
-// What a person typed after `forefeel session`, and the plan of the session that it asks for. Options that are
-// not given come from the scene.
+// What a person typed after `forefeel session`, and the plan of the session that it asks for. Options that
+// are not given come from the scene.
 
 #include <memory>
 #include <optional>
@@ -13,8 +13,16 @@
 
 namespace forefeel {
 
+// States known at the start. The file is read only, unless `extend`.
+struct KnownStatesArguments {
+  std::string file;
+  bool extend = false;   // what is solved is appended to the file
+  bool foreign = false;  // of another body: rendered alone
+};
+
 struct SessionArguments {
-  std::string scene, states, output;
+  std::string scene, output;
+  KnownStatesArguments states;
   std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor,
       workers_kind;
   std::optional<double> seconds, latency;

@@ -17,8 +17,7 @@ std::string shown(const BodyIdentity& identity, const std::string& key) {
 
 }  // namespace
 
-void check_same_body(const std::string& file, const BodyIdentity& in_file, const BodyIdentity& ours) {
-  if (ours.empty() || in_file.empty()) return;
+std::string differing_keys(const BodyIdentity& in_file, const BodyIdentity& ours) {
   BodyIdentity keys = in_file;
   keys.insert(ours.begin(), ours.end());
   std::string differs;
@@ -28,7 +27,12 @@ void check_same_body(const std::string& file, const BodyIdentity& in_file, const
     differs += fmt::format("{}{} (file {}, here {})", differs.empty() ? "" : ", ", key, shown(in_file, key),
                            shown(ours, key));
   }
-  if (!differs.empty())
+  return differs;
+}
+
+void check_same_body(const std::string& file, const BodyIdentity& in_file, const BodyIdentity& ours) {
+  if (ours.empty() || in_file.empty()) return;
+  if (const std::string differs = differing_keys(in_file, ours); !differs.empty())
     throw InputError({.file = file}, fmt::format("belongs to another body, different: {}", differs));
 }
 

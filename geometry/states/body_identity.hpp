@@ -12,5 +12,7 @@ using BodyIdentity =
 
 // InputError that names the file and each key that differs, if both identities are known and differ.
 void check_same_body(const std::string& file, const BodyIdentity& in_file, const BodyIdentity& ours);
+// The keys that differ, each with both values: "material (file …, here …)"; empty where none does.
+std::string differing_keys(const BodyIdentity& in_file, const BodyIdentity& ours);
 
 }  // namespace forefeel

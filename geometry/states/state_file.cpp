@@ -76,6 +76,37 @@ void create(const fs::path& file, const StateFileHeader& header) {
   }
 }
 
+// States of a body and states of nobody known are kept apart. A file without states takes the identity.
+void check_owner(sqlite3* database, const std::string& where, StateFileHeader& in_file,
+                 const BodyIdentity& ours) {
+  check_same_body(where, in_file.identity, ours);
+  if (in_file.identity.empty() == ours.empty()) return;
+  Statement count(database, where, "SELECT count(*) FROM states");
+  count.step();
+  if (count.integer(0) > 0 && ours.empty())
+    throw InputError(
+        {.file = where},
+        fmt::format("holds {} states of a body, expected a file of its own for states without one",
+                    count.integer(0)));
+  if (count.integer(0) > 0)
+    throw InputError(
+        {.file = where},
+        fmt::format("holds {} states that name no body (imported or measured), expected a state file of this "
+                    "body, or a new name",
+                    count.integer(0)));
+  if (ours.empty()) return;
+  execute(database, where, "BEGIN IMMEDIATE");
+  Statement insert(database, where, "INSERT INTO identity (key, value) VALUES (?, ?)");
+  for (const auto& [key, value] : ours) {
+    insert.bind(1, std::string_view(key));
+    insert.bind(2, std::string_view(value));
+    insert.step();
+    insert.reset();
+  }
+  execute(database, where, "COMMIT");
+  in_file.identity = ours;
+}
+
 }  // namespace
 
 struct StateFile::Impl {
@@ -105,7 +136,7 @@ StateFile StateFile::open_or_create(const fs::path& name, const StateFileHeader&
   impl->database = open_database(impl->where, impl->where, SQLITE_OPEN_READWRITE);
   check_schema(impl->database.get(), impl->where);
   impl->header = read_header(impl->database.get(), impl->where);
-  check_same_body(impl->where, impl->header.identity, header.identity);
+  check_owner(impl->database.get(), impl->where, impl->header, header.identity);
   execute(impl->database.get(), impl->where, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
   if (!has_checksums(impl->database.get(), impl->where))
     execute(impl->database.get(), impl->where, "ALTER TABLE states ADD COLUMN checksum INTEGER");

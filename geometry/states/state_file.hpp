@@ -38,7 +38,8 @@ namespace forefeel {
 class StateFile {
  public:
   // Opens for appending; creates the file if it is missing. InputError: unreadable, no state file, of another
-  // body. An empty identity (measured states), given or in the file, agrees with every other.
+  // body. States with and without an identity (measured ones) never share a file: one that holds states
+  // without an identity is refused to a body, and the other way round.
   static StateFile open_or_create(const std::filesystem::path& file, const StateFileHeader& header);
   static StateFile open_read_only(const std::filesystem::path& file);
   ~StateFile();

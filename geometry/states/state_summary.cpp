@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/states/repeated_states.hpp"
-
 namespace forefeel {
 
 StateSetSummary summarise(std::span<const State> states) {
@@ -23,9 +21,7 @@ StateSetSummary summarise(std::span<const State> states) {
     sum.with_displacements += s.displacements != nullptr;
     sum.max_force = std::max(sum.max_force, s.force.norm());
   }
-  const RepeatedStates repeats = repeated_states(states);
-  sum.repeated = repeats.repeated;
-  sum.contradicting = repeats.contradicting;
+  sum.at_one_position = repeated_states(states);
   return sum;
 }
 

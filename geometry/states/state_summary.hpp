@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "geometry/states/repeated_states.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {
@@ -15,10 +16,10 @@ struct StateSetSummary {
   std::map<std::string, std::size_t> by_status;                             // name(status) -> number
   std::size_t with_stiffness = 0, with_energy = 0, with_displacements = 0;  // of the usable ones
   std::size_t multivalued = 0;
-  std::size_t repeated = 0, contradicting = 0;  // repeated_states.hpp
-  Box extent;                                   // of all positions [m]; zero without states
-  double max_force = 0;                         // of the usable ones [N]
-  double solve_seconds = 0;                     // in all [s]
+  RepeatedStates at_one_position;
+  Box extent;                // of all positions [m]; zero without states
+  double max_force = 0;      // of the usable ones [N]
+  double solve_seconds = 0;  // in all [s]
 };
 
 StateSetSummary summarise(std::span<const State> states);

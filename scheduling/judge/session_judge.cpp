@@ -89,6 +89,7 @@ struct SessionJudge::Impl {
         samples(all.options(), setup.judging),
         known(all),
         model(all, setup.model),
+        errors(setup.errors),
         floor(setup.judging.error_floor) {}
 
   std::vector<std::size_t> enter_labels(SessionResult& result) const;
@@ -103,6 +104,7 @@ struct SessionJudge::Impl {
   PathWalk walk;
   Vec3 last = Vec3::Zero();
   std::vector<Found> found;                                                                  // by frame
+  bool errors;                                                                               // wanted
   double floor;                                                                              // f0 [N]
   std::chrono::steady_clock::time_point end = std::chrono::steady_clock::time_point::max();  // of waiting
 };
@@ -116,7 +118,7 @@ void SessionJudge::frame(const PassedFrame& frame) {
   const bool as_before = !my.found.empty() && !frame.grown && frame.at == my.last;  // a hand at rest
   my.last = frame.at;
   Impl::Found result{.label = as_before ? my.found.back().label : my.known.label(frame.at, my.walk),
-                     .choice = my.samples.next(frame.at),
+                     .choice = my.errors ? my.samples.next(frame.at) : Samples::Choice{},
                      .fresh = Vec3::Zero()};
   if (result.choice.sampled || result.choice.first_visit) {
     my.references.request(frame.at);

@@ -27,6 +27,7 @@ struct JudgeSetup {
   ModelRecipe model = {};
   JudgingOptions judging = {};
   StopOptions stop = {};
+  bool errors = true;  // false: labels alone; there is no body to compare with
 };
 
 class SessionJudge final : public FrameStage {

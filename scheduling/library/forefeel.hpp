@@ -24,6 +24,7 @@
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 // What is the force now, given the known states?
+#include "approx/evaluate/evaluate.hpp"
 #include "approx/model/model.hpp"
 #include "approx/select/updater.hpp"
 #include "approx/switch/force_switch.hpp"

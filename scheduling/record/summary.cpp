@@ -80,7 +80,7 @@ SessionSummary::Deadline deadline_of(const SessionResult& result, const SessionO
   return {.missed = missed, .cost_us = timing(std::move(cost)), .lateness_us = timing(std::move(lateness))};
 }
 
-SessionSummary::States states_of(const SessionResult& result) {
+SessionSummary::States states_of(const SessionResult& result, bool foreign) {
   std::size_t used = 0;
   std::vector<double> age;
   for (const DispatchRecord& d : result.dispatch) {
@@ -99,7 +99,8 @@ SessionSummary::States states_of(const SessionResult& result) {
           .preempted = preempted,
           .failed = failed,
           .age_at_use_ms_p50 = rank_quantile(age, 0.5),
-          .age_at_use_ms_p99 = rank_quantile(age, 0.99)};
+          .age_at_use_ms_p99 = rank_quantile(age, 0.99),
+          .foreign = foreign};
 }
 
 // Largest |sum of dF| within any window of given length [s].
@@ -195,7 +196,7 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
   return {.settings = settings_of(input, options),
           .run = run_of(result, options),
           .deadline = deadline_of(result, options),
-          .states = states_of(result),
+          .states = states_of(result, input.foreign),
           .time_in = time_in_labels(result),
           .switching = switching_of(result, options.switching.rule),
           .error = error_of(result, options.switching),

@@ -13,6 +13,7 @@ class Group {
   Group(std::vector<Column>& columns, std::string key) : columns_(columns), prefix_(std::move(key) + ".") {}
   Group& number(std::string_view name, double value) { return put(name, column_value(value)); }
   Group& count(std::string_view name, std::uint64_t value) { return put(name, value); }
+  Group& flag(std::string_view name, bool value) { return put(name, value); }
   Group& text(std::string_view name, std::string_view value) { return put(name, std::string(value)); }
 
  private:
@@ -59,7 +60,8 @@ void add_states(std::vector<Column>& columns, const SessionSummary::States& stat
       .count("preempted", states.preempted)
       .count("failed", states.failed)
       .number("age_at_use_ms.p50", states.age_at_use_ms_p50)
-      .number("age_at_use_ms.p99", states.age_at_use_ms_p99);
+      .number("age_at_use_ms.p99", states.age_at_use_ms_p99)
+      .flag("foreign", states.foreign);
 }
 
 void add_switching(std::vector<Column>& columns, const SessionSummary::Switching& switching) {
@@ -74,8 +76,10 @@ void add_switching(std::vector<Column>& columns, const SessionSummary::Switching
       .number("drift.ms300", switching.drift_300ms);
 }
 
-void add_error(std::vector<Column>& columns, const SessionSummary::Error& error) {
-  Group(columns, "error").text("reference", "tight solves on the reference branch");
+void add_error(std::vector<Column>& columns, const SessionSummary::Error& error, bool foreign) {
+  Group(columns, "error")
+      .text("reference",
+            foreign ? "none: the states are of another body" : "tight solves on the reference branch");
   add_errors(columns, "error", error.samples);
   add_parts(columns, "error.parts", error.parts_p95);
   add_parts(columns, "error.parts_p50", error.parts_p50);
@@ -109,7 +113,7 @@ std::vector<Column> summary_columns(const SessionSummary& summary) {
   Group shares(columns, "time_in");
   for (const Label label : all_labels) shares.number(name(label), time_in[label]);
   add_switching(columns, switching);
-  add_error(columns, error);
+  add_error(columns, error, states.foreign);
   columns.push_back({"load", column_value(load)});
   Group(columns, "energy").number("generated_J", energy.generated).number("work_J", energy.work);
   add_safety(columns, safety);

@@ -72,6 +72,11 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
   const WorkerOptions& workers = plan.options.workers;
   if (!is_virtual(plan) && (to_text(workers.cost) != to_text(CostSpec()) || workers.latency > 0))
     result.notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
+  if (plan.input.foreign)
+    result.notes.push_back(fmt::format(
+        "the {} known states are of another body: they alone are rendered, nothing is solved, and "
+        "errors are not measured",
+        plan.input.known.size()));
   if (references.note()) result.notes.push_back(*references.note());
   if (references.damage() && !plan.input.references) result.warnings.push_back(*references.damage());
 }
@@ -111,12 +116,15 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
 
 std::shared_ptr<ReferenceService> references_of(const SessionPlan& plan) {
   if (plan.input.references) return plan.input.references;
-  return std::make_shared<ReferenceService>(reference_options(plan.input), plan.options.workers.threads);
+  ReferenceOptions options = reference_options(plan.input);
+  if (plan.input.foreign) options.cache_folder.clear();  // it is asked for nothing
+  return std::make_shared<ReferenceService>(options, plan.options.workers.threads);
 }
 
 bool adds_rest(const SessionPlan& plan) {
   const auto is_rest = [](const State& s) { return s.usable() && s.at.isZero(0); };
-  return plan.options.planning.rest_known && std::ranges::none_of(plan.input.known, is_rest);
+  return !plan.input.foreign && plan.options.planning.rest_known &&
+         std::ranges::none_of(plan.input.known, is_rest);
 }
 
 SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks) {

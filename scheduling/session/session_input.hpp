@@ -47,6 +47,9 @@ struct SessionParts {
 struct SessionInput {
   TouchedBody touched = {};
   std::vector<State> known = {};  // at the start
+  // The known states are those of another body, or of one that nobody can solve (measured ones). The session
+  // renders them alone: neither states nor references are solved, and no state file is written.
+  bool foreign = false;
   SessionFiles files = {};
   SessionParts parts = {};
   // A service shared by sessions of the same body, spacing and displacements, which may run at the same time.

@@ -84,6 +84,18 @@ void take_device(SessionPlan& plan) {
   plan.given_arrivals = true;
 }
 
+// Nothing is dispatched, as where states arrive at given times, and none arrive.
+void take_foreign(SessionPlan& plan) {
+  if (!plan.input.foreign) return;
+  if (!plan.arrivals.empty())
+    throw InputError(
+        "foreign",
+        "states that arrive at given times (--arrivals, --replay) would be solved for the scene's "
+        "body and mixed with those of another, expected a session without them");
+  plan.given_arrivals = true;
+  plan.input.files.states.reset();
+}
+
 std::shared_ptr<Policy> policy_of(const SessionPlan& plan) {
   if (plan.input.parts.policy) return plan.input.parts.policy;
   return make_policy(plan.options.planning.policy, factory_context(plan));
@@ -119,8 +131,8 @@ void settle_length(double duration, ClockOptions& clock) {
 // What depends on the states that are known.
 void choose_model(SessionPlan& plan) {
   const SessionModelOptions& model = plan.options.model;
-  const bool others_states = plan.options.planning.arrivals || plan.replay_of_arrivals ||
-                             std::ranges::any_of(plan.input.known, &State::usable);
+  const bool others_states = plan.input.foreign || plan.options.planning.arrivals ||
+                             plan.replay_of_arrivals || std::ranges::any_of(plan.input.known, &State::usable);
   plan.model = {.fit = for_states(model.fit, most_states(plan)),
                 .method = model.method,
                 .update_travel = model.update_travel,
@@ -158,10 +170,12 @@ void check_reusable(const SessionParts& parts) {
 bool is_rehearsed(const SessionPlan& plan) {
   const SessionOptions& options = plan.options;
   return options.planning.policy.name == "clairvoyant" && !plan.input.parts.policy &&
-         options.clock.kind == Clock::virtual_time && !options.planning.arrivals && !options.motion.replay;
+         options.clock.kind == Clock::virtual_time && !options.planning.arrivals && !options.motion.replay &&
+         !plan.input.foreign;
 }
 
 std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references) {
+  if (plan.input.foreign) return make_cost(CostSpec(), factory_context(plan), {});  // no solve is measured
   return make_cost(plan.options.workers.cost, factory_context(plan),
                    [&] { return references.recorded_costs(); });
 }
@@ -176,6 +190,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
     take_replay(plan);
   else
     take_device(plan);
+  take_foreign(plan);
   settle_length(plan.device->duration(), plan.options.clock);
   plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
   detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");
@@ -195,6 +210,12 @@ SessionPlan with_known(SessionPlan plan, std::vector<State> known) {
   std::ranges::move(known, std::back_inserter(plan.input.known));
   choose_model(plan);
   return plan;
+}
+
+SessionPlan with_foreign(SessionPlan plan, std::vector<State> known) {
+  plan.input.foreign = true;
+  take_foreign(plan);
+  return with_known(std::move(plan), std::move(known));
 }
 
 SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file) {
@@ -225,7 +246,10 @@ PlannerSetup planner_setup(const SessionPlan& plan) {
 }
 
 JudgeSetup judge_setup(const SessionPlan& plan) {
-  return {.model = plan.model, .judging = plan.options.judging, .stop = plan.options.stop};
+  return {.model = plan.model,
+          .judging = plan.options.judging,
+          .stop = plan.options.stop,
+          .errors = !plan.input.foreign};
 }
 
 }  // namespace forefeel

@@ -38,6 +38,9 @@ SessionPlan make_plan(SessionInput input, SessionOptions options);
 
 // The same session, with these states known at the start in addition to those of the plan.
 SessionPlan with_known(SessionPlan plan, std::vector<State> known);
+// The same session, rendering these states of another body alone (SessionInput::foreign). InputError where
+// states arrive at given times: they would be solved for the touched body.
+SessionPlan with_foreign(SessionPlan plan, std::vector<State> known);
 // The same session, appending its solved states to this file.
 SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file);
 

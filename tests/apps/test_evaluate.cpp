@@ -169,36 +169,78 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
              Catch::Contains("--select: without effect"));
 }
 
-TEST_CASE("evaluate and info say that states contradict each other, and the first is kept", "[evaluate]") {
+TEST_CASE("evaluate, import and info say that states contradict each other, and these are averaged",
+          "[evaluate]") {
   const Workshop shop;
   const std::string first = "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,1,0,0\n0,0.01,0,0,1,0\n0,0,0.01,0,0,1\n";
   shop.write("points.csv", "x,y,z\n0.01,0,0\n");
   shop.write("once.csv", first);
   shop.write("same.csv", first + "0,0.01,0,0,1,0\n");
   shop.write("other.csv", first + "0,0.01,0,0,1,0\n0.01,0,0,2,0,0\n0.01,0,0,-3,0,0\n");
-  const auto once = shop.forefeel("evaluate once.csv --points points.csv --json --quiet");
   for (const std::string states : {"once.csv", "same.csv", "other.csv"})
-    for (const std::string& command : {"evaluate " + states + " --points points.csv", "info " + states}) {
+    for (const std::string& command : {"evaluate " + states + " --points points.csv", "info " + states,
+                                       "import " + states + " -o " + states + ".states --spacing 0.01"}) {
       const auto outcome = shop.forefeel(command + " --json --quiet");
       INFO(command << "\n" << outcome.err);
       REQUIRE(outcome.code == 0);
+      const bool differ = states == "other.csv";
       const std::string warning =
-          states + ": 2 states contradict another at the same position; the first is kept\n";
-      const auto at = outcome.err.find("warning: ");
-      if (states == "other.csv")
-        CHECK(outcome.err.substr(std::min(at, outcome.err.size())).starts_with("warning: " + warning));
-      else
-        CHECK(at == std::string::npos);
+          "warning: " + states +
+          ": 2 states contradict another at the same position: averaged at 1 position, "
+          "where forces differ by up to 5 N\n";
+      CHECK((outcome.err.find(warning) != std::string::npos) == differ);
+      CHECK(outcome.json()["averaged"] == (differ ? 1 : 0));
+      CHECK(outcome.json()["largest_difference"].get<double>() == Approx(differ ? 5 : 0));
       if (command.starts_with("evaluate"))
-        CHECK(outcome.json()["forces"] == once.json()["forces"]);
+        CHECK(outcome.json()["forces"][0][0].get<double>() == Approx(differ ? 0 : 1).margin(1e-9));
       else
-        CHECK(outcome.json()["contradicting"] == (states == "other.csv" ? 2 : 0));
+        CHECK(outcome.json()["contradicting"] == (differ ? 2 : 0));
     }
-  CHECK(once.json()["forces"][0][0].get<double>() == Approx(1));
   shop.write("single.csv", first + "0,0.01,0,0,2,0\n");
   for (const std::string command : {"evaluate single.csv --points points.csv", "info single.csv"})
     CHECK_THAT(shop.forefeel(command).err,
-               Catch::Contains("1 state contradicts another at the same position; the first is kept"));
+               Catch::Contains("1 state contradicts another at the same position"));
+}
+
+TEST_CASE(
+    "evaluate --method auto says what it chose and the error to expect; it is the default of forces alone",
+    "[evaluate]") {
+  const Workshop shop;
+  std::string states = "x,y,z,fx,fy,fz\n", stiff = "x,y,z,fx,fy,fz,k11,k12,k13,k21,k22,k23,k31,k32,k33\n";
+  for (int i = 0; i < 125; ++i) {
+    const double x = 0.01 * (i % 5), y = 0.01 * (i / 5 % 5), z = 0.01 * (i / 25);
+    const std::string row =
+        fmt::format("{},{},{},{},{},{}", x, y, z, -20 * x, -30 * y, -25 * z - 400 * z * z);
+    states += row + "\n";
+    stiff += row + fmt::format(",20,0,0,0,30,0,0,0,{}\n", 25 + 800 * z);
+  }
+  shop.write("states.csv", states);
+  shop.write("stiff.csv", stiff);
+  shop.write("points.csv", "x,y,z\n0.013,0.022,0.017\n0.035,0.005,0.024\n");
+  const nlohmann::json open = run(shop, "evaluate states.csv --points points.csv --json"),
+                       asked = run(shop, "evaluate states.csv --points points.csv --json --method auto");
+  CHECK(open["forces"] == asked["forces"]);
+  CHECK(open["method"] == "auto");
+  for (const char* key : {"kernel", "neighbours", "ridge"})
+    CHECK(open["chosen"][key] == asked["chosen"][key]);
+  CHECK(open["chosen"]["kernel"] == open["kernel"]);
+  CHECK(open["expected_error"]["p50"].get<double>() <= open["expected_error"]["p95"].get<double>());
+  CHECK(open["forces"][0][2].get<double>() == Approx(-25 * 0.017 - 400 * 0.017 * 0.017).epsilon(0.02));
+  const nlohmann::json kept =
+      run(shop, "evaluate states.csv --points points.csv --json --method auto --kernel linear");
+  CHECK(kept["chosen"]["kernel"] == "linear");
+  for (const std::string& other :
+       {std::string("evaluate states.csv --kernel cubic"), std::string("evaluate stiff.csv"),
+        std::string("evaluate states.csv --method rbf")}) {
+    const nlohmann::json plain = run(shop, other + " --points points.csv --json");
+    CHECK(plain["method"] == "rbf");
+    CHECK(plain["chosen"].is_null());
+    CHECK(plain["expected_error"].is_null());
+  }
+  const nlohmann::json both = run(shop, "evaluate stiff.csv --method auto --points points.csv --json");
+  CHECK(both["chosen"]["data"] == "force+stiffness");
+  CHECK_THAT(shop.forefeel("evaluate states.csv --points points.csv").out,
+             Catch::Contains("expected error p50") && Catch::Contains("125 known forces"));
 }
 
 TEST_CASE("the time of a fit is that of models that were made, and their number is told", "[evaluate]") {

@@ -172,8 +172,25 @@ TEST_CASE("a file of another body is refused, and the error names the differing 
   CHECK(line.find("material (file sha256 bb, here sha256 zz)") != std::string::npos);
   CHECK(line.find("contact (file none, here sha256 dd)") != std::string::npos);
   CHECK(line.find("mesh") == std::string::npos);
-  CHECK(StateFile::open_or_create(folder / "s.states", {}).size() == 1);  // an empty identity agrees with any
   CHECK(StateFile::open_or_create(folder / "s.states", header()).size() == 1);
+}
+
+TEST_CASE("states of a body and states that name no body never share a file") {
+  const TemporaryFolder folder;
+  StateFileHeader nobody = header();
+  nobody.identity.clear();
+  StateFile::open_or_create(folder / "body.states", header()).append(std::vector{state(1)});
+  StateFile::open_or_create(folder / "measured.states", nobody).append(std::vector{state(1), state(2)});
+  const std::string before = content_of(folder / "measured.states");
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "body.states", nobody); }),
+             Catch::Contains("body.states: holds 1 states of a body"));
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "measured.states", header()); }),
+             Catch::Contains("measured.states: holds 2 states that name no body"));
+  CHECK(content_of(folder / "measured.states") == before);
+  CHECK(StateFile::open_or_create(folder / "measured.states", nobody).size() == 2);
+  StateFile::open_or_create(folder / "empty.states", nobody);
+  CHECK(StateFile::open_or_create(folder / "empty.states", header()).header().identity == header().identity);
+  CHECK(StateFile::open_read_only(folder / "empty.states").header().identity == header().identity);
 }
 
 TEST_CASE("what is no state file is refused in one line") {

@@ -1,0 +1,41 @@
+#pragma once
+// Which model suits a set of states, and how wrong will it be? Groups of neighbouring positions
+// (position_groups.hpp) are left out in turn, an eighth of them at once; the other states predict
+// their forces by the very models that will be used (ModelUpdater). The candidate with the least
+// root mean square of |f - f~| is chosen; its quantiles are the expected error.
+//
+// Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 by label, or one model of all (of
+// at most 1000 rows); ridges from 0 to 0.1. All are tried on some of the positions, the best on all. Of more
+// than 1500 states some patches are tried.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "approx/model/model_options.hpp"
+#include "geometry/states/state.hpp"
+
+namespace forefeel {
+
+// What the caller has fixed; the rest is chosen.
+struct AutoModelOptions {
+  std::optional<Kernel> kernel = {};
+  std::optional<Data> data = {};  // force+stiffness where the states have it
+  std::optional<std::size_t> neighbours = {};
+  std::optional<Select> select = {};
+  std::optional<double> ridge = {};
+  double spacing = 0.006;  // h of the state space [m]
+};
+
+struct AutoModel {
+  ModelOptions model = {};
+  bool all = false;  // one model of all states serves every place (fit_model() about their middle)
+  // Quantiles of |f - f~| at the positions left out [N]; NaN where too few states allow no choice.
+  double p50 = unknown, p95 = unknown;
+  std::size_t positions = 0, groups = 0;  // left out
+};
+
+// states: usable ones, one at each position. With fewer than 8 states or 3 groups the defaults are returned.
+AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options);
+
+}  // namespace forefeel

@@ -1,0 +1,40 @@
+#pragma once
+// Whether states that name no body are those of this one: tight solves at a few of their positions.
+//   fits   |f - g| <= 1 % of max(|f|, |g|, F / 10)
+// f: force of the state; g: of the body at the same position; F: largest force of the states [N]. Solves of
+// one body on two computers differ far less; another stiffness, clamp or contact differs more.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/states/state.hpp"
+#include "scheduling/workers/reference_service.hpp"
+
+namespace forefeel {
+
+struct AskedPosition {
+  Vec3 at, given;              // [m], [N]
+  std::optional<Vec3> solved;  // [N]; none where the body has no equilibrium
+  bool fits = false;
+};
+
+struct BodyAnswer {
+  std::vector<AskedPosition> asked;
+  // Position of the first state beyond `farthest`; nothing is solved then.
+  std::optional<Vec3> too_far;
+  std::size_t fitting() const;
+  // All positions fit; the body may have no equilibrium at less than half of them.
+  bool fits() const;
+};
+
+// farthest [m]: no state of the body can be farther from rest. At most 8 positions are asked, near and far
+// from rest, on all sides.
+BodyAnswer ask_body(std::span<const State> states, double farthest, ReferenceService& references);
+
+// "at 7 of 8 positions asked the forces differ: at (0, 0, -0.02) m they hold (0, 0, 1.3) N, the body gives …"
+std::string in_words(const BodyAnswer& answer);
+
+}  // namespace forefeel

@@ -1,0 +1,216 @@
+// The model that evaluate chooses by leaving out groups: compared with SciPy's kernels on measured forces,
+// the error that it expects against the true one, and the groups themselves.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iomanip>
+#include <random>
+#include <set>
+
+#include "approx/evaluate/evaluate.hpp"
+#include "approx/judge/position_groups.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "tests/approx/sets.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace forefeel;
+using namespace forefeel::testing;
+
+namespace {
+
+// Known forces, and places with their true force.
+struct Case {
+  std::vector<State> known;
+  std::vector<Vec3> points, truth;
+  void add(bool held, const Vec3& at, const Vec3& force) {
+    if (held) {
+      points.push_back(at);
+      truth.push_back(force);
+    } else {
+      State state;
+      state.at = at;
+      state.force = force;
+      known.push_back(state);
+    }
+  }
+};
+
+// A probe pressed into a curved organ at 73 places 10 to 20 mm apart, to ten depths 1 mm apart: forces up to
+// 5 N with the noise of a sensor. Every fourth place is held back.
+Case probed(unsigned seed, double noise) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> jitter(-0.0025, 0.0025);
+  std::normal_distribution<double> sensor(0, noise);
+  Case result;
+  for (int place = 0; place < 73; ++place) {
+    const double x = 0.015 * (place / 9 - 4) + jitter(random), y = 0.015 * (place % 9 - 4) + jitter(random);
+    const double top = 0.01 * std::cos(20 * x) * std::cos(15 * y);
+    const double stiff = 1 + 0.5 * std::sin(40 * x + 1) * std::cos(30 * y);
+    for (int step = 1; step <= 10; ++step) {
+      const double depth = 0.001 * step, f = stiff * (130 * depth + 1.7e4 * depth * depth);
+      const Vec3 force(0.1 * f * std::sin(30 * y), 0.1 * f * std::cos(25 * x), f);
+      result.add(place % 4 == 3, Vec3(x, y, top - depth),
+                 force + Vec3(sensor(random), sensor(random), sensor(random)));
+    }
+  }
+  return result;
+}
+
+// Scattered places in a smooth field.
+Case scattered(unsigned seed, int known, double noise) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-0.03, 0.03);
+  std::normal_distribution<double> sensor(0, noise);
+  Case result;
+  for (int i = 0; i < known + 150; ++i) {
+    const double x = place(random), y = place(random), z = place(random);
+    const bool held = i >= known;
+    const Vec3 error =
+        held || noise == 0 ? Vec3(Vec3::Zero()) : Vec3(sensor(random), sensor(random), sensor(random));
+    result.add(held, Vec3(x, y, z), field_state(Vec3(x, y, z)).force + error);
+  }
+  return result;
+}
+
+std::vector<double> errors(const Evaluation& found, const Case& given) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < given.truth.size(); ++i)
+    out.push_back((found.made.forces[i] - given.truth[i]).norm());
+  return out;
+}
+
+double best_of_scipy(const Case& given) {
+  const test::TemporaryFolder folder;
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  {
+    std::ofstream states(file("states.csv")), points(file("points.csv"));
+    states << std::setprecision(17);
+    points << std::setprecision(17);
+    const auto row = [](std::ofstream& out, const Vec3& at, const Vec3& f) {
+      out << at[0] << ',' << at[1] << ',' << at[2] << ',' << f[0] << ',' << f[1] << ',' << f[2] << '\n';
+    };
+    for (const State& s : given.known) row(states, s.at, s.force);
+    for (std::size_t i = 0; i < given.points.size(); ++i) row(points, given.points[i], given.truth[i]);
+  }
+  const std::string script = (test::source_folder() / "tests/approx/scipy_best.py").string();
+  const std::string command = "OPENBLAS_NUM_THREADS=1 /usr/bin/python3 '" + script + "' " +
+                              file("states.csv") + " " + file("points.csv") + " " + file("best.txt");
+  REQUIRE(std::system(command.c_str()) == 0);
+  std::ifstream in(file("best.txt"));
+  double best = HUGE_VAL;
+  int kernels = 0;
+  for (double p95 = 0; in >> p95; ++kernels) best = std::min(best, p95);
+  REQUIRE(kernels >= 8);
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("the chosen model is no worse than the best of SciPy's kernels, and its error is as expected",
+          "[auto][scipy]") {
+  if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
+  const std::vector<std::pair<std::string, Case>> cases{{"probed", probed(1, 0.03)},
+                                                        {"probed, noisy", probed(5, 0.1)},
+                                                        {"scattered", scattered(2, 200, 0)},
+                                                        {"scattered, noisy", scattered(3, 250, 0.02)}};
+  for (const auto& [name, given] : cases) {
+    const Evaluation found = evaluate(given.known, given.points, {});
+    REQUIRE(found.chosen);
+    const double p95 = quantile_of(errors(found, given), 0.95), best = best_of_scipy(given);
+    CAPTURE(name, p95, best, forefeel::name(found.options.model.kernel), found.options.model.neighbours,
+            found.options.model.ridge, found.chosen->p95);
+    CHECK(p95 <= 1.001 * best);  // SciPy's own kernel without smoothing is the best where there is no noise
+    CHECK(found.chosen->p50 < found.chosen->p95);
+    CHECK(found.chosen->p95 > 0.4 * p95);  // scattered positions lie closer than the groups left out
+    if (name.starts_with("probed")) CHECK(found.chosen->p95 < 2.5 * p95);
+  }
+}
+
+TEST_CASE("probes to ten depths are groups of their own; a lattice falls into compact ones", "[auto]") {
+  const Case given = probed(1, 0.03);
+  std::vector<Vec3> at;
+  for (const State& s : given.known) at.push_back(s.at);
+  const PositionGroups probes = position_groups(at);
+  CHECK(probes.natural);
+  CHECK(probes.count == 55);
+  for (std::size_t i = 0; i < at.size(); ++i) CHECK(probes.of[i] == probes.of[i / 10 * 10]);
+  const std::vector<Vec3> lattice = lattice_points(3, 0.006);
+  const PositionGroups blocks = position_groups(lattice);
+  CHECK_FALSE(blocks.natural);
+  std::vector<std::size_t> size(blocks.count, 0);
+  for (const std::uint32_t group : blocks.of) ++size.at(group);
+  for (const std::size_t n : size) CHECK((n >= 4 && n <= 8));
+  const std::vector<std::uint32_t> part = spread_over_parts(at, probes, 8);
+  CHECK(std::set(part.begin(), part.end()).size() == 8);
+  for (const std::uint32_t p : {0u, 7u}) CHECK(std::ranges::count(part, p) >= 6);
+}
+
+TEST_CASE("the choice is the same each time, keeps what is given, and few states leave it open", "[auto]") {
+  const Case given = scattered(4, 120, 0.01);
+  const Evaluation once = evaluate(given.known, given.points, {}),
+                   again = evaluate(given.known, given.points, {});
+  for (std::size_t i = 0; i < given.points.size(); ++i) CHECK(once.made.forces[i] == again.made.forces[i]);
+  const Evaluation fixed = evaluate(
+      given.known, given.points,
+      {.choose = true, .kernel = Kernel::linear, .neighbours = 30, .select = Select::label, .ridge = 0.01});
+  REQUIRE(fixed.chosen);
+  CHECK(fixed.options.model.kernel == Kernel::linear);
+  CHECK(fixed.options.model.neighbours == 30);
+  CHECK(fixed.options.model.select == Select::label);
+  CHECK(fixed.options.model.ridge == 0.01);
+  CHECK(std::isfinite(fixed.chosen->p95));
+  CHECK_FALSE(evaluate(given.known, given.points, {.kernel = Kernel::cubic}).chosen);  // as it was asked for
+  CHECK_FALSE(
+      evaluate(states_at(lattice_points(1, 0.006)), given.points, {}).chosen);  // states with stiffness
+  const Evaluation few = evaluate(std::span(given.known).first(5), given.points, {});
+  REQUIRE(few.chosen);
+  CHECK(std::isnan(few.chosen->p95));
+  for (const Vec3& force : few.made.forces) CHECK(force.allFinite());
+}
+
+TEST_CASE("of many states some patches are left out, and the error is as expected", "[auto]") {
+  const Case given = scattered(6, 4000, 0.01);
+  const AutoModel chosen =
+      choose_model(given.known, {.kernel = Kernel::cubic, .neighbours = 40, .spacing = 0.004});
+  CHECK(chosen.positions >= 100);
+  CHECK(chosen.positions <= 600);
+  const Evaluation made = evaluate(given.known, given.points,
+                                   {.kernel = Kernel::cubic,
+                                    .neighbours = 40,
+                                    .select = chosen.model.select,
+                                    .ridge = chosen.model.ridge,
+                                    .spacing = 0.004});
+  const double p95 = quantile_of(errors(made, given), 0.95);
+  CHECK(p95 < 0.05);
+  CHECK(chosen.p95 > 0.5 * p95);
+  CHECK(chosen.p95 < 5 * p95);
+}
+
+TEST_CASE(
+    "states that contradict each other at one position are averaged, and the largest difference is told",
+    "[auto]") {
+  std::vector<Vec3> at = lattice_points(1, 0.01), force;
+  for (const Vec3& x : at) force.push_back(-100 * x);
+  const std::vector<State> once = measured_states(at, force);
+  std::vector<State> repeated = once;
+  for (const double error : {0.3, -0.1, -0.2}) {  // with the first, their mean is the first
+    repeated.push_back(once[5]);
+    repeated.back().force.x() += error;
+  }
+  const std::vector<Vec3> points{{0.003, 0.002, 0.001}, once[5].at};
+  const EvaluateOptions cubic{.kernel = Kernel::cubic};
+  const Evaluation plain = evaluate(once, points, cubic), mean = evaluate(repeated, points, cubic);
+  CHECK(plain.repeated.averaged == 0);
+  CHECK(mean.repeated.averaged == 1);
+  CHECK(mean.repeated.contradicting == 3);
+  CHECK(mean.repeated.largest_difference == Approx(0.5));
+  CHECK(mean.states == once.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    CHECK((mean.made.forces[i] - plain.made.forces[i]).norm() < 1e-9);
+  CHECK_THROWS_AS(measured_states(at, std::span(force).first(3)), InputError);
+}

@@ -1,0 +1,143 @@
+// States that a command is given: the file is read only, states of another body are refused or taken as
+// foreign, and never mixed with solves of the scene's body.
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/executable.hpp"
+
+using namespace forefeel::test;
+using nlohmann::json;
+
+namespace {
+
+std::string bytes(const Workshop& shop, const std::string& file) {
+  return shop.shell("sha256sum < " + file).out;
+}
+
+json run(const Workshop& shop, const std::string& arguments) {
+  const Workshop::Outcome outcome = shop.forefeel(arguments + " --json");
+  INFO("forefeel " << arguments << "\n" << outcome.err);
+  REQUIRE(outcome.code == 0);
+  return outcome.json();
+}
+
+// beam.toml, its lattice in beam.states, the same as a CSV, and the CSV with forces three times as large.
+void prepare(const Workshop& shop) {
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("generate beam.toml -o beam.states --quiet").code == 0);
+  REQUIRE(shop.forefeel("export beam.states -o same.csv --quiet").code == 0);
+  REQUIRE(shop.shell("awk -F, 'BEGIN {OFS=\",\"} NR == 1 {print \"x,y,z,fx,fy,fz\"; next} "
+                     "{print $1, $2, $3, 3 * $4, 3 * $5, 3 * $6}' same.csv > other.csv")
+              .code == 0);
+  REQUIRE(shop.forefeel("import same.csv -o same.states --spacing 0.004 --quiet").code == 0);
+  REQUIRE(shop.forefeel("import other.csv -o other.states --spacing 0.004 --quiet").code == 0);
+}
+
+const std::string session =
+    "session beam.toml --clock virtual --seconds 0.4 --device path:circle,speed=0.06,amplitude=0.007 --cost "
+    "constant:0.01 --quiet ";
+
+}  // namespace
+
+TEST_CASE("a file given with --states is read only; what is solved goes to the run's own file", "[states]") {
+  const Workshop shop;
+  prepare(shop);
+  for (const std::string file : {"beam.states", "same.states", "same.csv"}) {
+    CAPTURE(file);
+    const std::string before = bytes(shop, file);
+    const json summary = run(shop, session + "--states " + file + " -o run-" + file);
+    CHECK(bytes(shop, file) == before);
+    CHECK(summary["states"]["start"] == 27);
+    CHECK(summary["states"]["foreign"] == false);
+    CHECK(summary["error"]["samples"].get<int>() > 0);
+    const json kept = run(shop, "info run-" + file + "/session.states");
+    CHECK(kept["states"] == summary["states"]["solved"]);
+    CHECK(kept["identity"] == run(shop, "info beam.states")["identity"]);
+  }
+  check_refused(shop, session + "--states absent.states -o run", {"absent.states"});
+  check_refused(shop, session + "--states run-same.csv/session.states -o run-same.csv",
+                {"session.states", "--extend"});
+}
+
+TEST_CASE("--extend appends what is solved to the given file, of the same body alone", "[states]") {
+  const Workshop shop;
+  prepare(shop);
+  const std::string wide = session + "--set 'state_space.box=[[-0.008,-0.008,-0.008],[0.008,0.008,0.008]]' ";
+  const json summary = run(shop, wide + "--states beam.states --extend -o run");
+  CHECK(summary["states"]["solved"].get<int>() > 0);
+  CHECK(run(shop, "info beam.states")["states"] == 27 + summary["states"]["solved"].get<int>());
+  CHECK(shop.files().find("run/session.states") == std::string::npos);
+  const json made = run(shop, wide + "--states new.states --extend -o run-2");
+  CHECK(run(shop, "info new.states")["states"] == made["states"]["solved"]);
+  check_refused(shop, wide + "--states same.states --extend -o run-3", {"same.states", "name no body"});
+  check_refused(shop, wide + "--states same.csv --extend -o run-3", {"same.csv"});
+  check_refused(shop, wide + "--extend -o run-3", {"--extend", "--states"});
+  check_refused(shop, wide + "--states beam.states --extend --foreign -o run-3", {"--foreign", "--extend"});
+  check_refused(shop, "generate beam.toml -o same.states", {"same.states", "name no body"});
+}
+
+TEST_CASE("states without a body that do not fit the scene's are refused, with the differences", "[states]") {
+  const Workshop shop;
+  prepare(shop);
+  shop.write("points.csv", "x,y,z\n0.001,0.001,0.001\n");
+  for (const std::string file : {"other.states", "other.csv"})
+    for (const std::string command : {session + "--states " + file + " -o run",
+                                      "classify " + file + " --calibrate beam.toml -o calibration",
+                                      "evaluate " + file + " --scene beam.toml --points points.csv",
+                                      "classify " + file + " --scene beam.toml"})
+      check_refused(shop, command, {file, "names no body", "the forces differ at", "those of the body"});
+  // In millimetres: nothing is solved so far out.
+  shop.write("mm.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n4,0,0,-1,0,0\n0,4,0,0,-1,0\n0,0,4,0,0,-1\n");
+  check_refused(shop, session + "--states mm.csv -o run", {"mm.csv", "from rest"});
+  CHECK(run(shop, "evaluate same.csv --scene beam.toml --points points.csv")["belonging"] == "asked");
+  CHECK(run(shop, "evaluate beam.states --scene beam.toml --points points.csv")["belonging"] == "identity");
+  CHECK(run(shop, "evaluate other.csv --foreign --scene beam.toml --points points.csv")["belonging"] ==
+        "foreign");
+  CHECK(run(shop, "evaluate other.csv --points points.csv")["belonging"].is_null());
+}
+
+TEST_CASE("a foreign session renders the given states alone: nothing is solved, and the summary says so",
+          "[states]") {
+  const Workshop shop;
+  prepare(shop);
+  REQUIRE(shop.forefeel("generate beam.toml -o soft.states --quiet --set material.young=1000").code == 0);
+  check_refused(shop, session + "--states soft.states -o run", {"soft.states", "material", "--foreign"});
+  for (const std::string clock : {"virtual", "real"})
+    for (const std::string file : {"other.states", "other.csv", "soft.states"}) {
+      CAPTURE(clock, file);
+      const std::string out = "run-" + clock + file, before = bytes(shop, file);
+      const json summary = run(shop, session + "--clock " + clock + " --states " + file +
+                                         " --foreign --cost recorded "
+                                         "--set session.rest_known=true -o " +
+                                         out);
+      CHECK(summary["states"]["foreign"] == true);
+      CHECK(summary["states"]["start"] == 27);
+      CHECK(summary["states"]["solved"] == 0);
+      CHECK(summary["error"]["samples"] == 0);
+      CHECK(summary["error"]["p95"].is_null());
+      CHECK(summary["first_guess"] == false);
+      CHECK_THAT(summary["notes"].dump(), Catch::Contains("of another body"));
+      CHECK(bytes(shop, file) == before);
+      CHECK(shop.files().find(out + "/session.states") == std::string::npos);
+      CHECK(shop.shell("tail -n +2 " + out + "/states.csv | wc -l").out == "27\n");
+    }
+  // What is rendered is the given field, three times the body's.
+  const std::string force = "awk -F, 'END {print sqrt($5^2+$6^2+$7^2)}' ";
+  REQUIRE(
+      run(shop,
+          session +
+              "--states same.csv --device path:circle,speed=0.02,amplitude=0.003 -o same")["error"]["p95"] <
+      0.05);
+  run(shop,
+      session + "--states other.csv --foreign --device path:circle,speed=0.02,amplitude=0.003 -o three");
+  CHECK(std::stod(shop.shell(force + "three/frames.csv").out) ==
+        Approx(3 * std::stod(shop.shell(force + "same/frames.csv").out)).epsilon(0.1));
+  shop.write("arrivals.csv", "t,x,y,z\n0.1,0.004,0,0\n");
+  check_refused(shop, session + "--states other.csv --foreign --arrivals arrivals.csv -o run",
+                {"foreign", "mixed"});
+  check_refused(shop, session + "--foreign -o run", {"--foreign", "--states"});
+}
