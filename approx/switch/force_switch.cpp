@@ -39,13 +39,17 @@ Vec3 at(const Model* model, const Vec3& x) {
 ForceSwitch::ForceSwitch(SwitchOptions options) : options_(options) {}
 
 ForceSwitch::Frame ForceSwitch::step(const Model* newest, const Vec3& x) noexcept {
-  return options_.rule == SwitchRule::paper ? step_paper(newest, x) : step_smooth(newest, x);
+  if (options_.rule == SwitchRule::paper) return step_paper(newest, x);
+  const double travel = begun_ ? (x - last_x_).norm() : 0;
+  begun_ = true;
+  last_x_ = x;
+  return step_smooth(newest, x, travel);
 }
 
-ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x) noexcept {
+ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x, double travel) noexcept {
   const Vec3 old = at(current_, x);
   const bool comes = newest != nullptr && newest != current_;
-  Frame out = step(old, comes ? newest->force(x) : old, comes);
+  Frame out = step(old, comes ? newest->force(x) : old, comes, travel);
   if (comes) {
     out.released = current_;
     current_ = newest;
@@ -53,16 +57,32 @@ ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x) 
   return out;
 }
 
-ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool comes) noexcept {
+// The force here if the switch changed nothing in this frame: of the model so far, and of the offset as far
+// as the motion leaves it.
+Vec3 ForceSwitch::carried(const Vec3& old, const Vec3& now, double travel) noexcept {
+  if (options_.rule == SwitchRule::none) return old;
+  const double beyond = travel - options_.jump_speed * options_.frame;
+  if (beyond > 0) offset_ *= std::exp(-beyond / options_.jump_length);
+  if (const double size = now.norm(); size > largest_) largest_ = size;
+  const Vec3 force = old + offset_;
+  const double size = force.norm();
+  if (!(size > largest_)) return force;
+  const Vec3 bounded = largest_ / size * force;
+  offset_ = bounded - old;
+  return bounded;
+}
+
+ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool comes, double travel) noexcept {
   const double share = options_.jnd_share * options_.frame / options_.paper_interval;
   const double floor = options_.jnd_floor * options_.frame / options_.paper_interval;
   Frame out;
   out.undamped = now;
   out.took_model = comes;
-  const Vec3 before = old + offset_;  // the force here if the switch changed nothing in this frame
+  const Vec3 before = carried(old, now, travel);
   if (comes) {
     out.undamped_jump = (now - old).norm();
     offset_ = before - now;
+    if (!offset_.allFinite()) offset_.setZero();  // nothing is left of a force that is not finite
   }
   if (options_.rule == SwitchRule::none) {
     offset_.setZero();

@@ -9,6 +9,13 @@
 // rule. paper: models that arrive during a switch wait; only the latest of them is used. If f~ and f~' differ
 // by d at the HIP, the switch takes at most d / 10 mN steps of 10 ms, which bounds the delay. smooth: no
 // delay; the offset is gone after at most |e| / 1 mN frames. step() does not allocate, lock or throw.
+//
+// How large F can be. paper: F lies between the forces of the two models at the HIP. smooth: e was measured
+// where the HIP was at the switch, and switches add to it. So it is bounded as the HIP moves:
+//   |F| <= S             S: the largest |f~| of the newest model so far, that is what rule none renders
+//   e <- e exp(-(s - s0) / l)   where the HIP moves by s > s0 in a frame: a jump, faster than any hand.
+//                        s0 = 1 mm in 1 ms, l = 5 mm. After 5 cm nothing of e is left.
+// Both belong to the motion: they change nothing while the HIP rests, and dF does not count them.
 
 #include <string_view>
 
@@ -25,6 +32,8 @@ struct SwitchOptions {
   double jnd_floor = 0.010;       // F_abs [N]
   double frame = 1e-3;            // [s]
   double paper_interval = 10e-3;  // [s]; the smooth bound per frame is the JND scaled by frame / interval
+  double jump_speed = 1;          // rule smooth: of the HIP, from which on the offset is forgotten [m/s]
+  double jump_length = 5e-3;      // over which it falls by a factor e then [m]
 };
 
 class ForceSwitch {
@@ -44,11 +53,13 @@ class ForceSwitch {
   // newest: the latest published model, or null if none was published since the last frame.
   Frame step(const Model* newest, const Vec3& x) noexcept;
   // The same from forces at x: `old` of the previous model, `now` of the newest; comes: the newest is new in
-  // this frame. Not for rule paper, which needs both models for longer.
-  Frame step(const Vec3& old, const Vec3& now, bool comes) noexcept;
+  // this frame; travel: of the HIP since the last frame [m]. Not for rule paper, which needs both models for
+  // longer.
+  Frame step(const Vec3& old, const Vec3& now, bool comes, double travel = 0) noexcept;
 
  private:
-  Frame step_smooth(const Model* newest, const Vec3& x) noexcept;  // and none
+  Frame step_smooth(const Model* newest, const Vec3& x, double travel) noexcept;  // and none
+  Vec3 carried(const Vec3& old, const Vec3& now, double travel) noexcept;
   Frame step_paper(const Model* newest, const Vec3& x) noexcept;
 
   SwitchOptions options_;
@@ -56,6 +67,9 @@ class ForceSwitch {
   const Model* previous_ = nullptr;  // rule paper only
   const Model* waiting_ = nullptr;   // rule paper: the latest model that arrived during a switch
   Vec3 offset_ = Vec3::Zero();
+  double largest_ = 0;  // S [N]
+  Vec3 last_x_ = Vec3::Zero();
+  bool begun_ = false;
   double weight_ = 1;
   int frames_since_step_ = 1 << 20;  // the first step is taken at once
 };

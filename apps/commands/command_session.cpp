@@ -8,8 +8,11 @@
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/session_arguments.hpp"
@@ -127,7 +130,8 @@ void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) 
                   s.switching.count, s.switching.frames_over_jnd, share(error.p50), share(error.p95),
                   share(error.within_jnd)));
   for (const std::string& note : s.run.notes) say(globals, note);
-  say(globals, fmt::format("report: {}", (run / "report.html").string()));
+  if (std::error_code problem; fs::exists(run / "report.html", problem))
+    say(globals, fmt::format("report: {}", (run / "report.html").string()));
 }
 
 // The slices and the states' file are made on threads of their own while the errors are computed.
@@ -156,9 +160,34 @@ nlohmann::ordered_json document_of(const SessionSummary& summary,
   return document;
 }
 
-// 1 for a session that was interrupted; a warning says how far it came.
-int exit_code(const Globals& globals, const SessionResult& result, const SessionPlan& plan) {
-  if (!result.interrupted()) return 0;
+// Writes one file after the other: what cannot be written costs no other file its place.
+class Salvage {
+ public:
+  explicit Salvage(std::vector<std::string> failures) : failures_(std::move(failures)) {}
+  template <class Write>
+  void attempt(const std::string& what, Write write) {
+    try {
+      write();
+    } catch (const std::bad_alloc&) {
+      failures_.push_back(what + " is not written: out of memory");
+    } catch (const std::exception& problem) {
+      failures_.push_back(problem.what());
+    }
+  }
+  const std::vector<std::string>& failures() const { return failures_; }  // one line each
+
+ private:
+  std::vector<std::string> failures_;
+};
+
+// 1 for a session that was interrupted or lost results; warnings say how far it came and what failed.
+int exit_code(const Globals& globals, const SessionResult& result, const SessionPlan& plan,
+              const std::vector<std::string>& failures) {
+  for (const std::string& failure : failures) warn(globals, failure);
+  if (!result.interrupted()) {
+    flush_warnings();
+    return failures.empty() ? 0 : 1;
+  }
   if (result.end == RunEnd::not_begun)
     warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
                               result.notes.front(), plan.frames));
@@ -208,17 +237,22 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   for (const std::string& warning : result.warnings) warn(globals, warning);
 
   const ReportPictures pictures = begin_pictures(result, meanwhile.slices);
-  write_run_files(run, result, options);
-  meanwhile.states.get();
-  const SessionSummary summary = summarise(result, input, options);
-  const nlohmann::ordered_json document = document_of(summary, predictions.report(), result, plan, scene);
-  OutputFile file(run / "summary.json");
-  file.write(document.dump(2) + "\n");
-  file.commit();
-  write_report(run, summary, document, scene, pictures);
+  Salvage salvage(result.failures);
+  salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
+  salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
+  SessionSummary summary = summarise(result, input, options);
+  summary.run.failures = salvage.failures();
+  nlohmann::ordered_json document = document_of(summary, predictions.report(), result, plan, scene);
+  salvage.attempt("summary.json", [&] {
+    OutputFile file(run / "summary.json");
+    file.write(document.dump(2) + "\n");
+    file.commit();
+  });
+  salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
+  document["failures"] = salvage.failures();
   if (globals.json) print_json(document);
   if (!globals.json) tell(globals, summary, run);
-  return exit_code(globals, result, plan);
+  return exit_code(globals, result, plan, salvage.failures());
 }
 
 // All ranks read the same input, so bad input ends all of them. Rank 0 reports it.

@@ -52,6 +52,7 @@ int complain(const std::string& text, int code) {
 
 int main(int argc, char** argv) {
   using namespace forefeel;
+  write_errors_without_signals();
   if (watches(argc, argv)) watch_from_the_start();
   try {
     return run(argc, argv);

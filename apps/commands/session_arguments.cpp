@@ -104,11 +104,10 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
   };
   if (key.starts_with("session.") || key.starts_with("model.")) {
     const std::string option = key.substr(key.find('.') + 1);
-    const std::pair<const char*, bool> options[] = {{"seconds", given.seconds.has_value()},
-                                                    {"workers", given.workers.has_value()},
-                                                    {"policy", given.policy.has_value()},
-                                                    {"latency", given.latency.has_value()},
-                                                    {"predictor", given.predictor.has_value()}};
+    const std::pair<const char*, bool> options[] = {
+        {"seconds", given.seconds.has_value()}, {"workers", given.workers.has_value()},
+        {"threads", globals.threads > 0},       {"policy", given.policy.has_value()},
+        {"latency", given.latency.has_value()}, {"predictor", given.predictor.has_value()}};
     for (const auto& [name, here] : options)
       if (here && key == std::string("session.") + name) return {"--" + option, problem};
     for (const std::string& set : globals.set)

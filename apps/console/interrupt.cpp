@@ -35,9 +35,14 @@ extern "C" void forefeel_interrupt(int number) {
 
 void handle(void (*handler)(int)) {
   for (const int number : {SIGINT, SIGTERM}) signal(number, handler);
+  if (signal(SIGHUP, handler) == SIG_IGN) signal(SIGHUP, SIG_IGN);
 }
 
 }  // namespace
+
+void write_errors_without_signals() {
+  for (const int number : {SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);
+}
 
 void watch_from_the_start() {
   from_the_start = true;

@@ -1,12 +1,17 @@
 #pragma once
-// Ctrl-C (SIGINT) and SIGTERM ask a command to stop. It finishes its current step and writes its results so
-// far.
+// Ctrl-C (SIGINT), SIGTERM and SIGHUP (the terminal is gone) ask a command to stop. It finishes its current
+// step and writes its results so far. SIGHUP stays ignored where it was, as under nohup.
+// SIGPIPE and SIGXFSZ are ignored: a pipe without a reader and a file beyond the limit of its size are errors
+// of the write (EPIPE, EFBIG) and end no program without a word.
 
 #include <atomic>
 #include <stdexcept>
 #include <string>
 
 namespace forefeel {
+
+// Writes that fail return an error instead of a signal. main calls it first.
+void write_errors_without_signals();
 
 // Starts to record signals, as an InterruptWatch does. main calls it before commands that create their
 // InterruptWatch later.

@@ -28,6 +28,7 @@ nlohmann::ordered_json to_json(const SessionSummary& summary) {
     (*place)[column.name.substr(begin)] = to_json(column.value);
   }
   document["notes"] = summary.run.notes;
+  document["failures"] = summary.run.failures;
   return document;
 }
 

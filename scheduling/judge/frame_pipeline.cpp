@@ -16,6 +16,7 @@ struct FramePipeline::Impl {
   struct Frame {
     Vec3 at;
     std::uint32_t known;
+    bool ending = false;
   };
   struct Lot {
     std::vector<Frame> frames;
@@ -62,7 +63,7 @@ struct FramePipeline::Impl {
     }
   }
   void take(const Frame& frame) {
-    PassedFrame passed{.k = taken++, .at = frame.at, .known = frame.known};
+    PassedFrame passed{.k = taken++, .at = frame.at, .known = frame.known, .ending = frame.ending};
     for (; inserted < std::min<std::size_t>(frame.known, arrived.size()); ++inserted) {
       space.insert(arrived[inserted]);
       passed.grown = true;
@@ -98,8 +99,8 @@ const StateSpace& FramePipeline::known() const {
   return impl_->space;
 }
 
-void FramePipeline::pass(const Vec3& at, std::uint32_t known, const StateSpace& space) {
-  impl_->lot.frames.push_back({at, known});
+void FramePipeline::pass(const Vec3& at, std::uint32_t known, const StateSpace& space, bool ending) {
+  impl_->lot.frames.push_back({at, known, ending});
   ++impl_->handed;
   if (impl_->lot.frames.size() == Impl::lot_size) hand_over(space);
 }

@@ -26,6 +26,7 @@ struct PassedFrame {
   Vec3 at = Vec3::Zero();   // of the HIP [m]
   std::uint32_t known = 0;  // number of known states
   bool grown = false;       // more states than in the frame before
+  bool ending = false;      // the session is ended early: the force goes to zero
 };
 
 class FrameStage {
@@ -47,7 +48,7 @@ class FramePipeline {
 
   // Passes on the run's next frame. `space` holds at least the first `known` states, in the order in which
   // they became known.
-  void pass(const Vec3& at, std::uint32_t known, const StateSpace& space);
+  void pass(const Vec3& at, std::uint32_t known, const StateSpace& space, bool ending = false);
   // Passes on the frames not passed on during the run; `states` in the order of pass().
   void pass_rest(std::span<const FrameRecord> frames, std::span<const State> states);
   void hand_over(const StateSpace& space);  // frames go to the thread in batches: flushes the last one

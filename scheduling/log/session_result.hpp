@@ -22,6 +22,16 @@ struct SafetyReport {
   double work = 0;       // sum of |F . dx| [J]
 };
 
+// How the frames came, and how the force ended (render/frame_pacer.hpp, render/render_loop.hpp).
+struct LoopReport {
+  std::size_t skipped = 0;        // frames that were late by a frame or more; they have no record
+  double longest_pause = 0;       // between the starts of two frames [s]; virtual clock: 0
+  double paused_at = 0;           // when it began [s]
+  double planner_stall = 0;       // longest time between two steps of the planner [s]; virtual clock: 0
+  std::size_t ending_frames = 0;  // of the ramp at the end
+  double last_force = 0;          // |F| sent in the last frame [N]
+};
+
 struct SolverReport {
   std::vector<double> seconds;  // of each solve, virtual or real; without the first one at rest [s]
   std::size_t jobs = 0;         // number of jobs of these solves; each took two messages more
@@ -35,7 +45,7 @@ struct ProcessReport {             // real clock only
 
 enum class RunEnd {
   whole,
-  interrupted,  // fewer frames than requested, or samples without a reference
+  interrupted,  // ended early by the user or a failure, or samples without a reference
   not_begun     // interrupted during the rehearsals of a clairvoyant session: no frames
 };
 
@@ -46,12 +56,17 @@ struct SessionResult {
   std::vector<State> states;  // all known at the end; those known at the start come first
   StateCounts counts;
   SafetyReport safety;
+  LoopReport loop;
   SolverReport solver;
   ProcessReport process;
-  double wall_seconds = 0;  // session, labels and references; without file access
+  double guess_softness = unknown;  // of the plan (session/session_plan.hpp)
+  double wall_seconds = 0;          // session, labels and references; without file access
   RunEnd end = RunEnd::whole;
   std::vector<std::string> notes;     // what the system refused, what failed
-  std::vector<std::string> warnings;  // about input files, one line each
+  std::vector<std::string> warnings;  // about input files and the cache, one line each
+  // What ended the session or cost it results: a failing planner or worker, a full disk of the states' file.
+  // One line each; the rest of the result holds.
+  std::vector<std::string> failures;
   bool interrupted() const { return end != RunEnd::whole; }
 };
 

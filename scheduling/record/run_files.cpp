@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <exception>
 #include <future>
 #include <iterator>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/common/error.hpp"
@@ -98,6 +100,17 @@ void write_dispatch(const std::filesystem::path& file, const SessionResult& resu
   write(file, out);
 }
 
+// What an attempt to write failed with, and "; "; empty if it succeeded.
+template <class Write>
+std::string problem_of(Write write) {
+  try {
+    write();
+    return {};
+  } catch (const std::exception& problem) {
+    return std::string(problem.what()) + "; ";
+  }
+}
+
 void write_switches(const std::filesystem::path& file, const SessionResult& result, bool real) {
   Text out;
   auto to = std::back_inserter(out);
@@ -125,12 +138,15 @@ void prepare_run_folder(const std::filesystem::path& folder) {
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options) {
   const bool real = options.clock.kind == Clock::real;
-  std::future<void> others = std::async(std::launch::async, [&] {
-    write_dispatch(folder / "dispatch.csv", result);
-    write_switches(folder / "switches.csv", result, real);
+  std::future<std::string> others = std::async(std::launch::async, [&] {
+    return problem_of([&] { write_dispatch(folder / "dispatch.csv", result); }) +
+           problem_of([&] { write_switches(folder / "switches.csv", result, real); });
   });
-  write_frames(folder / "frames.csv", result, real);
-  others.get();
+  std::string problems = problem_of([&] { write_frames(folder / "frames.csv", result, real); });
+  problems += others.get();
+  if (problems.empty()) return;
+  problems.resize(problems.size() - 2);
+  throw InputError({.file = folder.string()}, "is incomplete: " + problems);
 }
 
 }  // namespace forefeel

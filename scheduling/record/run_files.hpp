@@ -10,6 +10,7 @@ namespace forefeel {
 
 // Makes the folder if it is missing. Throws InputError if files cannot be written there.
 void prepare_run_folder(const std::filesystem::path& folder);
+// Writes every table that can be written, then throws one InputError that names those that cannot.
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options);
 

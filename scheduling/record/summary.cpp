@@ -6,6 +6,7 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/record/needed_states.hpp"
+#include "scheduling/render/render_loop.hpp"
 
 namespace forefeel {
 namespace {
@@ -77,7 +78,9 @@ SessionSummary::Deadline deadline_of(const SessionResult& result, const SessionO
     lateness.push_back(f.timing.lateness_us);
     missed += f.timing.cost_us + f.timing.lateness_us > options.clock.frame * 1e6;
   }
-  return {.missed = missed, .cost_us = timing(std::move(cost)), .lateness_us = timing(std::move(lateness))};
+  return {.missed = missed + result.loop.skipped,
+          .cost_us = timing(std::move(cost)),
+          .lateness_us = timing(std::move(lateness))};
 }
 
 SessionSummary::States states_of(const SessionResult& result, bool foreign) {
@@ -104,11 +107,10 @@ SessionSummary::States states_of(const SessionResult& result, bool foreign) {
 }
 
 // Largest |sum of dF| within any window of given length [s].
-double drift(const SessionResult& result, double window) {
+double drift(const SessionResult& result, double window, double frame) {
   std::vector<Vec3> sum(result.frames.size() + 1, Vec3::Zero());
   for (std::size_t k = 0; k < result.frames.size(); ++k) sum[k + 1] = sum[k] + result.frames[k].step.delta;
   if (result.frames.size() < 2) return 0;
-  const double frame = result.frames[1].t - result.frames[0].t;
   const auto width =
       std::min(result.frames.size(), static_cast<std::size_t>(std::max(1LL, std::llround(window / frame))));
   double most = 0;
@@ -117,16 +119,16 @@ double drift(const SessionResult& result, double window) {
   return most;
 }
 
-SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule rule) {
+SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule rule, double frame) {
   SessionSummary::Switching found{.count = result.switches.size(), .rule = rule};
   for (const FrameRecord& f : result.frames) {
     found.max_jump = std::max(found.max_jump, f.step.change);
     found.max_jump_undamped = std::max(found.max_jump_undamped, f.step.undamped_jump);
     found.frames_over_jnd += f.step.change > f.step.bound;
   }
-  found.drift_50ms = drift(result, 0.05);
-  found.drift_100ms = drift(result, 0.1);
-  found.drift_300ms = drift(result, 0.3);
+  found.drift_50ms = drift(result, 0.05, frame);
+  found.drift_100ms = drift(result, 0.1, frame);
+  found.drift_300ms = drift(result, 0.3, frame);
   return found;
 }
 
@@ -138,7 +140,8 @@ double load_of(const SessionResult& result, const SessionInput& input, const Ses
   for (std::size_t i = 0; i < result.counts.start; ++i) needed.know(result.states[i].at);
   for (const FrameRecord& f : result.frames) needed.visit(f.at);
   if (result.frames.empty() || result.solver.seconds.empty() || result.solver.workers == 0) return unknown;
-  const double seconds = result.frames.back().t + (result.frames.size() > 1 ? result.frames[1].t : 0);
+  const double seconds =
+      result.frames.back().t + (result.frames.size() > 1 ? frame_time(1, options.clock.frame) : 0);
   const double messages = options.clock.kind == Clock::virtual_time
                               ? 2 * options.workers.latency * static_cast<double>(result.solver.jobs)
                               : 0;
@@ -177,16 +180,27 @@ SessionSummary::Settings settings_of(const SessionInput& input, const SessionOpt
 
 SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {
   // Rounding may leave the last frame out of a run that went to its end.
-  const bool whole =
-      static_cast<double>(result.frames.size()) > options.clock.seconds / options.clock.frame - 0.75;
-  return {.seconds =
-              whole ? options.clock.seconds : static_cast<double>(result.frames.size()) * options.clock.frame,
+  const double passed =
+      result.frames.empty() ? 0 : std::round(result.frames.back().t / options.clock.frame) + 1;  // frames
+  const bool whole = passed > options.clock.seconds / options.clock.frame - 0.75;
+  return {.seconds = whole ? options.clock.seconds : passed * options.clock.frame,
           .frames = result.frames.size(),
           .first_guess = !result.switches.empty() && result.switches.front().cause == SwitchCause::guess,
+          .guess_softness = result.guess_softness,
           .wall_seconds = result.wall_seconds,
           .realtime_priority = result.process.realtime_priority,
           .memory_locked = result.process.memory_locked,
-          .notes = result.notes};
+          .notes = result.notes,
+          .failures = result.failures};
+}
+
+SessionSummary::Loop loop_of(const LoopReport& loop, const SessionOptions& options) {
+  const bool real = options.clock.kind == Clock::real;
+  return {.skipped = loop.skipped,
+          .longest_pause = real ? loop.longest_pause : unknown,
+          .planner_stall = real ? loop.planner_stall : unknown,
+          .ending_frames = loop.ending_frames,
+          .last_force = loop.last_force};
 }
 
 }  // namespace
@@ -198,14 +212,15 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .deadline = deadline_of(result, options),
           .states = states_of(result, input.foreign),
           .time_in = time_in_labels(result),
-          .switching = switching_of(result, options.switching.rule),
+          .switching = switching_of(result, options.switching.rule, options.clock.frame),
           .error = error_of(result, options.switching),
           .load = load_of(result, input, options),
           .energy = {.generated = result.safety.generated, .work = result.safety.work},
           .safety = {.clamped = result.safety.clamped,
                      .slewed = result.safety.slewed,
                      .stale = result.safety.stale,
-                     .non_finite = result.safety.non_finite}};
+                     .non_finite = result.safety.non_finite},
+          .loop = loop_of(result.loop, options)};
 }
 
 }  // namespace forefeel

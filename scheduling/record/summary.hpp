@@ -73,6 +73,13 @@ struct SessionSummary {
   struct Safety {
     std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
   };
+  // How the frames came, and how the force ended (LoopReport of log/session_result.hpp).
+  struct Loop {
+    std::size_t skipped = 0;
+    double longest_pause = 0, planner_stall = 0;  // [s]; unknown under the virtual clock
+    std::size_t ending_frames = 0;                // of the ramp at the end
+    double last_force = 0;                        // |F| sent in the last frame [N]
+  };
   // What was asked for. A policy given as an object has the name that it says itself.
   struct Settings {
     Clock clock = Clock::real;
@@ -86,10 +93,12 @@ struct SessionSummary {
   struct Run {
     double seconds = 0;  // of motion
     std::size_t frames = 0;
-    bool first_guess = false;  // began with a guessed stiffness
+    bool first_guess = false;         // began with a guessed stiffness
+    double guess_softness = unknown;  // of the body against it (solver/body/contact_softness.hpp)
     double wall_seconds = 0;
     bool realtime_priority = false, memory_locked = false;
-    std::vector<std::string> notes;  // what the system refused, what failed
+    std::vector<std::string> notes;     // what the system refused, what failed
+    std::vector<std::string> failures;  // what ended the session or cost it results
   };
 
   Settings settings;
@@ -102,6 +111,7 @@ struct SessionSummary {
   double load = unknown;  // states needed per second / states solved per second
   Energy energy;
   Safety safety;
+  Loop loop;
 };
 
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,

@@ -96,6 +96,15 @@ void add_safety(std::vector<Column>& columns, const SessionSummary::Safety& safe
       .count("non_finite", safety.non_finite);
 }
 
+void add_loop(std::vector<Column>& columns, const SessionSummary::Loop& loop) {
+  Group(columns, "loop")
+      .count("skipped", loop.skipped)
+      .number("longest_pause", loop.longest_pause)
+      .number("planner_stall", loop.planner_stall)
+      .count("ending_frames", loop.ending_frames)
+      .number("last_force", loop.last_force);
+}
+
 }  // namespace
 
 ColumnValue column_value(double value) {
@@ -103,7 +112,8 @@ ColumnValue column_value(double value) {
 }
 
 std::vector<Column> summary_columns(const SessionSummary& summary) {
-  const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety] = summary;
+  const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety, loop] =
+      summary;
   std::vector<Column> columns;
   columns.push_back({"clock", std::string(settings.clock == Clock::real ? "real" : "virtual")});
   columns.push_back({"seconds", column_value(run.seconds)});
@@ -117,12 +127,14 @@ std::vector<Column> summary_columns(const SessionSummary& summary) {
   columns.push_back({"load", column_value(load)});
   Group(columns, "energy").number("generated_J", energy.generated).number("work_J", energy.work);
   add_safety(columns, safety);
+  add_loop(columns, loop);
   columns.push_back({"workers", static_cast<std::uint64_t>(settings.workers)});
   columns.push_back({"policy", settings.policy});
   columns.push_back({"select", std::string(name(settings.select))});
   columns.push_back({"seed", settings.seed});
   columns.push_back({"device", settings.device});
   columns.push_back({"first_guess", run.first_guess});
+  columns.push_back({"first_guess_softness", column_value(run.guess_softness)});
   columns.push_back({"wall_seconds", column_value(run.wall_seconds)});
   columns.push_back({"realtime_priority", run.realtime_priority});
   columns.push_back({"memory_locked", run.memory_locked});

@@ -1,17 +1,24 @@
 #include "scheduling/render/render_loop.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace forefeel {
 
-RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames)
+RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames,
+                       RealTime real)
     : device_(device),
       link_(link),
       switch_(options.switching),
       safety_(options.safety, options.frame),
       frame_(options.frame),
-      log_(frames) {}
+      frames_(frames),
+      now_(std::move(real.now)),
+      log_(frames + real.spare) {}
 
-void RenderLoop::frame(std::size_t k) noexcept {
-  hip_ = next_hip(device_, hip_, k, frame_, sent_);
+void RenderLoop::frame(std::size_t k, double started) noexcept {
+  hip_ = next_hip(device_, hip_, k, frame_, sent_, next_ > 0 && k >= next_ ? k - next_ + 1 : 1);
+  next_ = k + 1;
   const double t = hip_.t;
   const Vec3 x = hip_.at;
   link_.hip.publish(hip_);
@@ -23,9 +30,10 @@ void RenderLoop::frame(std::size_t k) noexcept {
   if (f.took_model) model_ = newest_;  // the switch may let it wait, and takes the latest
   give_back(f.released);
   give_back(f.released_too);
-  sent_ = safety_.apply(f.force, x, t, t - link_.planner_beat.load(std::memory_order_relaxed));
+  sent_ = send(f.force, started);
 
-  if (done_ < log_.size()) {
+  recorded_ = done_ < log_.size();
+  if (recorded_) {
     FrameRecord& record = log_[done_++];
     record.t = t;
     record.at = x;
@@ -44,8 +52,24 @@ void RenderLoop::frame(std::size_t k) noexcept {
   rendered_ = f.force;
 }
 
+Vec3 RenderLoop::send(const Vec3& rendered, double started) noexcept {
+  const std::size_t left = frames_ - std::min(frames_, next_ - 1);  // this frame included
+  const std::size_t needed = safety_.frames_to_zero();
+  ending_ = ending_ || left <= needed + needed / 4 + 1;
+  const double beat = link_.planner_beat.load(std::memory_order_relaxed);
+  SafetyMoment moment{.t = hip_.t, .age = hip_.t - beat, .ending = ending_};
+  if (now_) {
+    const double now = now_();
+    moment.age = now - beat;
+    if (done_ > 0) moment.passed = std::min(started - started_, now - sent_at_);
+    started_ = started;
+    sent_at_ = now;
+  }
+  return safety_.apply(rendered, hip_.at, moment);
+}
+
 void RenderLoop::note_timing(double cost_us, double lateness_us) noexcept {
-  if (done_ == 0) return;
+  if (!recorded_) return;
   log_[done_ - 1].timing = {.cost_us = cost_us, .lateness_us = lateness_us};
 }
 

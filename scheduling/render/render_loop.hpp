@@ -2,10 +2,22 @@
 // One frame of the haptic loop, the same under both clocks:
 //   device -> HIP -> newest model -> switch -> safety -> device (+ log)
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
+//
+// The end. The force that is sent is zero when the loop ends, and it gets there within the slew limit:
+//   a session that runs to its end   its last frames are a ramp to zero, no more of them than the force needs
+//                                    (and a quarter more, because real frames are not equally long). The run
+//                                    keeps its number of frames.
+//   a session that is ended early    end() begins the ramp; the frames that follow are recorded as usual
+// This holds under both clocks: they share the loop, and a simulated run records what a real one would send.
+// Frames of the ramp render, record and are judged like all others; only `sent` differs. Under the real clock
+// frames that come late may leave a rest of the force at the last frame: further frames follow until it is
+// zero, and are recorded as far as `spare` reaches.
 
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "approx/switch/force_switch.hpp"
@@ -23,14 +35,15 @@ inline double frame_time(std::size_t k, double frame) {
   return static_cast<double>(std::llround(static_cast<double>(k) * frame * 1e9)) / 1e9;
 }
 
-// The HIP in frame k, given that of the frame before. If the device returns a non-finite position, the last
-// one is held.
+// The HIP in frame k, given that of the frame rendered before, `step` frames ago. If the device returns a
+// non-finite position, the last one is held.
 inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, double frame,
-                          const Vec3& sent) noexcept {
+                          const Vec3& sent, std::size_t step = 1) noexcept {
   const double t = frame_time(k, frame);
   Vec3 x = device.position(t, sent);
   if (!x.allFinite()) x = last.at;
-  return {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - last.at) / frame)};
+  const double passed = static_cast<double>(step) * frame;
+  return {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - last.at) / passed)};
 }
 
 // All data that planner and loop share. Each member has one writer and one reader.
@@ -48,16 +61,33 @@ struct RenderOptions {
   double frame = 1e-3;  // [s]
 };
 
+// What only a loop under the real clock has.
+struct RealTime {
+  // Session time on the steady clock that LoopLink::planner_beat is written with [s]; must neither allocate
+  // nor throw. Empty: each frame takes place at its own time.
+  std::function<double()> now = {};
+  std::size_t spare = 0;  // records beyond those of the session's frames, for the ramp at the end
+};
+
 class RenderLoop {
  public:
-  RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames);
+  RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames,
+             RealTime real = {});
 
-  // Runs frame k, at t = k * frame.
-  void frame(std::size_t k) noexcept;
+  // Runs frame k, at t = k * frame. Frames may be left out. The slew limit takes the wall time since the
+  // frame before: the shorter one of the times from start to start and from force to force.
+  // started: when the frame began, by RealTime::now [s].
+  void frame(std::size_t k, double started = 0) noexcept;
+  // Begins the ramp at the end with the next frame; later calls change nothing.
+  void end() noexcept { ending_ = ended_ = true; }
+  // Whether the loop may stop: the force is zero, and the last frame is done or end() was called.
+  bool finished() const noexcept { return sent_.isZero(0) && (ended_ || next_ >= frames_) && next_ > 0; }
+  std::size_t next() const noexcept { return next_; }  // number of the last frame + 1
   // Records the cost and the wake-up lateness of the last frame; the caller measures them.
   void note_timing(double cost_us, double lateness_us) noexcept;
 
   const HipSample& hip() const { return hip_; }
+  const Vec3& sent() const { return sent_; }  // in the last frame [N]
   const std::vector<FrameRecord>& log() const { return log_; }
   std::vector<FrameRecord> take_log();  // the frames done so far
   const Safety& safety() const { return safety_; }
@@ -65,14 +95,20 @@ class RenderLoop {
 
  private:
   void give_back(const Model* model) noexcept;
+  Vec3 send(const Vec3& rendered, double started) noexcept;
 
   Device& device_;
   LoopLink& link_;
   ForceSwitch switch_;
   Safety safety_;
   double frame_;
+  std::size_t frames_;
+  std::function<double()> now_;
   std::vector<FrameRecord> log_;
-  std::size_t done_ = 0, lost_models_ = 0;
+  std::size_t done_ = 0, lost_models_ = 0, next_ = 0;
+  bool ending_ = false, ended_ = false;  // the force goes to zero; by end()
+  bool recorded_ = false;                // the last frame
+  double started_ = 0, sent_at_ = 0;     // last frame, by the real clock [s]
   HipSample hip_;
   Vec3 rendered_ = Vec3::Zero(), sent_ = Vec3::Zero();
   std::uint32_t model_ = 0, newest_ = 0;  // serial numbers: rendered, newest received

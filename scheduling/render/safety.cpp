@@ -21,32 +21,47 @@ void check(const SafetyOptions& o) {
                 fmt::format("is {}, expected a time above 0 s", o.stale_seconds));
 }
 
-Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept {
+Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, const SafetyMoment& now) noexcept {
+  const double dt = std::clamp(now.passed, 0.0, frame_);
   Vec3 force = rendered;
   if (!force.allFinite()) {
     force.setZero();
     ++counts_.non_finite;
   }
-  const bool stale = age > options_.stale_seconds;
+  const bool stale = now.age > options_.stale_seconds;
   if (stale) ++counts_.stale;
-  gain_ = std::clamp(gain_ + (stale ? -1 : 1) * frame_ / 0.2, 0.0, 1.0);
+  gain_ = std::clamp(gain_ + (stale ? -1 : 1) * dt / 0.2, 0.0, 1.0);
   force *= gain_;
-  if (t < options_.ramp_seconds) force *= std::max(t, 0.0) / options_.ramp_seconds;
+  if (now.t < options_.ramp_seconds) force *= std::max(now.t, 0.0) / options_.ramp_seconds;
 
   const double size = force.norm();
   if (size > options_.force_limit) {
     force *= options_.force_limit / size;
     ++counts_.clamped;
   }
-  const Vec3 step = force - last_;
-  const double most = options_.slew_limit * frame_, wanted = step.norm();
-  if (wanted > most) {
-    force = last_ + most / wanted * step;
-    ++counts_.slewed;
+  const double most = options_.slew_limit * dt;
+  if (now.ending) {
+    const double left = last_.norm();
+    force = left > most ? Vec3((1 - most / left) * last_) : Vec3::Zero();
+    ++counts_.ending;
+  } else {
+    force = limited(force, most);
   }
   observe_energy(force, x);
   last_ = force;
   return force;
+}
+
+Vec3 Safety::limited(const Vec3& force, double most) noexcept {
+  const Vec3 step = force - last_;
+  const double wanted = step.norm();
+  if (wanted <= most) return force;
+  ++counts_.slewed;
+  return last_ + most / wanted * step;
+}
+
+std::size_t Safety::frames_to_zero() const noexcept {
+  return static_cast<std::size_t>(std::min(1e9, std::ceil(last_.norm() / (options_.slew_limit * frame_))));
 }
 
 void Safety::observe_energy(const Vec3& force, const Vec3& x) noexcept {

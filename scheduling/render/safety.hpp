@@ -6,10 +6,15 @@
 //   start-up ramp      share t / ramp_seconds of the force
 //   clamp              |F| <= force_limit
 //   slew               |F - F_before| <= slew_limit dt, so that none of the above causes a jump
+//   end                while the session ends, the last force shrinks to zero at the slew limit, whatever is
+//                      rendered
+// dt [s] is the wall time that has passed since the force before, but at most one frame: neither a frame that
+// comes early nor the first one after a pause changes the force by more than an ordinary frame may.
 // An energy observer (Hannaford and Ryu 2002) sums the work of the hand, -sum F . dx, by the trapezoid rule.
 // A passive body never returns more energy than it received. Nothing here allocates or throws.
 
 #include <cstddef>
+#include <limits>
 
 #include "geometry/common/types.hpp"
 
@@ -27,20 +32,34 @@ void check(const SafetyOptions& options);
 
 struct SafetyCounts {
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;  // frames
+  std::size_t ending = 0;                                          // frames of the ramp at the end
+};
+
+struct SafetyMoment {
+  double t = 0;    // of the frame [s]
+  double age = 0;  // time since the planner's last step [s]
+  // Wall time since the last force [s]; more than a frame counts as one.
+  double passed = std::numeric_limits<double>::infinity();
+  bool ending = false;  // the session ends: the force goes to zero
 };
 
 class Safety {
  public:
   Safety(SafetyOptions options, double frame) : options_(options), frame_(frame) {}  // frame [s]
-  // rendered: the force of the switch [N]; age: time since the planner's last step [s]. Returns the force for
-  // the device [N].
-  Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept;
+  // rendered: the force of the switch [N]. Returns the force for the device [N].
+  Vec3 apply(const Vec3& rendered, const Vec3& x, const SafetyMoment& now) noexcept;
+  Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept {  // a frame after the last
+    return apply(rendered, x, SafetyMoment{.t = t, .age = age});
+  }
+  // Ordinary frames until the force is zero if the ramp at the end begins now.
+  std::size_t frames_to_zero() const noexcept;
 
   const SafetyCounts& counts() const { return counts_; }
   double work() const { return work_; }            // sum of |F . dx| [J]
   double generated() const { return generated_; }  // largest energy returned beyond that received [J]
 
  private:
+  Vec3 limited(const Vec3& force, double most) noexcept;
   void observe_energy(const Vec3& force, const Vec3& x) noexcept;
 
   SafetyOptions options_;

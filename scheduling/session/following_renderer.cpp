@@ -18,6 +18,7 @@ void FollowingRenderer::frame(const PassedFrame& frame) {
   motion_.at = frame.at;
   link_.known.store(frame.known, std::memory_order_relaxed);
   link_.planner_beat.store(now, std::memory_order_relaxed);
+  if (frame.ending) loop_.end();
   loop_.frame(frame.k);
   force_.store(loop_.log()[frame.k].force.norm(), std::memory_order_relaxed);
   label_.store(models_.label(), std::memory_order_relaxed);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "scheduling/session/real_run.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/workers/cost.hpp"
+#include "solver/body/contact_softness.hpp"
 
 namespace forefeel {
 namespace {
@@ -77,6 +79,12 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
         "the {} known states are of another body: they alone are rendered, nothing is solved, and "
         "errors are not measured",
         plan.input.known.size()));
+  result.guess_softness = plan.guess_softness;
+  if (plan.guess_softness > most_softness)
+    result.notes.push_back(fmt::format(
+        "no first guess: the body is about {:.2g} times softer at its contact than a block of its material; "
+        "the force is zero until the first state is solved",
+        plan.guess_softness));
   if (references.note()) result.notes.push_back(*references.note());
   if (references.damage() && !plan.input.references) result.warnings.push_back(*references.damage());
 }
@@ -105,8 +113,13 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
   if (hooks.when_run) hooks.when_run(result);
   note_stiffness(plan.device->limits(), to_text(plan.options.motion.device), result);
   pipeline.pass_rest(result.frames, result.states);
-  pipeline.wait(hooks.progress);
-  judge->finish(result, hooks.progress);
+  try {
+    pipeline.wait(hooks.progress);
+    judge->finish(result, hooks.progress);
+  } catch (const std::exception& problem) {  // the run itself is kept
+    result.failures.push_back(fmt::format("labels and errors are incomplete: {}", problem.what()));
+  }
+  if (references.cache_failure()) result.warnings.push_back(*references.cache_failure());
   note_no_cells(plan, result);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

@@ -9,10 +9,16 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <exception>
+#include <string>
 #include <thread>
+#include <utility>
 
+#include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/workers/mpi_workers.hpp"
 
@@ -20,6 +26,7 @@ namespace forefeel {
 namespace {
 
 using Nanoseconds = std::int64_t;
+constexpr std::size_t spare_frames = 256;  // for the ramp at the end, where frames come late
 
 Nanoseconds monotonic() {
   timespec now;
@@ -33,7 +40,9 @@ void sleep_until(Nanoseconds t) {
   }
 }
 
-// Locked pages for the time of a session; says so where the system does not permit it.
+// Locked pages for the time of a session; says so where the system does not permit it. Pages are locked when
+// they are touched: locking whole mappings would make the stacks of all threads resident, 8 MB for each
+// worker. What the loop reads is touched before it begins.
 class LockedMemory {
  public:
   explicit LockedMemory(SessionResult& result) {
@@ -41,7 +50,8 @@ class LockedMemory {
     rlimit limit{};
     const bool unlimited =
         geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
-    locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
+    const int what = unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT;
+    locked_ = mlockall(what | MCL_ONFAULT) == 0 || (errno == EINVAL && mlockall(what) == 0);  // older kernels
     if (!locked_) result.notes.push_back(fmt::format("memory is not locked: {}", std::strerror(errno)));
     result.process.memory_locked = locked_;
   }
@@ -55,27 +65,52 @@ class LockedMemory {
   bool locked_ = false;
 };
 
-// What the loop's thread reports when it ends.
+// What the loop's thread and the planner's tell each other, and what the loop reports when it ends.
 struct LoopEnd {
   std::atomic<bool> done{false};
+  std::atomic<bool> wanted{false};  // by a failing planner or worker
   bool realtime = false;
   std::string note;
 };
 
-void run_loop(RenderLoop& loop, std::size_t frames, const SessionOptions& options, Nanoseconds start,
-              LoopEnd& end) {
+// The stack of this thread, so that the loop meets no page of it for the first time.
+void touch_stack() {
+  volatile char pages[1 << 16];
+  for (std::size_t i = 0; i < sizeof pages; i += 1024) pages[i] = 0;
+}
+
+void run_loop(RenderLoop& loop, FramePacer& pacer, const StopOptions& stop, Nanoseconds start, LoopEnd& end) {
   const sched_param priority{.sched_priority = 80};
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
   end.realtime = refused == 0;
   if (refused) end.note = fmt::format("the loop runs without real-time priority: {}", std::strerror(refused));
-  for (std::size_t k = 0; k < frames && !options.stop.is_interrupted(); ++k) {
-    const Nanoseconds due = start + std::llround(static_cast<double>(k) * options.clock.frame * 1e9);
-    sleep_until(due);
+  touch_stack();
+  while (!loop.finished()) {
+    sleep_until(start + pacer.due());
     const Nanoseconds woke = monotonic();
-    loop.frame(k);
-    loop.note_timing(static_cast<double>(monotonic() - woke) / 1e3, static_cast<double>(woke - due) / 1e3);
+    const std::size_t k = pacer.begin(woke - start);
+    if (stop.is_interrupted() || end.wanted.load(std::memory_order_acquire)) loop.end();
+    loop.frame(k, static_cast<double>(woke - start) / 1e9);
+    loop.note_timing(static_cast<double>(monotonic() - woke) / 1e3,
+                     static_cast<double>(pacer.lateness()) / 1e3);
   }
   end.done.store(true, std::memory_order_release);
+}
+
+void report(const FramePacer& pacer, double stall, const SessionPlan& plan, SessionResult& result) {
+  result.loop.skipped = pacer.skipped();
+  result.loop.longest_pause = pacer.longest_pause();
+  result.loop.paused_at = pacer.paused_at();
+  result.loop.planner_stall = stall;
+  if (pacer.skipped() > 0)
+    result.notes.push_back(fmt::format(
+        "{} of {} frames came a frame or more late and were skipped; the longest pause was {:.3g} s, at "
+        "{:.3f} s",
+        pacer.skipped(), plan.frames, pacer.longest_pause(), pacer.paused_at()));
+  if (stall > plan.options.safety.stale_seconds)
+    result.notes.push_back(fmt::format(
+        "the planner stood still for {:.3g} s: the watchdog fades the force out after {:g} s of it", stall,
+        plan.options.safety.stale_seconds));
 }
 
 // Solves what --arrivals and --replay will deliver, before the first frame.
@@ -104,6 +139,7 @@ struct PlannerRun {
   std::vector<State> arriving;
   Nanoseconds start;
   const ShowProgress& show;
+  double stall = 0, beat = 0;  // longest time between two steps; end of the last one [s]
 
   double now() const { return static_cast<double>(monotonic() - start) / 1e9; }
 
@@ -116,7 +152,14 @@ struct PlannerRun {
     link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
     models.update(now(), planner.hip().at, true);
     if (!plan.given_arrivals) planner.plan(now());
-    link.planner_beat.store(now(), std::memory_order_relaxed);
+    take_beat();
+  }
+
+  void take_beat() {
+    const double t = now();
+    if (t > 0) stall = std::max(stall, t - std::max(beat, 0.0));  // the session begins at 0
+    beat = t;
+    link.planner_beat.store(t, std::memory_order_relaxed);
   }
 
   void until(const LoopEnd& end) {
@@ -164,30 +207,34 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
               const ShowProgress& show) {
   const SessionOptions& options = plan.options;
   std::vector<State> arriving = solve_arrivals(plan, references, show);
-  const std::unique_ptr<StateWriter> writer = open_state_file(plan.input);
+  StateLog states(plan.input);
 
   LoopLink link;
-  RenderLoop loop(*plan.device, link, plan.render, plan.frames);
+  Nanoseconds start = 0;
+  const auto session_time = [&start] { return static_cast<double>(monotonic() - start) / 1e9; };
+  RenderLoop loop(*plan.device, link, plan.render, plan.frames,
+                  {.now = session_time, .spare = spare_frames});
   const LockedMemory locked(result);
-  const Nanoseconds start = monotonic() + 20000000;  // threads are up by then
-  const auto session_time = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
+  start = monotonic() + 20000000;  // threads are up by then
   const std::shared_ptr<RealWorkers> given = workers_of(plan);
   RealWorkers& workers = *given;
-  workers.begin(session_time);
-  Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, writer.get()));
+  workers.begin([start] { return static_cast<double>(monotonic() - start) / 1e9; });
+  Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, states));
   link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
   ModelKeeper models(planner.space(), plan.model, link);
   PlannerRun run{plan, planner, models, workers, link, std::move(arriving), start, show};
+  FramePacer pacer(options.clock.frame, plan.frames);
   LoopEnd end;
   std::exception_ptr failure;
 
-  std::thread loop_thread([&] { run_loop(loop, plan.frames, options, start, end); });
+  std::thread loop_thread([&] { run_loop(loop, pacer, options.stop, start, end); });
   std::thread planner_thread([&] {
     try {
       run.until(end);
     } catch (...) {
       failure = std::current_exception();
     }
+    end.wanted.store(true, std::memory_order_release);  // without a planner or workers the force goes to zero
     workers.stop();
   });
   const bool serving = !plan.given_arrivals && workers.serves();
@@ -200,16 +247,18 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   planner_thread.join();
   loop_thread.join();
   if (!failure) run.keep_rest();
-  if (writer) writer->flush();
-  if (failure) std::rethrow_exception(failure);
-  if (workers.failure()) std::rethrow_exception(workers.failure());
+  states.flush();
+  if (states.failure()) result.failures.push_back(*states.failure());
+  if (failure) result.failures.push_back(failure_in_words("planning", failure));
+  if (workers.failure()) result.failures.push_back(failure_in_words("a worker", workers.failure()));
 
   take_loop(loop, plan.frames, result);
+  report(pacer, run.stall, plan, result);
   planner.finish(result, models);
   result.solver.workers = plan.given_arrivals ? 0 : workers.workers();
   result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
-  if (serving && result.frames.size() == plan.frames && workers.workers() < options.workers.count)
+  if (serving && !result.interrupted() && workers.workers() < options.workers.count)
     result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
                                        workers.workers(), options.workers.count));
 }

@@ -10,7 +10,12 @@
 namespace forefeel {
 
 // Fills the result, except for labels, errors and other values of the judge. Solves the states of --arrivals
-// and --replay before the first frame. After all threads have ended, rethrows an exception of any of them.
+// and --replay before the first frame. If the planner or a worker fails, the loop takes the force to zero and
+// ends; result.failures says why, and the result holds what was done until then.
+//
+// The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped
+// and counted (render/frame_pacer.hpp). The planner's beat and the watchdog use the same clock. Stops of the
+// whole process (SIGSTOP, a debugger) thus show as a pause of the loop and of the planner.
 void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
               const ShowProgress& show);
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "scheduling/session/one_run.hpp"
@@ -75,6 +76,7 @@ Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
       found.cut = std::move(result);
       return found;
     }
+    if (!result.failures.empty()) throw std::runtime_error(result.failures.front());
     const double share = first_visits_within(result, plan.options.switching);
     if (share > most) {
       most = share;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include "geometry/common/quantiles.hpp"
@@ -20,9 +21,46 @@ std::unique_ptr<StateWriter> open_state_file(const SessionInput& input) {
                                                       .notes = {}}));
 }
 
-Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateWriter* writer) {
+StateLog::StateLog(const SessionInput& input) : writer_(open_state_file(input)) {}
+
+void StateLog::push(const State& state) {
+  if (!writer_) return;
+  try {
+    writer_->push(state);
+  } catch (const std::exception& problem) {
+    fail(problem);
+  }
+}
+
+void StateLog::flush() {
+  if (!writer_) return;
+  try {
+    writer_->flush();
+  } catch (const std::exception& problem) {
+    fail(problem);
+  }
+}
+
+void StateLog::fail(const std::exception& problem) {
+  failure_ = fmt::format("{}; states that were solved later are not in this file", problem.what());
+  writer_.reset();
+}
+
+std::string failure_in_words(const std::string& what, const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    return what + " failed: out of memory; the session ended early";
+  } catch (const std::exception& problem) {
+    return fmt::format("{} failed: {}; the session ended early", what, problem.what());
+  } catch (...) {
+    return what + " failed; the session ended early";
+  }
+}
+
+Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log) {
   Planner::Hooks hooks;
-  if (writer) hooks.on_state = [writer](const State& state) { writer->push(state); };
+  hooks.on_state = [&log](const State& state) { log.push(state); };
   if (!plan.motion.empty())
     hooks.future = [&motion = plan.motion, frame = plan.options.clock.frame](double t) {
       const auto k = static_cast<std::size_t>(std::max(0LL, std::llround(t / frame)));
@@ -40,10 +78,12 @@ Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateWri
 
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
   result.frames = loop.take_log();
-  if (result.frames.size() < frames) {
+  if (loop.next() < frames) {
     result.end = RunEnd::interrupted;
     result.notes.push_back(fmt::format("interrupted after {} of {} frames", result.frames.size(), frames));
   }
+  result.loop.ending_frames = loop.safety().counts().ending;
+  result.loop.last_force = loop.sent().norm();
   const SafetyCounts& counts = loop.safety().counts();
   result.safety = {.clamped = counts.clamped,
                    .slewed = counts.slewed,

@@ -1,7 +1,11 @@
 #pragma once
 // Functions shared by the runs of both clocks.
 
+#include <cstddef>
+#include <exception>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "scheduling/session/session_plan.hpp"
 
@@ -9,12 +13,30 @@ namespace forefeel {
 
 class CostModel;
 
-// The planner's hooks. cost: of simulated workers; null under the real clock. Plan and writer must outlive
-// the hooks.
-Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateWriter* writer);
-// The file that new states are appended to; null: none.
+// The file that new states are appended to; null: none. InputError where it cannot be opened.
 std::unique_ptr<StateWriter> open_state_file(const SessionInput& input);
+
+// The states' file during a run. When the disk fails, the run goes on without it, and failure() says so.
+class StateLog {
+ public:
+  explicit StateLog(const SessionInput& input);  // InputError where the file cannot be opened
+  void push(const State& state);                 // one thread
+  void flush();                                  // returns when all is on the disk, or the disk has failed
+  const std::optional<std::string>& failure() const { return failure_; }  // one line
+
+ private:
+  void fail(const std::exception& problem);
+
+  std::unique_ptr<StateWriter> writer_;
+  std::optional<std::string> failure_;
+};
+
+// The planner's hooks. cost: of simulated workers; null under the real clock. Plan and log must outlive the
+// hooks.
+Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log);
 // Moves the log and the safety counters of a run into its result. `frames`: the number requested.
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);
+// One line for an exception that ended a run early: what failed and why.
+std::string failure_in_words(const std::string& what, const std::exception_ptr& failure);
 
 }  // namespace forefeel

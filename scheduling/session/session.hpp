@@ -19,8 +19,10 @@
 
 namespace forefeel {
 
-// Invalid sessions are refused by make_plan(). A failure during the run (a full disk, a failing worker) is
-// thrown after the threads have ended; states solved until then are in the state file.
+// Invalid sessions are refused by make_plan(). A failure during the run does not throw: a full disk of the
+// states' file costs later states their place in it, a failing planner or worker ends the session early. The
+// force then goes to zero as at every end (render/render_loop.hpp). result.failures has a line for each, and
+// the rest of the result holds. A full disk of the cache is only a warning.
 SessionResult run_session(const SessionPlan& plan, const SessionHooks& hooks = {});
 // Makes the plan and runs it.
 SessionResult run_session(SessionInput input, SessionOptions options, const SessionHooks& hooks = {});

@@ -8,10 +8,12 @@
 
 #include "approx/model/model_options.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
 #include "scheduling/common/option_check.hpp"
 #include "scheduling/motion/trace.hpp"
+#include "scheduling/session/memory_need.hpp"
 #include "scheduling/workers/cost.hpp"
-#include "solver/body/contact_stiffness.hpp"
+#include "solver/body/contact_softness.hpp"
 
 namespace forefeel {
 namespace {
@@ -136,8 +138,12 @@ void choose_model(SessionPlan& plan) {
   plan.model = {.fit = for_states(model.fit, most_states(plan)),
                 .method = model.method,
                 .update_travel = model.update_travel,
-                .guess = model.first_guess && !others_states ? disc_stiffness(*plan.input.touched.body)
-                                                             : Mat3(Mat3::Zero())};
+                .guess = Mat3::Zero()};
+  plan.guess_softness = unknown;
+  if (!model.first_guess || others_states) return;
+  const FirstGuess guess = first_guess(*plan.input.touched.body);
+  plan.guess_softness = guess.softness;
+  plan.model.guess = guess.stiffness;
 }
 
 void take_future(SessionPlan& plan) {
@@ -194,6 +200,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   settle_length(plan.device->duration(), plan.options.clock);
   plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
   detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");
+  check_memory(plan, available_memory());
   check_motion(plan);
   choose_model(plan);
   plan.batch = chosen.planning.batch > 0 ? chosen.planning.batch : chosen.clock.kind == Clock::real ? 8 : 1;

@@ -30,6 +30,8 @@ struct SessionPlan {
   RenderOptions render = {};           // with the lower force limit of device and options
   ModelRecipe model = {};
   int batch = 1;  // states of one job
+  // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
+  double guess_softness = unknown;
 };
 
 // Makes the plan and reads the files of motion and arrivals, once. Throws InputError for anything that cannot

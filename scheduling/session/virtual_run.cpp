@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <queue>
@@ -71,8 +72,8 @@ class VirtualRun {
         parts_(parts),
         show_(show),
         workers_(workers_of(plan, parts.cost, parts.references)),
-        writer_(open_state_file(plan.input)),
-        planner_(planner_setup(plan), *workers_, hooks_of(plan, &parts.cost, writer_.get())) {
+        states_(plan.input),
+        planner_(planner_setup(plan), *workers_, hooks_of(plan, &parts.cost, states_)) {
     if (parts.renderer) return;
     models_.emplace(planner_.space(), plan.model, link_);
     loop_.emplace(*plan.device, link_, plan.render, plan.frames);
@@ -97,7 +98,26 @@ class VirtualRun {
       else if (!frame(event->payload, now))
         break;
     }
-    if (writer_) writer_->flush();
+    states_.flush();
+  }
+
+  // Frames of a session that ends before its time, in which the force goes to zero. Nothing is planned any
+  // more. As many as the largest force may need, because a renderer that follows behind has not told it yet.
+  void end_early() {
+    const SafetyOptions& limits = plan_.render.safety;
+    const double needed = std::ceil(limits.force_limit / (limits.slew_limit * plan_.render.frame));
+    const std::size_t last = std::min(plan_.frames, next_ + static_cast<std::size_t>(std::min(needed, 1e3)));
+    for (; next_ < last; ++next_) {
+      if (loop_) {
+        loop_->end();
+        loop_->frame(next_);
+        hip_ = loop_->hip();
+      } else {
+        hip_ = next_hip(*plan_.device, hip_, next_, plan_.render.frame, Vec3::Zero());
+      }
+      const std::size_t known = planner_.space().size();
+      parts_.pipeline.pass(hip_.at, static_cast<std::uint32_t>(known), planner_.space(), true);
+    }
   }
 
   void finish(SessionResult& result) {
@@ -106,6 +126,7 @@ class VirtualRun {
       parts_.pipeline.wait();
     }
     take_loop(parts_.renderer ? parts_.renderer->loop() : *loop_, plan_.frames, result);
+    if (states_.failure()) result.failures.push_back(*states_.failure());
     planner_.finish(result, parts_.renderer ? parts_.renderer->models() : *models_);
     result.solver.workers = workers_->workers();
   }
@@ -142,7 +163,12 @@ class VirtualRun {
     parts_.pipeline.pass(hip_.at, known, planner_.space());
     planner_.observe(hip_);
     planner_.plan(now);
-    if (k + 1 == plan_.frames || plan_.options.stop.is_interrupted()) return false;
+    next_ = k + 1;
+    if (next_ == plan_.frames) return false;
+    if (plan_.options.stop.is_interrupted()) {
+      end_early();
+      return false;
+    }
     events_.push(ns(static_cast<double>(k + 1) * plan_.render.frame), Kind::frame, k + 1);
     if (show_ && (k + 1) % 250 == 0) show_progress(k, now);
     return true;
@@ -165,9 +191,10 @@ class VirtualRun {
   EventQueue events_;
   std::vector<JobResult> results_;
   std::shared_ptr<VirtualWorkers> workers_;
-  std::unique_ptr<StateWriter> writer_;
+  StateLog states_;
   Planner planner_;
   HipSample hip_;
+  std::size_t next_ = 0;  // frame
   // Where the motion answers the force, and rendering cannot follow behind.
   LoopLink link_;
   std::optional<ModelKeeper> models_;
@@ -179,8 +206,15 @@ class VirtualRun {
 void run_virtual(const SessionPlan& plan, const VirtualParts& parts, SessionResult& result,
                  const ShowProgress& show) {
   VirtualRun run(plan, parts, show);
-  run.run();
+  std::exception_ptr failure;
+  try {
+    run.run();
+  } catch (...) {
+    failure = std::current_exception();
+    run.end_early();
+  }
   run.finish(result);
+  if (failure) result.failures.push_back(failure_in_words("planning", failure));
 }
 
 }  // namespace forefeel

@@ -18,7 +18,8 @@ struct VirtualParts {
   FollowingRenderer* renderer;
 };
 
-// Fills the result, except for labels, errors and other values of the judge.
+// Fills the result, except for labels, errors and other values of the judge. If planning fails, the frames
+// end there with the ramp at the end, and result.failures says why.
 void run_virtual(const SessionPlan& plan, const VirtualParts& parts, SessionResult& result,
                  const ShowProgress& show);
 

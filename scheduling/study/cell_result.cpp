@@ -11,6 +11,7 @@ namespace {
 
 bool depends_on_wall_time(std::string_view name) {
   return name.starts_with("deadline.cost_us") || name.starts_with("deadline.lateness_us") ||
+         name == "loop.longest_pause" || name == "loop.planner_stall" || name == "loop.skipped" ||
          name == "wall_seconds" || name == "realtime_priority" || name == "memory_locked";
 }
 

@@ -10,7 +10,7 @@
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
 #include "scheduling/study/sustained_speed.hpp"
-#include "solver/body/contact_stiffness.hpp"
+#include "solver/body/contact_softness.hpp"
 
 namespace forefeel {
 namespace {
@@ -51,10 +51,10 @@ SpeedBound speed_bound(const SustainedOptions& sought, const StudyCell& cell, co
       make_cost(cell.options.workers.cost, {.seed = cell.seed}, [&] { return references.recorded_costs(); });
   const double t0 = first_possible(*cost, input.touched.space, cell.options.workers.latency, true);
   const StateSpace nothing(input.touched.space);
-  SessionModel model(nothing,
-                     {.fit = cell.options.model.fit,
-                      .method = cell.options.model.method,
-                      .guess = first_guess ? disc_stiffness(*input.touched.body) : Mat3(Mat3::Zero())});
+  SessionModel model(nothing, {.fit = cell.options.model.fit,
+                               .method = cell.options.model.method,
+                               .guess = first_guess ? forefeel::first_guess(*input.touched.body).stiffness
+                                                    : Mat3(Mat3::Zero())});
   const auto guess = [&](const Vec3& x) { return model.model_at(x).force(x); };
   std::map<double, ExactRendering> seen;
   const SustainedSpeed found = sustained_speed(sought, [&](double speed) {

@@ -77,9 +77,15 @@ double part_of(const SessionProgress& p) {
 
 using ShowPart = std::function<void(double)>;
 
+// A session that failed is no result of a study.
+SessionResult unfailed(SessionResult result) {
+  if (!result.failures.empty()) throw std::runtime_error(result.failures.front());
+  return result;
+}
+
 StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, const ShowPart& show) {
-  const SessionResult result =
-      run_session(input, cell.options, {.progress = [&](const SessionProgress& p) { show(part_of(p)); }});
+  const SessionResult result = unfailed(
+      run_session(input, cell.options, {.progress = [&](const SessionProgress& p) { show(part_of(p)); }}));
   return cell_result(result, input, cell.options);
 }
 
@@ -91,7 +97,7 @@ StudyCellResult run_sustained(const SustainedOptions& sought, const StudyCell& c
     SessionOptions options = cell.options;
     options.motion.device = device_at_speed(cell.options.motion.device, speed, "study.sustained");
     options.clock.seconds = sought.travel / speed;
-    const SessionResult result = run_session(input, options);
+    const SessionResult result = unfailed(run_session(input, options));
     const double share = first_visits_within(result, options.switching, sought.tolerance);
     StudyCellResult row = cell_result(result, input, options);
     row.set("error.first_visit.within_7", column_value(share));
@@ -186,7 +192,7 @@ StudyCell with_load_found(const StudyCell& cell, const SessionInput& input) {
   double demand = cell.free_demand, least = std::numeric_limits<double>::infinity();
   double too_little = 0, too_much = 0;  // demands
   for (int i = 0; i < tries && least > near; ++i) {
-    const SessionResult result = run_session(input, trial.options);
+    const SessionResult result = unfailed(run_session(input, trial.options));
     const double load = summarise(result, input, trial.options).load;
     if (result.interrupted() || !std::isfinite(load)) break;
     const double met = load / cell.load_to_find;

@@ -43,12 +43,11 @@ ReferenceService::Key ReferenceService::key(const Vec3& x) {
 }
 
 ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
-    : body_(options.body),
+    : basis_(std::make_shared<SolverBasis>(options.body)),
       linear_(linear_basis(options.body, options.spacing)),
       solver_options_{.spacing = options.spacing, .tolerance = 1e-6, .displacements = options.displacements},
       box_(options.box),
-      thread_count_(threads > 0 ? static_cast<std::size_t>(threads)
-                                : std::max(1u, std::thread::hardware_concurrency())) {
+      thread_count_(static_cast<std::size_t>(reference_threads(threads))) {
   if (options.cache_folder.empty() || options.identity.empty()) return;
   const std::string name = cache_name(options.identity, options.spacing, options.displacements);
   costs_file_ = options.cache_folder / (name + ".costs.csv");
@@ -96,8 +95,14 @@ ReferenceService::~ReferenceService() {
   threads_.clear();
 }
 
-void ReferenceService::start_threads() {
-  while (threads_.size() < thread_count_) threads_.emplace_back([this](std::stop_token stop) { work(stop); });
+int reference_threads(int wanted) {
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  return wanted > 0 ? std::min(wanted, std::max(8, 4 * cores)) : cores;
+}
+
+void ReferenceService::start_thread() {
+  if (threads_.size() < thread_count_)
+    threads_.emplace_back([this](const std::stop_token& stop) { work(stop); });
 }
 
 void ReferenceService::request(const Vec3& x) {
@@ -105,7 +110,7 @@ void ReferenceService::request(const Vec3& x) {
     const std::lock_guard lock(mutex_);
     if (!entries_.try_emplace(key(x)).second) return;
     queue_.push_back(x);
-    start_threads();
+    start_thread();
   }
   wake_.notify_one();
 }
@@ -147,9 +152,36 @@ void ReferenceService::learn(std::span<const State> states) {
   for (const State& state : states) entries_.try_emplace(key(state.at), Entry{.ready = true, .state = state});
 }
 
+// The cache is optional: a session must not fail with its disk.
+void ReferenceService::keep(const State& state) {
+  if (!writer_) return;
+  try {
+    writer_->push(state);
+    unflushed_ = true;
+  } catch (const std::exception& problem) {
+    note_cache_failure(problem);
+  }
+}
+
+void ReferenceService::note_cache_failure(const std::exception& problem) {
+  cache_failure_ = fmt::format("the cache of reference solves is no longer written: {}", problem.what());
+  writer_.reset();
+}
+
+std::optional<std::string> ReferenceService::cache_failure() {
+  const std::lock_guard lock(mutex_);
+  if (writer_ && unflushed_) try {
+      writer_->flush();
+      unflushed_ = false;
+    } catch (const std::exception& problem) {
+      note_cache_failure(problem);
+    }
+  return cache_failure_;
+}
+
 void ReferenceService::work(std::stop_token stop) {
   try {
-    StateSolver solver(body_, linear_, solver_options_);
+    StateSolver solver(basis_, linear_, solver_options_);
     std::unique_lock lock(mutex_);
     for (;;) {
       wake_.wait(lock, [&] { return stop.stop_requested() || !queue_.empty(); });
@@ -163,7 +195,7 @@ void ReferenceService::work(std::stop_token stop) {
       outcome.state.force.array() += 0.0;  // the cache does not keep -0
       outcome.state.stiffness.array() += 0.0;
       lock.lock();
-      if (writer_) writer_->push(outcome.state);
+      keep(outcome.state);
       Entry& entry = entries_.at(key(x));
       entry.state = std::move(outcome.state);
       entry.ready = true;
@@ -190,7 +222,7 @@ RecordedCosts ReferenceService::recorded_costs() {
 
 std::vector<double> ReferenceService::measured_costs() {
   constexpr std::uint64_t samples = 48;
-  StateSolver solver(body_, linear_, solver_options_);
+  StateSolver solver(basis_, linear_, solver_options_);
   std::vector<double> seconds;
   for (std::uint64_t i = 0; i < samples; ++i) {
     const Vec3 share(random::uniform(random::mix(11, 3 * i)), random::uniform(random::mix(11, 3 * i + 1)),
@@ -211,7 +243,7 @@ std::vector<double> ReferenceService::measured_costs() {
 // the symbolic factorisation.
 std::vector<double> ReferenceService::measured_rest_costs() {
   constexpr int samples = 15;
-  StateSolver solver(body_, linear_, solver_options_);
+  StateSolver solver(basis_, linear_, solver_options_);
   std::vector<double> seconds;
   for (int i = 0; i < samples; ++i) {
     solver.from(nullptr, solver_options_.spacing * Vec3::Unit(i % 3), {});

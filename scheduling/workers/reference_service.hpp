@@ -7,6 +7,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -34,9 +35,13 @@ struct ReferenceOptions {
   std::filesystem::path cache_folder;  // empty: no cache
 };
 
+// Threads that solve, for a wish of so many (0: all of the machine). More than four for each core, or eight,
+// would only take memory.
+int reference_threads(int wanted);
+
 class ReferenceService {
  public:
-  // threads: 0 means all of the machine. They start at the first request that is not in the cache.
+  // threads: as reference_threads(). They start as requests come that are not in the cache.
   ReferenceService(const ReferenceOptions& options, int threads);
   ~ReferenceService();  // drops requests that have not begun
   ReferenceService(const ReferenceService&) = delete;
@@ -56,6 +61,10 @@ class ReferenceService {
   // replaced.
   const std::optional<std::string>& damage() const { return damage_; }
 
+  // Waits until the cache is on the disk. Set if it could not be written any more (a full disk): one line.
+  // What is solved later is not kept.
+  std::optional<std::string> cache_failure();
+
   // Times of a fixed sample of solves from a neighbour, and of the state at rest. They are measured once per
   // body and kept beside the cache.
   RecordedCosts recorded_costs();
@@ -74,14 +83,16 @@ class ReferenceService {
   };
   static Key key(const Vec3& x);
   void work(std::stop_token stop);
-  void start_threads();
+  void start_thread();            // unless there are enough
+  void keep(const State& state);  // in the cache, under the mutex
+  void note_cache_failure(const std::exception& problem);
 
-  std::shared_ptr<const Body> body_;
+  std::shared_ptr<SolverBasis> basis_;
   std::shared_ptr<LinearBasis> linear_;
   StateSolverOptions solver_options_;
   Box box_;
   std::filesystem::path costs_file_, rest_cost_file_;
-  std::size_t thread_count_;
+  std::size_t thread_count_;  // at most
   std::vector<double> measured_costs();
   std::vector<double> measured_rest_costs();
   // The times in the file. If there is no file, measures them and writes it.
@@ -89,7 +100,7 @@ class ReferenceService {
                            std::vector<double> (ReferenceService::*measured)());
   std::mutex costs_mutex_;
   RecordedCosts costs_;
-  std::optional<std::string> note_, damage_;
+  std::optional<std::string> note_, damage_, cache_failure_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, ready_;
@@ -98,6 +109,7 @@ class ReferenceService {
   std::size_t solved_ = 0;
   std::exception_ptr failure_;
   std::unique_ptr<StateWriter> writer_;
+  bool unflushed_ = false;  // states were given to the writer
   std::vector<std::jthread> threads_;
 };
 

@@ -2,12 +2,12 @@
 
 namespace forefeel {
 
-StateSolver::StateSolver(std::shared_ptr<const Body> body, std::shared_ptr<LinearBasis> linear,
+StateSolver::StateSolver(std::shared_ptr<SolverBasis> basis, std::shared_ptr<LinearBasis> linear,
                          Options options)
-    : body_(std::move(body)), linear_(std::move(linear)), options_(options) {}
+    : basis_(std::move(basis)), linear_(std::move(linear)), options_(options) {}
 
 Solver& StateSolver::solver() {
-  if (!solver_) solver_.emplace(body_);
+  if (!solver_) solver_.emplace(*basis_);
   return *solver_;
 }
 

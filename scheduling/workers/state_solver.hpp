@@ -1,6 +1,6 @@
 #pragma once
-// Solves states of one body in one thread. It uses a Solver; for a linear body, it superposes three states
-// that all threads share (solver/equilibrium/linear_body.hpp).
+// Solves states of one body in one thread. It uses a Solver, whose analysis all threads share; for a linear
+// body, it superposes three states that all threads share (solver/equilibrium/linear_body.hpp).
 
 #include <memory>
 #include <optional>
@@ -21,8 +21,8 @@ struct StateSolverOptions {
 class StateSolver {
  public:
   using Options = StateSolverOptions;
-  // linear: null unless is_linear(*body).
-  StateSolver(std::shared_ptr<const Body> body, std::shared_ptr<LinearBasis> linear, Options options);
+  // linear: null unless the body is linear.
+  StateSolver(std::shared_ptr<SolverBasis> basis, std::shared_ptr<LinearBasis> linear, Options options);
 
   void prepare();                         // symbolic factorisation, before the first job
   SolveOutcome reference(const Vec3& x);  // tight, on the reference branch
@@ -37,7 +37,7 @@ class StateSolver {
   SolveOutcome linear_outcome(const Vec3& x);
   void settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop);
   Solver& solver();  // made at the first use: a cached run never needs one
-  std::shared_ptr<const Body> body_;
+  std::shared_ptr<SolverBasis> basis_;
   std::shared_ptr<LinearBasis> linear_;
   Options options_;
   std::optional<Solver> solver_;

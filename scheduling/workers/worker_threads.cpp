@@ -7,15 +7,15 @@
 namespace forefeel {
 
 WorkerThreads::WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now)
-    : body_(std::move(body)),
+    : basis_(std::make_shared<SolverBasis>(std::move(body))),
       options_(options),
-      linear_(linear_basis(body_, options.spacing)),
+      linear_(linear_basis(basis_->body(), options.spacing)),
       now_(std::move(now)) {}
 
 void WorkerThreads::serve() {
   int worker = -1;
   try {
-    StateSolver solver(body_, linear_, options_);
+    StateSolver solver(basis_, linear_, options_);
     solver.prepare();  // before it counts as a worker: the session may wait for its first state
     std::unique_lock lock(mutex_);
     if (stopped_) return;

@@ -44,7 +44,7 @@ class WorkerThreads final : public RealWorkers {
   void run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop);
   void give(JobResult result);
 
-  std::shared_ptr<const Body> body_;
+  std::shared_ptr<SolverBasis> basis_;
   StateSolverOptions options_;
   std::shared_ptr<LinearBasis> linear_;
   Now now_;

@@ -28,8 +28,8 @@ struct Solver::Impl {
   LaneSolver lanes;
   std::unique_ptr<LinearBody> linear;  // made at the first solve of a linear body
 
-  explicit Impl(std::shared_ptr<const Body> b)
-      : body(std::move(b)), d(std::make_shared<const Discretisation>(discretise(*body))), path(d), lanes(d) {}
+  Impl(std::shared_ptr<const Body> b, std::shared_ptr<const Discretisation> shared)
+      : body(std::move(b)), d(std::move(shared)), path(d), lanes(d) {}
 
   void begin_at(const Equilibrium& start) {
     LocalField field;
@@ -145,7 +145,28 @@ struct Solver::Impl {
   }
 };
 
-Solver::Solver(std::shared_ptr<const Body> body) : impl_(std::make_unique<Impl>(std::move(body))) {}
+SolverBasis::SolverBasis(std::shared_ptr<const Body> body) : body_(std::move(body)) {}
+
+std::shared_ptr<const Discretisation> SolverBasis::discretisation() {
+  std::call_once(once_, [this] { discretisation_ = analyse(*body_); });
+  return discretisation_;
+}
+
+// The factor; the blocks of H now and at rest; vectors of Newton and of the continuation; vectors in lanes.
+std::size_t SolverBasis::bytes_per_solver() {
+  const std::shared_ptr<const Discretisation> d = discretisation();
+  const FactorCost factor = cost_of_factor(*d);
+  const std::int64_t blocks = 2 * 9 * (d->pattern.size() + 1);
+  constexpr std::int64_t alone = 16, in_lanes = 18 + 8;  // vectors; of a batch's fields too
+  return static_cast<std::size_t>(factor.factor_bytes + factor.stack_bytes +
+                                  8 * (blocks + (alone + in_lanes * lane_count) * d->local_size()));
+}
+
+Solver::Solver(std::shared_ptr<const Body> body) {
+  const std::shared_ptr<const Discretisation> d = analyse(*body);
+  impl_ = std::make_unique<Impl>(std::move(body), d);
+}
+Solver::Solver(SolverBasis& basis) : impl_(std::make_unique<Impl>(basis.body(), basis.discretisation())) {}
 Solver::~Solver() = default;
 Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;

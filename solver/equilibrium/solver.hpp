@@ -5,7 +5,9 @@
 // W [J] stored energy, H = d2W/du2, f and c the free nodes and the contact. The residual is |r| / max(|f|,
 // 1e-12 E L^2) with Young's modulus E and the longest side L of the mesh.
 
+#include <cstddef>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -40,11 +42,29 @@ struct SolveOutcome {
   std::vector<std::string> warnings;
 };
 
-// Keeps the pattern, symbolic factorisation and work space of one body; one per thread. Results depend on the
-// arguments alone, not on what was solved before.
+struct Discretisation;
+
+// What the solvers of one body share: discretisation and symbolic factorisation, made by the thread that asks
+// first. Any thread may call it.
+class SolverBasis {
+ public:
+  explicit SolverBasis(std::shared_ptr<const Body> body);
+  const std::shared_ptr<const Body>& body() const { return body_; }
+  std::shared_ptr<const Discretisation> discretisation();
+  std::size_t bytes_per_solver();  // that a Solver of this basis holds beside it, at most
+
+ private:
+  std::shared_ptr<const Body> body_;
+  std::once_flag once_;
+  std::shared_ptr<const Discretisation> discretisation_;
+};
+
+// Keeps the work space of one body, and its pattern and symbolic factorisation unless a basis is given; one
+// per thread. Results depend on the arguments alone, not on what was solved before.
 class Solver {
  public:
   explicit Solver(std::shared_ptr<const Body> body);
+  explicit Solver(SolverBasis& basis);
   ~Solver();
   Solver(Solver&&) noexcept;
   Solver& operator=(Solver&&) noexcept;

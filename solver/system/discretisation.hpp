@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "solver/body/body.hpp"
@@ -21,6 +22,8 @@ struct BlockPattern {
   std::vector<std::int32_t> column;
   std::int64_t size() const { return static_cast<std::int64_t>(column.size()); }
 };
+
+struct FactorLayout;  // factorisation.cpp
 
 struct Discretisation {
   std::int64_t free_nodes = 0;                  // n
@@ -38,6 +41,7 @@ struct Discretisation {
   std::vector<std::int8_t> element_block_kind;
   LawConstants constants;
   int nodes_per_element = 4;
+  std::shared_ptr<const FactorLayout> layout = {};  // of its factors; null: each factor makes its own
   ElementView view() const;
 
   std::int64_t local_size() const { return 3 * (free_nodes + 2); }

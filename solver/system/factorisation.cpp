@@ -82,6 +82,9 @@ struct FactorLayout {
     place_stack();
   }
 
+  std::size_t panels() const { return static_cast<std::size_t>(panel_size + 2 * lane_count); }
+  std::size_t stacks() const { return static_cast<std::size_t>(stack_size + 2 * lane_count); }
+
   FrontTree tree() const {
     FrontTree t;
     t.count = static_cast<std::int64_t>(fronts.size());
@@ -190,9 +193,10 @@ struct Factorisation::Impl {
   std::int64_t free_nodes;
 
   explicit Impl(const Discretisation& d)
-      : layout(std::make_shared<const FactorLayout>(d.pattern, d.free_nodes)), free_nodes(d.free_nodes) {
-    panels.resize(static_cast<std::size_t>(layout->panel_size + 2 * lane_count));
-    stack.resize(static_cast<std::size_t>(layout->stack_size + 2 * lane_count));
+      : layout(d.layout ? d.layout : std::make_shared<const FactorLayout>(d.pattern, d.free_nodes)),
+        free_nodes(d.free_nodes) {
+    panels.resize(layout->panels());
+    stack.resize(layout->stacks());
     work.resize(static_cast<std::size_t>((3 * layout->most_rest + lane_count) * lane_count));
   }
 };
@@ -240,11 +244,27 @@ void Factorisation::tangent(double* v) const {
       v[c * (n + 6) + i] = lanes[static_cast<std::size_t>(i * lane_count + c)];
 }
 
+namespace {
+
+FactorCost cost_of(const FactorLayout& l) {
+  return {static_cast<std::int64_t>(l.fronts.size()), l.flops, 8 * static_cast<std::int64_t>(l.panels()),
+          8 * static_cast<std::int64_t>(l.stacks())};
+}
+
+}  // namespace
+
 FactorCost Factorisation::cost() const {
-  const FactorLayout& l = *impl_->layout;
-  return {static_cast<std::int64_t>(l.fronts.size()), l.flops,
-          8 * static_cast<std::int64_t>(impl_->panels.size()),
-          8 * static_cast<std::int64_t>(impl_->stack.size())};
+  return cost_of(*impl_->layout);
+}
+
+std::shared_ptr<const Discretisation> analyse(const Body& body) {
+  auto made = std::make_shared<Discretisation>(discretise(body));
+  made->layout = std::make_shared<const FactorLayout>(made->pattern, made->free_nodes);
+  return made;
+}
+
+FactorCost cost_of_factor(const Discretisation& discretisation) {
+  return cost_of(*discretisation.layout);
 }
 
 }  // namespace forefeel

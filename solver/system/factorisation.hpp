@@ -17,10 +17,15 @@ struct FactorCost {
   std::int64_t factor_bytes = 0, stack_bytes = 0;
 };
 
+// The discretisation of a body with the symbolic analysis of its factors, for solvers of several threads.
+std::shared_ptr<const Discretisation> analyse(const Body& body);
+// Of a factor with this analysis, without making it. The discretisation must have one.
+FactorCost cost_of_factor(const Discretisation& discretisation);
+
 class Factorisation {
  public:
-  explicit Factorisation(
-      const Discretisation& discretisation);  // must outlive this; the analysis is done here
+  // Does the symbolic analysis unless the discretisation has one. The discretisation must outlive this.
+  explicit Factorisation(const Discretisation& discretisation);
   ~Factorisation();
   Factorisation(Factorisation&&) noexcept;
 

@@ -169,3 +169,47 @@ TEST_CASE("Forces given instead of models are switched alike") {
     CHECK(a.undamped_jump == b.undamped_jump);
   }
 }
+
+TEST_CASE("Whatever jumps the HIP makes, the smooth force is never larger than the largest of the models") {
+  const auto known = models(12, 3);
+  for (const double jump : {0.05, 0.002, 0.0005}) {
+    CAPTURE(jump);
+    double smooth = 0, none = 0;
+    for (const SwitchRule rule : {SwitchRule::smooth, SwitchRule::none}) {
+      std::mt19937 random(5);
+      ForceSwitch damped({.rule = rule});
+      double largest = 0;
+      for (int frame = 0; frame < 4000; ++frame) {
+        const double side = frame / 10 % 2 == 0 ? 0.5 : -0.5;
+        const Vec3 x = Vec3(side * jump, 0.2 * side * jump, 0.001);
+        const bool comes = frame % 10 == 3;
+        const auto out = damped.step(comes ? known[random() % known.size()].get() : nullptr, x);
+        largest = std::max(largest, out.force.norm());
+        CHECK(out.change.norm() <= out.bound);
+      }
+      (rule == SwitchRule::smooth ? smooth : none) = largest;
+    }
+    CHECK(none > 0);
+    CHECK(smooth <= none * (1 + 1e-9));
+  }
+}
+
+TEST_CASE("After a jump of 5 cm nothing is left of the offset that was measured before it") {
+  const auto known = models(2, 12);
+  ForceSwitch damped({.rule = SwitchRule::smooth});
+  const Vec3 deep(0.005, 0.002, -0.001), far(-0.04, 0.01, 0);
+  for (int i = 0; i < 5000; ++i) damped.step(i == 0 ? known[0].get() : nullptr, deep);
+  const auto before = damped.step(known[1].get(), deep);
+  const double offset = (before.force - before.undamped).norm();
+  REQUIRE(offset > 0.1);
+  const auto after = damped.step(nullptr, far);
+  CHECK((after.force - after.undamped).norm() < 1e-4 * offset);
+  CHECK(after.change.norm() <= after.bound);
+}
+
+TEST_CASE("A force that is not finite leaves no offset behind") {
+  ForceSwitch damped;
+  damped.step(Vec3::Zero(), Vec3::Constant(std::nan("")), true);
+  const auto out = damped.step(Vec3::Constant(std::nan("")), Vec3(1, 0, 0), true);
+  CHECK(out.force == Vec3(1, 0, 0));
+}

@@ -50,6 +50,20 @@ inline std::shared_ptr<const Body> small_body(Law law = Law::neo_hookean) {
   return body;
 }
 
+// A block of 6 x 6 x 4 cm on its clamp, touched in the middle of its top.
+inline std::shared_ptr<const Body> block_body() {
+  auto body = std::make_shared<Body>();
+  body->mesh = beam_mesh(4, 4, 4);
+  body->material = {.law = Law::neo_hookean, .young = 2e5, .poisson = 0.3};
+  for (std::size_t i = 0; i < body->mesh.nodes.size(); ++i) {
+    Vec3& x = body->mesh.nodes[i];
+    x = Vec3(0.75 * x[0], 3 * x[1], 2 * x[2]);
+    if (x[2] < 1e-9) body->clamp.push_back(static_cast<NodeIndex>(i));
+    if ((x - Vec3(0.03, 0.03, 0.04)).norm() < 1e-9) body->contact.push_back(static_cast<NodeIndex>(i));
+  }
+  return body;
+}
+
 // Box of 24 mm about rest, spacing 6 mm: 5 x 5 x 5 lattice states.
 inline SessionInput small_input(Law law = Law::neo_hookean) {
   SessionInput input;
@@ -58,6 +72,14 @@ inline SessionInput small_input(Law law = Law::neo_hookean) {
                             {"material", law == Law::linear ? "linear" : "neo-hookean"}};
   input.touched.space.spacing = 0.006;
   input.touched.space.box = {Vec3::Constant(-0.012), Vec3::Constant(0.012)};
+  return input;
+}
+
+// The same with the block.
+inline SessionInput block_input() {
+  SessionInput input = small_input();
+  input.touched.body = block_body();
+  input.touched.identity = {{"mesh", "small block"}, {"material", "neo-hookean"}};
   return input;
 }
 

@@ -199,7 +199,7 @@ TEST_CASE("batches: a worker does one thing at a time, and what has not begun ha
 
 TEST_CASE("worker threads: a job's neighbours come after it, all of them right; cancelled ones say so") {
   const auto body = testing::small_body();
-  StateSolver judge(body, nullptr, {.spacing = 0.006});
+  StateSolver judge(std::make_shared<SolverBasis>(body), nullptr, {.spacing = 0.006});
   WorkerThreads workers(body, {.spacing = 0.006, .tolerance = 1e-6}, [] { return 0.0; });
   std::thread thread([&] { workers.serve(); });
   while (workers.workers() == 0) std::this_thread::yield();

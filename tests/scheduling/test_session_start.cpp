@@ -8,10 +8,12 @@
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
+#include "solver/body/contact_softness.hpp"
 #include "solver/body/contact_stiffness.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
+using testing::block_input;
 using testing::small_input;
 using testing::virtual_options;
 
@@ -70,7 +72,7 @@ TEST_CASE(
   SessionOptions options = virtual_options(0.6);
   options.workers.cost = ConstantCost{0.4};  // rest after 0.1 s
   options.motion.device = PathMotion{.path = PathName::lissajous, .speed = 0.03};
-  const Mat3 guess = disc_stiffness(*small_input().touched.body);
+  const Mat3 guess = disc_stiffness(*block_input().touched.body);
   const auto is_guess = [&](const FrameRecord& f) {
     return (f.undamped + guess * f.at).norm() <= 1e-9 * (guess * f.at).norm();
   };
@@ -79,7 +81,7 @@ TEST_CASE(
       CAPTURE(static_cast<int>(method), name(data));
       options.model.method = method;
       options.model.fit.data = data;
-      const SessionResult r = run_session(small_input(), options);
+      const SessionResult r = run_session(block_input(), options);
       CHECK(r.counts.start == 0);
       std::size_t before = 0, after = 0;
       for (const FrameRecord& f : r.frames) {
@@ -104,7 +106,7 @@ TEST_CASE(
       CHECK(r.switches[1].t == Approx(0.1).margin(0.0011));
       // what is known, asked for and solved is the same without it
       options.model.first_guess = false;
-      const SessionResult without = run_session(small_input(), options);
+      const SessionResult without = run_session(block_input(), options);
       options.model.first_guess = true;
       REQUIRE(without.dispatch.size() == r.dispatch.size());
       for (std::size_t i = 0; i < r.dispatch.size(); ++i) {
@@ -121,25 +123,47 @@ TEST_CASE("the first guess has no say where states come from elsewhere, and is r
   std::ofstream(folder / "late.csv") << "t,x,y,z\n0.1,0,0,0\n";
   SessionOptions options = virtual_options(0.2);
   options.workers.cost = ConstantCost{0.4};
-  const SessionResult solved = run_session(small_input(), options);
+  const SessionResult solved = run_session(block_input(), options);
   std::filesystem::create_directories(folder / "solved");
   std::filesystem::create_directories(folder / "arrived");
   write_run_files(folder / "solved", solved, options);
-  CHECK(summarise(solved, small_input(), options).run.first_guess);
+  CHECK(summarise(solved, block_input(), options).run.first_guess);
   SessionOptions arriving = options;
   arriving.planning.arrivals = folder / "late.csv";
-  const SessionResult arrived = run_session(small_input(), arriving);
+  const SessionResult arrived = run_session(block_input(), arriving);
   for (const FrameRecord& f : arrived.frames)
     if (f.known == 0) REQUIRE(f.force == Vec3::Zero());
-  CHECK_FALSE(summarise(arrived, small_input(), arriving).run.first_guess);
+  CHECK_FALSE(summarise(arrived, block_input(), arriving).run.first_guess);
   write_run_files(folder / "arrived", arrived, arriving);
   for (const auto& [run, recorded] : {std::pair{"solved", &solved}, std::pair{"arrived", &arrived}}) {
     CAPTURE(run);
     SessionOptions again = options;
     again.motion.replay = folder / run;
-    const SessionResult replayed = run_session(small_input(), again);
+    const SessionResult replayed = run_session(block_input(), again);
     REQUIRE(replayed.frames.size() == recorded->frames.size());
     for (std::size_t k = 0; k < replayed.frames.size(); ++k)
       REQUIRE((replayed.frames[k].force - recorded->frames[k].force).norm() <= 1e-9);
   }
+}
+
+TEST_CASE(
+    "on a slender body there is no first guess: nothing is rendered until something is known, and a note "
+    "says why") {
+  SessionOptions options = virtual_options(0.2);
+  options.workers.cost = ConstantCost{0.4};  // rest after 0.1 s
+  for (const bool slender : {true, false}) {
+    CAPTURE(slender);
+    const SessionInput input = slender ? small_input() : block_input();
+    const SessionResult r = run_session(input, options);
+    const SessionSummary summary = summarise(r, input, options);
+    CHECK(summary.run.first_guess != slender);
+    CHECK((summary.run.guess_softness > most_softness) == slender);
+    CHECK(std::ranges::any_of(r.notes, [](const std::string& note) {
+            return note.starts_with("no first guess: the body is about");
+          }) == slender);
+    for (const FrameRecord& f : r.frames)
+      if (slender && f.known == 0) REQUIRE(f.force == Vec3::Zero());
+  }
+  options.model.first_guess = false;
+  CHECK(std::isnan(run_session(small_input(), options).guess_softness));
 }

@@ -1,0 +1,36 @@
+#pragma once
+// Which frame a late loop renders next. Frame k is due at k * frame after the start. A loop that wakes late
+// renders the newest frame that is due; the frames before it are skipped and counted, never rendered in a
+// burst. Frame 0 is never skipped. No frame is skipped to beyond the session's last one, which therefore
+// is always rendered; frames after it belong to the ramp at the end (render/render_loop.hpp).
+// All times count from the session's start on one steady clock. Nothing allocates or throws.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace forefeel {
+
+class FramePacer {
+ public:
+  FramePacer(double frame, std::size_t frames) : frame_(frame), frames_(frames) {}  // frame [s]
+
+  std::int64_t due() const noexcept { return due(next_); }  // start of the next frame [ns]
+  // The loop woke at `woke` [ns], at due() or later. Returns the number of the frame to render now.
+  std::size_t begin(std::int64_t woke) noexcept;
+  // From the start of the frame that is rendered now to its wake-up [ns].
+  std::int64_t lateness() const noexcept { return woke_ - due(next_ - 1); }
+
+  std::size_t skipped() const noexcept { return skipped_; }
+  double longest_pause() const noexcept { return longest_pause_; }  // between two wake-ups [s]
+  double paused_at() const noexcept { return paused_at_; }          // when it began [s]
+
+ private:
+  std::int64_t due(std::size_t k) const noexcept;
+
+  double frame_;
+  std::size_t frames_, next_ = 0, skipped_ = 0;
+  std::int64_t woke_ = 0;
+  double longest_pause_ = 0, paused_at_ = 0;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,72 @@
+#include "scheduling/session/memory_need.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+// A frame's record; its label, sample and position with the judge and the pipeline; its row of frames.csv,
+// which is made in memory.
+constexpr double bytes_per_frame = sizeof(FrameRecord) + 160 + 400;
+constexpr double bytes_per_thread = 256e3;  // stack as far as it is used, buffers of the allocator
+constexpr int few = 8;                      // so many solvers are never asked about
+constexpr int most_threads = 4096;
+
+bool is_real(const SessionPlan& plan) {
+  return plan.options.clock.kind == Clock::real;
+}
+
+int worker_threads(const SessionPlan& plan) {
+  const bool own = plan.input.parts.workers != nullptr || plan.options.workers.kind.name != "threads";
+  return !is_real(plan) || own || plan.given_arrivals ? 0 : plan.options.workers.count;
+}
+
+}  // namespace
+
+MemoryNeed memory_need(const SessionPlan& plan) {
+  MemoryNeed need{.frames = static_cast<double>(plan.frames) * bytes_per_frame};
+  const int workers = worker_threads(plan), threads = reference_threads(plan.options.workers.threads);
+  if (std::max(workers, threads) <= few) return need;
+  double solver = 0;
+  if (!is_linear(*plan.input.touched.body))
+    solver = static_cast<double>(SolverBasis(plan.input.touched.body).bytes_per_solver());
+  need.workers = workers * (solver + bytes_per_thread);
+  need.references = threads * (solver + bytes_per_thread);
+  return need;
+}
+
+void check_memory(const SessionPlan& plan, double available) {
+  const int workers = worker_threads(plan), threads = reference_threads(plan.options.workers.threads);
+  if (workers > most_threads)
+    throw InputError(
+        "session.workers",
+        fmt::format("is {}, and under the real clock each worker is a thread, expected at most {}", workers,
+                    most_threads));
+  const MemoryNeed need = memory_need(plan);
+  if (need.all() <= available) return;
+  const double seconds = plan.options.clock.seconds;
+  const double most = std::max({need.frames, need.workers, need.references});
+  const double left = std::max(0.0, available - (need.all() - most));  // for what takes the most
+  const auto refuse = [&](const char* key, const std::string& what, double asked, double floor) {
+    throw InputError(
+        key, fmt::format("is {:g}, and {} take about {} of memory, {} are free, expected at most {:g}", asked,
+                         what, bytes_in_words(most), bytes_in_words(available),
+                         std::max(floor, std::floor(asked * left / most))));
+  };
+  if (most == need.frames)
+    refuse("session.seconds", fmt::format("{} frames", plan.frames), seconds, 1);
+  else if (most == need.workers)
+    refuse("session.workers", "the solvers of so many workers", workers, 1);
+  else
+    refuse("session.threads", "the solvers of so many threads", threads, 1);
+}
+
+}  // namespace forefeel

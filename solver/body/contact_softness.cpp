@@ -1,0 +1,156 @@
+#include "solver/body/contact_softness.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "solver/body/contact_stiffness.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+std::vector<std::vector<NodeIndex>> neighbours(const TetMesh& mesh) {
+  std::vector<std::vector<NodeIndex>> of(mesh.nodes.size());
+  for (const Tet& tet : mesh.tets)
+    for (const NodeIndex a : tet)
+      for (const NodeIndex b : tet)
+        if (a != b) of[static_cast<std::size_t>(a)].push_back(b);
+  for (std::vector<NodeIndex>& list : of) {
+    std::ranges::sort(list);
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return of;
+}
+
+// Distance of each node from the patch along edges of the mesh [m] (Dijkstra).
+std::vector<double> distances(const Body& body) {
+  const TetMesh& mesh = body.mesh;
+  const std::vector<std::vector<NodeIndex>> near = neighbours(mesh);
+  std::vector<double> distance(mesh.nodes.size(), infinite);
+  using Item = std::pair<double, NodeIndex>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
+  for (const NodeIndex node : body.contact) {
+    distance[static_cast<std::size_t>(node)] = 0;
+    open.push({0, node});
+  }
+  while (!open.empty()) {
+    const auto [d, node] = open.top();
+    open.pop();
+    const auto here = static_cast<std::size_t>(node);
+    if (d > distance[here]) continue;
+    for (const NodeIndex other : near[here]) {
+      const auto there = static_cast<std::size_t>(other);
+      const double longer = d + (mesh.nodes[there] - mesh.nodes[here]).norm();
+      if (longer >= distance[there]) continue;
+      distance[there] = longer;
+      open.push({longer, other});
+    }
+  }
+  return distance;
+}
+
+// Moments of the part of a body between two distances.
+struct Section {
+  double volume = 0;
+  Vec3 first = Vec3::Zero();      // int x dV
+  Mat3 second = Mat3::Zero();     // int x x^T dV
+  Vec3 direction = Vec3::Zero();  // int grad s dV
+
+  // The least variance of its points, not along the mean direction of s [m^2].
+  double least_variance() const {
+    const Vec3 mean = first / volume, g = direction / volume;
+    Mat3 variance = second / volume - mean * mean.transpose();
+    variance += 4 * variance.trace() * g * g.transpose();
+    return std::max(Eigen::SelfAdjointEigenSolver<Mat3>(variance, Eigen::EigenvaluesOnly).eigenvalues()[0],
+                    0.0);
+  }
+};
+
+struct Sections {
+  std::vector<Section> bins;
+  double width = 0;  // of a bin [m]
+};
+
+// Each tetrahedron is spread evenly over the distances of its nodes.
+Sections sections(const Body& body, const std::vector<double>& distance, double end) {
+  constexpr std::size_t count = 48;
+  Sections cut{.bins = std::vector<Section>(count), .width = end / count};
+  for (const Tet& tet : body.mesh.tets) {
+    std::array<double, 4> s{};
+    Vec3 centre = Vec3::Zero();
+    for (std::size_t i = 0; i < 4; ++i) {
+      s[i] = distance[static_cast<std::size_t>(tet[i])];
+      centre += body.mesh.nodes[static_cast<std::size_t>(tet[i])] / 4;
+    }
+    const double low = std::ranges::min(s), high = std::max(std::ranges::max(s), low + 1e-9 * end);
+    if (!(low < end)) continue;
+    Mat3 edges;  // rows
+    Vec3 rise;
+    Mat3 spread = Mat3::Zero();
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec3 x = body.mesh.nodes[static_cast<std::size_t>(tet[i])];
+      spread += (x - centre) * (x - centre).transpose() / 20;
+      if (i == 0) continue;
+      edges.row(static_cast<int>(i) - 1) = x - body.mesh.nodes[static_cast<std::size_t>(tet[0])];
+      rise[static_cast<int>(i) - 1] = s[i] - s[0];
+    }
+    const double volume = std::abs(edges.determinant()) / 6;
+    const Vec3 gradient = edges.inverse() * rise;
+    const auto first = static_cast<std::size_t>(low / cut.width);
+    for (std::size_t b = first; b < count && static_cast<double>(b) * cut.width < high; ++b) {
+      const double from = std::max(low, static_cast<double>(b) * cut.width),
+                   to = std::min(high, static_cast<double>(b + 1) * cut.width);
+      const double part = volume * std::max(0.0, to - from) / (high - low);
+      Section& bin = cut.bins[b];
+      bin.volume += part;
+      bin.first += part * centre;
+      bin.second += part * (centre * centre.transpose() + spread);
+      bin.direction += part * gradient;
+    }
+  }
+  return cut;
+}
+
+// c times Young's modulus [1/m].
+double compliance(const Sections& cut) {
+  double stretch = 0, weight = 0, mean = 0, square = 0;
+  for (std::size_t b = 0; b < cut.bins.size(); ++b) {
+    const Section& bin = cut.bins[b];
+    if (!(bin.volume > 0)) return infinite;
+    const double area = bin.volume / cut.width, s = (static_cast<double>(b) + 0.5) * cut.width;
+    stretch += cut.width / area;
+    const double bending = cut.width / (area * bin.least_variance());
+    weight += bending;
+    mean += bending * s;
+    square += bending * s * s;
+  }
+  return stretch + std::max(0.0, square - mean * mean / weight);
+}
+
+}  // namespace
+
+double contact_softness(const Body& body) {
+  const Mat3 disc = disc_stiffness(body);
+  if (disc.isZero(0)) return 0;
+  const double stiffest = Eigen::SelfAdjointEigenSolver<Mat3>(disc, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  const std::vector<double> distance = distances(body);
+  double end = infinite;
+  for (const NodeIndex node : body.clamp) end = std::min(end, distance[static_cast<std::size_t>(node)]);
+  if (!(end > 0 && end < infinite)) return infinite;
+  return stiffest * compliance(sections(body, distance, end)) / body.material.young;
+}
+
+FirstGuess first_guess(const Body& body) {
+  FirstGuess guess{.softness = contact_softness(body)};
+  if (guess.softness <= most_softness) guess.stiffness = disc_stiffness(body);
+  return guess;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,37 @@
+#pragma once
+// How much softer a body is at its contact than the half-space that disc_stiffness() takes it for
+// (contact_stiffness.hpp). Estimated without a solve, from sections of the body at equal distance s [m] from
+// the patch, along the mesh, as far as the nearest clamp:
+//   c = int ds / (E A) + int (s - s0)^2 ds / (E I)        s0: the mean of s with the weight 1 / I
+//   A(s) = dV/ds   area of the section [m^2]
+//   I(s) = A lambda   lambda: least variance of the section's points [m^2], not along the mean direction of s
+// The first integral is the stretch of a rod of varying section; in a half-space, whose sections are
+// half-balls, it is near 1 / k_n. The second is the bending of that rod; its end at the patch does not turn.
+// It is what makes strips, shells and handles soft, by orders of magnitude.
+// softness = k c, with k the largest stiffness of the disc. Measured against solved bodies, as the factor by
+// which the disc is too stiff:
+//                                  softness      too stiff
+//   blocks about the patch         0.8 to 2      0.6 to 2      (the liver of the scenes 1.8 and 1.4)
+//   ball on a part of its surface  3             3.2
+//   strips, 4 to 40 times as long  40 to 1e5     50 to 7e4
+//   shells, 3 and 1 mm of 10 cm    4 and 11      9 to 16 and 35 to 60
+// It tells bodies apart; it is no value to render. What a clamp nearby stiffens is not seen.
+
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+
+// Infinite where no path leads from the patch to a clamp; 0 without a surface to touch.
+double contact_softness(const Body& body);
+
+// Beyond this softness the disc is not rendered: the hand would feel a body several times too stiff.
+inline constexpr double most_softness = 3.5;
+
+struct FirstGuess {
+  Mat3 stiffness =
+      Mat3::Zero();  // disc_stiffness(), or zero where the body is softer than most_softness [N/m]
+  double softness = 0;
+};
+FirstGuess first_guess(const Body& body);
+
+}  // namespace forefeel

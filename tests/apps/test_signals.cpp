@@ -1,0 +1,90 @@
+// Signals and failing writes: a session that is hung up, whose disk is full or whose reader is gone keeps
+// what it can, and says what it cannot.
+
+#include <catch2/catch.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/executable.hpp"
+
+using forefeel::test::beam_scene;
+using forefeel::test::executable;
+using forefeel::test::Workshop;
+
+namespace {
+
+// The cells of the last line of a table.
+std::vector<std::string> last_row(const Workshop& shop, const std::string& file) {
+  std::istringstream line(shop.shell("tail -n 1 " + file).out);
+  std::vector<std::string> cells;
+  for (std::string cell; std::getline(line, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+}  // namespace
+
+TEST_CASE("SIGHUP and SIGTERM end a session with zero force and with all of its files", "[signals]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  for (const std::string signal : {"HUP", "TERM"}) {
+    CAPTURE(signal);
+    const std::string run = "run" + signal;
+    const Workshop::Outcome outcome = shop.shell(
+        executable() + " session beam.toml --clock real --seconds 600 --device path:circle --json -o " + run +
+        " & p=$!; while ! [ -s " + run +
+        "/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.3; kill -" + signal +
+        " $p; wait $p");
+    INFO(outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.json()["interrupted"] == true);
+    CHECK(outcome.json()["failures"].empty());
+    const std::vector<std::string> row = last_row(shop, run + "/frames.csv");
+    REQUIRE(row.size() > 7);
+    for (int i = 4; i < 7; ++i) CHECK(std::stod(row[static_cast<std::size_t>(i)]) == 0);
+    for (const char* file : {"/summary.json", "/report.html", "/states.csv", "/dispatch.csv"})
+      CHECK(shop.shell("test -s " + run + file).code == 0);
+  }
+}
+
+TEST_CASE("under nohup a session does not end with its terminal", "[signals]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome outcome = shop.shell(
+      "trap '' HUP; " + executable() +
+      " session beam.toml --clock real --seconds 0.8 --json -o run & p=$!; while ! [ -s "
+      "run/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; kill -HUP $p; wait $p");
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  CHECK(outcome.json()["interrupted"] == false);
+}
+
+TEST_CASE("files that may not grow cost a session those that do not fit, and nothing else", "[signals]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string session = " session beam.toml --clock virtual --json --seconds ";
+  REQUIRE(shop.shell(executable() + session + "0.1 -o warm").code == 0);  // the cache
+  const Workshop::Outcome outcome = shop.shell("ulimit -f 128; " + executable() + session + "1 -o run");
+  INFO(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["frames"] == 1000);
+  CHECK(outcome.json()["interrupted"] == false);
+  CHECK_THAT(outcome.json()["failures"].dump(), Catch::Contains("frames.csv: cannot be written"));
+  CHECK_THAT(outcome.err, Catch::Contains("frames.csv: cannot be written: File too large"));
+  CHECK(shop.shell("test -e run/frames.csv").code != 0);
+  for (const char* file : {"summary.json", "states.csv", "dispatch.csv", "switches.csv"})
+    CHECK(shop.shell(std::string("test -s run/") + file).code == 0);
+  CHECK_THAT(shop.files(), !Catch::Contains(".part"));
+}
+
+TEST_CASE("a reader that is gone ends the printing quietly, and the run's files are kept", "[signals]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome outcome = shop.shell(
+      "{ " + executable() +
+      " session beam.toml --clock virtual --seconds 0.1 --json --quiet -o run; echo $? > code; } | true");
+  CHECK(outcome.err.empty());
+  CHECK(shop.shell("cat code").out == "1\n");
+  for (const char* file : {"summary.json", "report.html", "frames.csv"})
+    CHECK(shop.shell(std::string("test -s run/") + file).code == 0);
+}
