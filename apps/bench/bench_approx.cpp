@@ -241,8 +241,9 @@ void write_folder(const Globals& globals, const std::string& folder, const Case&
 }  // namespace
 
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder) {
-  scene.empty() ? built_in_scene(globals.set)
-                : load_scene(scene, globals.set);  // a bad one leaves no folder behind
+  scene.empty()
+      ? built_in_scene(globals.set)
+      : load_scene(scene, globals.set, nullptr, {.spacing = false});  // a bad one leaves no folder behind
   if (!folder.empty()) {
     std::error_code failed;
     const bool there = std::filesystem::exists(folder, failed);

@@ -1,6 +1,6 @@
 // forefeel bench solver hard-cases: static solves that are hard, one row per case: outcome, iterations, least
-// det F, time, and whether another loading path ends at another equilibrium. Prints a Markdown table, or rows
-// with --json.
+// det F, time, and whether another loading path ends at another equilibrium. An equilibrium with an inverted
+// element does not count as converged. Prints a Markdown table, or rows with --json.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -21,6 +21,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
@@ -149,8 +150,8 @@ nlohmann::ordered_json to_json(const HardCase& c) {
   row["law"] = name(c.body->material.law);
   row["young"] = c.body->material.young;
   row["poisson"] = c.body->material.poisson;
-  row["status"] = name(s.status);
-  row["converged"] = s.status == SolveStatus::converged;
+  row["status"] = name(outcome(s));
+  row["converged"] = outcome(s) == SolveStatus::converged;
   row["iterations"] = s.iterations;
   row["residual"] = number(s.residual);
   row["min_jacobian"] = number(s.min_jacobian);
@@ -171,7 +172,7 @@ std::vector<std::string> cells(const HardCase& c) {
           c.motion,
           std::string(name(c.body->material.law)),
           fmt::format("{}", c.body->material.poisson),
-          std::string(name(s.status)) + (s.usable() && s.min_jacobian <= 0 ? ", inverted elements" : ""),
+          has_inverted_elements(s) ? "inverted elements" : std::string(name(s.status)),
           fmt::format("{}", s.iterations),
           fmt::format("{:.3f}", s.min_jacobian),
           !c.other_branch   ? "unknown"
@@ -235,14 +236,19 @@ int bench_hard_cases(const Globals& globals, const std::string& output) {
                   fmt::format("{} of {}", done, cases.size()));
   }
   nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
-  std::size_t converged = 0;
+  std::size_t converged = 0, inverted = 0;
   for (const HardCase& c : cases) {
-    converged += c.outcome.state.status == SolveStatus::converged;
+    converged += outcome(c.outcome.state) == SolveStatus::converged;
+    inverted += has_inverted_elements(c.outcome.state);
     document["rows"].push_back(to_json(c));
   }
   document["cases"] = cases.size();
   document["converged"] = converged;
-  const std::string summary = fmt::format("{} of {} cases converged.", converged, cases.size());
+  document["inverted"] = inverted;
+  document["failed"] = cases.size() - converged - inverted;
+  const std::string summary =
+      fmt::format("{} of {} cases converged, {} reached an equilibrium with inverted elements, {} failed.",
+                  converged, cases.size(), inverted, cases.size() - converged - inverted);
   if (!output.empty()) write_report(output, cases, summary);
   if (globals.json) print_json(document);
   say(globals, fmt::format("| {} |", fmt::join(columns, " | ")));

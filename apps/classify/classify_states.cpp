@@ -41,9 +41,11 @@ Box parse_box(const std::string& text) {
 
 void take_scene(const ClassifyArguments& arguments, const std::string& where, const OwnFrame& own,
                 const Globals& globals, Classified& result) {
-  const Scene scene = load_scene(arguments.scene, globals.set);
+  const bool needed = !std::isfinite(result.spacing);
+  const Scene scene =
+      load_scene(arguments.scene, globals.set, nullptr, {.spacing = needed, .quiet = globals.quiet});
   belonging_of(globals, scene, where, own.identity, result.states, arguments.foreign);
-  if (!std::isfinite(result.spacing)) result.spacing = scene.space.spacing;
+  if (needed) result.spacing = scene.space.spacing;
   result.box = scene.space.box;
   // HIP coordinates are relative to the rest position of the contact.
   Vec3 contact = Vec3::Zero();

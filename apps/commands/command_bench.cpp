@@ -39,7 +39,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
                                  globals.set.front(), options.what, own_bodies ? " " + options.scene : ""));
   if (options.what == "coverage") {
     if (!options.scene.empty()) {
-      load_scene(options.scene, globals.set);
+      load_scene(options.scene, globals.set, nullptr, {.spacing = false});
       warn(globals, "bench coverage draws its own states; of the scene it only checks that it is one");
     }
     return bench_coverage(globals);

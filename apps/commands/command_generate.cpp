@@ -21,6 +21,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "geometry/states/state_file.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 
@@ -36,6 +37,7 @@ struct GenerateArguments {
 struct GenerateResult {
   GenerateReport report;               // of this run
   std::size_t usable = 0, failed = 0;  // states in the file, including earlier runs
+  std::size_t inverted = 0;            // of the usable
   bool interrupted = false;
 
   double states_per_second() const {
@@ -47,7 +49,8 @@ nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene)
   const GenerateReport& report = result.report;
   nlohmann::ordered_json document;
   document["states"] = result.usable;
-  document["solved"] = report.solved;
+  document["solved"] = report.solved - report.inverted;
+  document["inverted"] = result.inverted;
   document["failed"] = result.failed;
   document["resumed"] = report.resumed;
   document["seconds"] = number(report.seconds);
@@ -63,8 +66,9 @@ nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene)
 void tell(const Globals& globals, const GenerateResult& result, const std::string& output) {
   say(globals,
       fmt::format(
-          "{}: {} states, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
-          output, result.usable, result.report.solved, result.report.seconds, result.states_per_second(),
+          "{}: {} states{}, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
+          output, result.usable, inverted_in_words(result.inverted),
+          result.report.solved - result.report.inverted, result.report.seconds, result.states_per_second(),
           result.report.threads, result.report.resumed, result.failed));
 }
 
@@ -113,6 +117,8 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   result.interrupted = watch.raised();
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(known, &State::usable));
   result.usable = usable + result.report.solved;
+  result.inverted =
+      static_cast<std::size_t>(std::ranges::count_if(known, has_inverted_elements)) + result.report.inverted;
   result.failed = known.size() - usable + result.report.failed;
   return result;
 }
@@ -123,7 +129,7 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
     throw InputError("--error",
                      fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
   check_writable(arguments.output);
-  Scene scene = load_scene(arguments.scene, globals.set);
+  Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.quiet = globals.quiet});
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
   if (arguments.error)
@@ -157,6 +163,10 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
     warn(globals, "interrupted; rerun the same command to resume");
     return 1;
   }
+  if (result.inverted > 0)
+    warn(globals, fmt::format("{} states have inverted elements: no body takes that shape, and they do not "
+                              "count as solved",
+                              result.inverted));
   if (result.failed == 0) return held ? 0 : 1;
   warn(globals, fmt::format("{} states did not converge; forefeel export names them and why", result.failed));
   return 1;

@@ -63,7 +63,14 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   return made;
 }
 
-MadeMesh make(const MeshArguments& arguments) {
+MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
+  // How long a surface takes is not known beforehand: the line gives the time so far.
+  Progress progress(globals, "mesh");
+  const std::string wanted =
+      arguments.elements ? fmt::format("to {} elements", *arguments.elements) : std::string("as it is");
+  progress.show(arguments.phantom.empty()
+                    ? fmt::format("repairing and filling {} {}", arguments.input, wanted)
+                    : fmt::format("making the phantom {}", arguments.phantom));
   if (!arguments.phantom.empty()) {
     MadeMesh made{
         .mesh = phantom(arguments.phantom, static_cast<std::size_t>(arguments.elements.value_or(0))),
@@ -142,7 +149,7 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, 
 
 int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   check_arguments(arguments);
-  MadeMesh made = make(arguments);
+  MadeMesh made = make(globals, arguments);
   // A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read.
   check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
   const MeshSummary sum = summarise(made.mesh);

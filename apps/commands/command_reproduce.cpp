@@ -58,8 +58,7 @@ std::vector<Experiment> chosen(const std::string& what) {
     names.push_back(experiment.name);
   }
   names.push_back("all");
-  throw InputError("reproduce", fmt::format("'{}' is unknown, did you mean '{}'? Expected one of {}", what,
-                                            nearest_word(what, names), listed(names)));
+  throw InputError("reproduce", fmt::format("'{}' is unknown{}", what, expected_instead(what, names)));
 }
 
 std::string page(const Laboratory& laboratory, const std::string& sections) {

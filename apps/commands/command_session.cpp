@@ -27,6 +27,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/record/attention.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/workers/mpi_workers.hpp"
 
@@ -116,19 +117,25 @@ std::string share(double value) {
 }
 
 void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) {
+  for (const std::string& line : attention(s)) say(globals, "attention: " + line);
   say(globals,
       fmt::format(
           "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved, {} used",
           s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual", s.deadline.missed,
           s.states.start, s.states.solved, s.states.used));
-  say(globals, fmt::format("time in safe {}, sparse {}, gap {}, blank {}", share(s.time_in[Label::safe]),
-                           share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
-                           share(s.time_in[Label::blank])));
-  const SessionSummary::Errors& error = s.error.samples;
   say(globals,
-      fmt::format("{} model switches, {} frames over the JND bound; error p50 {}, p95 {}, within JND {}",
-                  s.switching.count, s.switching.frames_over_jnd, share(error.p50), share(error.p95),
-                  share(error.within_jnd)));
+      fmt::format("time in safe {}, sparse {}, gap {}, blank {}; outside the box {}",
+                  share(s.time_in[Label::safe]), share(s.time_in[Label::sparse]),
+                  share(s.time_in[Label::gap]), share(s.time_in[Label::blank]), share(s.motion.outside)));
+  const SessionSummary::Errors &error = s.error.samples, &visits = s.error.first_visit;
+  say(globals,
+      fmt::format("error of the rendered force: p50 {}, p95 {}; within the JND {} samples, {} first visits",
+                  share(error.p50), share(error.p95), share_of_samples(error.within_jnd, error.samples),
+                  share_of_samples(visits.within_jnd, visits.samples)));
+  say(globals,
+      fmt::format("{} model switches, {} frames over the JND bound; clamped {}, slewed {} of the frames",
+                  s.switching.count, s.switching.frames_over_jnd, share(s.safety.clamped_share),
+                  share(s.safety.slewed_share)));
   for (const std::string& note : s.run.notes) say(globals, note);
   if (std::error_code problem; fs::exists(run / "report.html", problem))
     say(globals, fmt::format("report: {}", (run / "report.html").string()));
@@ -201,7 +208,7 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
 
 int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<MpiGroup>& mpi) {
-  const Scene scene = load_scene(given.scene, globals.set);
+  const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
   SessionPlan plan = plan_of(globals, given, scene, mpi);
   if (mpi && mpi->rank() > 0) {
     mpi->serve(scene.body,
@@ -236,11 +243,13 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
 
-  const ReportPictures pictures = begin_pictures(result, meanwhile.slices);
+  const double limit = plan.render.safety.force_limit;
+  const ReportPictures pictures = begin_pictures(result, meanwhile.slices, limit);
   Salvage salvage(result.failures);
   salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
   SessionSummary summary = summarise(result, input, options);
+  summary.safety.force_limit = limit;
   summary.run.failures = salvage.failures();
   nlohmann::ordered_json document = document_of(summary, predictions.report(), result, plan, scene);
   salvage.attempt("summary.json", [&] {
@@ -308,7 +317,12 @@ void add_session(CommandLine& line) {
                                      "CSV t,x,y,z, rows in any order: states become known at given times");
   sub.option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")
       .excludes(arrivals);
-  sub.option("-o,--output", given->output, "Folder for the files of the run").shows("RUN/").required();
+  sub.option(
+         "-o,--output", given->output,
+         "Folder for the files of the run. In its report and columns, rendered is the force before the "
+         "safety rules (rendered_x …), sent the force after them (fx, fy, fz); errors are those of rendered")
+      .shows("RUN/")
+      .required();
 }
 
 }  // namespace forefeel

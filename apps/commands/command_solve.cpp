@@ -18,6 +18,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
@@ -47,6 +48,7 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
   std::vector<SolveOutcome> outcomes(points.size());
   std::atomic<std::size_t> done = 0;
   Progress progress(globals, "solve");
+  progress.show(fmt::format("0 of {} states", points.size()));
 #pragma omp parallel num_threads( \
     static_cast <int>(std::min <std::size_t>(points.size(), static_cast <std::size_t>(threads))))
   {
@@ -92,6 +94,10 @@ struct SolveResult {
     return static_cast<std::size_t>(std::ranges::count_if(
         outcomes, [](const SolveOutcome& o) { return o.state.status != SolveStatus::converged; }));
   }
+  std::size_t inverted() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        outcomes, [](const SolveOutcome& o) { return has_inverted_elements(o.state); }));
+  }
 };
 
 SolveResult solve(const Globals& globals, const SolveArguments& arguments, const Scene& scene,
@@ -113,8 +119,8 @@ nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
   entry["stiffness"] = nlohmann::ordered_json::array();
   for (int i = 0; i < 3; ++i) entry["stiffness"].push_back(vector3(Vec3(s.stiffness.row(i).transpose())));
   entry["energy"] = number(s.energy);
-  entry["converged"] = s.status == SolveStatus::converged;
-  entry["status"] = name(s.status);
+  entry["converged"] = ::forefeel::outcome(s) == SolveStatus::converged;
+  entry["status"] = name(::forefeel::outcome(s));
   entry["iterations"] = s.iterations;
   entry["residual"] = number(s.residual);
   entry["seconds"] = number(s.seconds);
@@ -138,7 +144,7 @@ std::string line_for(const State& s) {
   return fmt::format(
       "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
       "{:.1f} ms, least J {:.3f}{}",
-      s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(s.status), s.iterations,
+      s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(outcome(s)), s.iterations,
       1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
 }
 
@@ -160,8 +166,13 @@ void write_output(const std::string& file, const SolveResult& result) {
 int run_solve(const Globals& globals, const SolveArguments& arguments) {
   const std::vector<Vec3> points = wanted_points(arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
-  const Scene scene = load_scene(arguments.scene, globals.set);
+  const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
   for (const std::string& warning : scene.warnings) warn(globals, warning);
+  if (scene.automatic_spacing)
+    say(globals,
+        fmt::format(
+            "spacing \"auto\" is not measured, since a solve needs none: continuation steps of {:.3g} mm",
+            1e3 * scene.space.spacing));
   const SolveResult result = solve(globals, arguments, scene, points);
   for (const SolveOutcome& outcome : result.outcomes)
     for (const std::string& warning : outcome.warnings)
@@ -171,9 +182,12 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   if (globals.json) print_json(to_json(result));
   const bool in_file = globals.quiet && !arguments.output.empty();
   if (!globals.json && !in_file) tell(globals, result);
-  if (result.failed() == 0) return 0;
-  warn(globals, fmt::format("{} of {} states did not converge", result.failed(), result.outcomes.size()));
-  return 1;
+  if (result.inverted() > 0)
+    warn(globals, fmt::format("{} of {} states have inverted elements: they do not count as converged",
+                              result.inverted(), result.outcomes.size()));
+  if (result.failed() > 0)
+    warn(globals, fmt::format("{} of {} states did not converge", result.failed(), result.outcomes.size()));
+  return result.failed() + result.inverted() > 0 ? 1 : 0;
 }
 
 }  // namespace

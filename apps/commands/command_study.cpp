@@ -101,12 +101,15 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
   fs::create_directories(folder);
   write_run_files(folder, result, options);
-  const SessionSummary summary = summarise(result, input, options);
+  const double limit = make_plan(input, options).render.safety.force_limit;
+  SessionSummary summary = summarise(result, input, options);
+  summary.safety.force_limit = limit;
   nlohmann::ordered_json document = to_json(summary);
   document["provenance"] = provenance(scene.hash);
   write_whole(folder / "summary.json",
               document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-  write_report(folder, summary, document, scene, begin_pictures(result, begin_slices(result, scene.space)));
+  write_report(folder, summary, document, scene,
+               begin_pictures(result, begin_slices(result, scene.space), limit));
   const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
   const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
   if (svg)
@@ -155,6 +158,27 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
   }
 }
 
+// What the figures rest on, and the result in a sentence.
+struct Findings {
+  std::vector<StudyDevice> devices;
+  std::optional<std::string> verdict;
+};
+
+void tell(const Globals& globals, const Findings& found) {
+  for (const std::string& line : attention(found.devices)) say(globals, "attention: " + line);
+  if (found.verdict) say(globals, *found.verdict);
+  say(globals, fmt::format("{}", fmt::join(device_titles(), " | ")));
+  for (const StudyDevice& device : found.devices)
+    say(globals, fmt::format("  {}", fmt::join(device_row(device), " | ")));
+}
+
+// The devices and the verdict come first: the rest is read in their light.
+nlohmann::ordered_json to_json(const Findings& found) {
+  return {{"attention", attention(found.devices)},
+          {"verdict", found.verdict ? nlohmann::ordered_json(*found.verdict) : nlohmann::ordered_json()},
+          {"devices", devices_json(found.devices)}};
+}
+
 int run_command(const Globals& globals, const StudyArguments& arguments) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
@@ -190,16 +214,20 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
   for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
     compared.push_back(std::move(c));
+  const Findings found{.devices = study_devices(plan, result.cells),
+                       .verdict = study_verdict(plan.study, result.cells)};
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
   write_whole(folder / "report.html", study_page(planned, result, ranked, compared));
 
   if (globals.json) {
     nlohmann::ordered_json document = counts(plan, result);
+    document.update(to_json(found));
     document.update(ranking_json(plan.study, ranked, compared));
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
     document["provenance"] = provenance(planned.scenes.front().hash);
     print_json(document);
   }
+  tell(globals, found);
   show_contrasts(globals, plan.study, compared);
   for (const std::string& note : sustained_notes(plan.study, result.cells)) say(globals, note);
   say(globals,
@@ -219,7 +247,8 @@ void add_study(CommandLine& line) {
              "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
              "which the motion needs per "
              "second, but for those known at the start, are L times what the workers solve per second, "
-             "messages included")
+             "messages included. A session ends with its motion (a trace's own length), or after the study's "
+             "session.seconds if that is less")
       .required();
   sub.option("-o,--output", arguments->output, "Folder of the results; resumed if it exists")
       .required()

@@ -18,5 +18,6 @@ void add_session(CommandLine& line);
 void add_study(CommandLine& line);
 void add_reproduce(CommandLine& line);
 void add_bench(CommandLine& line);
+void add_cache(CommandLine& line);
 
 }  // namespace forefeel

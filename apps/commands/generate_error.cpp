@@ -12,6 +12,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "scheduling/placement/placement.hpp"
 
 namespace forefeel {
@@ -25,11 +26,17 @@ nlohmann::ordered_json to_json(const ErrorQuantiles& q) {
   return object;
 }
 
-nlohmann::ordered_json to_json(const PlacementReport& report, double error) {
+// States with inverted elements (state_outcome.hpp): all in the file, and those of this run.
+struct Inverted {
+  std::size_t all = 0, now = 0;
+};
+
+nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& inverted, double error) {
   nlohmann::ordered_json document;
   document["states"] = report.states;
   document["most_states"] = report.most_states;
-  document["solved"] = report.solved;
+  document["solved"] = report.solved - inverted.now;
+  document["inverted"] = inverted.all;
   document["failed"] = report.failed;
   document["resumed"] = report.resumed;
   document["seconds"] = number(report.seconds);
@@ -57,32 +64,21 @@ std::string in_words(const ErrorQuantiles& q) {
   return fmt::format("p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %", 100 * q.p50, 100 * q.p95, 100 * q.max);
 }
 
-std::string in_words(const PlacementProgress& p) {
-  if (p.truth_total > 0)
-    return fmt::format("{} states, truth {} of {}", p.states, p.truth_done, p.truth_total);
-  const std::string states = fmt::format("{} of at most {} states", p.states, p.most_states);
-  return std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} %", states, 100 * p.estimate)
-                                   : states;
-}
-
-// Progress in [0, 1] that never decreases: the larger of two shares. The first uses the logarithm of the
-// error, because the error about halves in each round. The second is the share of the allowed number of
-// states.
-class Share {
- public:
-  explicit Share(double error) : error_(error) {}
-  double operator()(const PlacementProgress& p) {
-    if (first_ == 0 && std::isfinite(p.estimate)) first_ = p.estimate;
-    if (first_ > error_ && p.estimate > 0)
-      most_ = std::max(most_, std::log(first_ / p.estimate) / std::log(first_ / error_));
-    if (p.most_states > 0)
-      most_ = std::max(most_, static_cast<double>(p.states) / static_cast<double>(p.most_states));
-    return most_ = std::clamp(most_, 0.0, 1.0);
+// Two phases, which may follow each other several times. How many states are needed is not known beforehand,
+// so the first shows what is reached, without a time left. The second counts its solves.
+void show(Progress& progress, const PlacementProgress& p, double wanted) {
+  if (p.truth_total > 0) {
+    progress.phase("generate: checking the error");
+    progress.show(static_cast<double>(p.truth_done) / static_cast<double>(p.truth_total),
+                  fmt::format("{} of {} tight solves, {} states", p.truth_done, p.truth_total, p.states));
+    return;
   }
-
- private:
-  double error_, first_ = 0, most_ = 0;
-};
+  progress.phase("generate: placing states");
+  const std::string states = fmt::format("{} of at most {}", p.states, p.most_states);
+  progress.show(std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} % of {:.3g} % wanted",
+                                                        states, 100 * p.estimate, 100 * wanted)
+                                          : states);
+}
 
 // Why the result is incomplete; empty if it is complete.
 std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
@@ -135,20 +131,27 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   options.stop = stop.get_token();
 
   std::optional<Progress> progress(std::in_place, globals, "generate");
-  Share share(error);
   std::optional<InterruptWatch> watch(std::in_place);
+  const std::vector<State> known = file.read_all();
+  Inverted inverted{.all = static_cast<std::size_t>(std::ranges::count_if(known, has_inverted_elements))};
   const PlacementReport report = place_states(
-      scene.body, options, file.read_all(), [&](State state) { file.append(std::span(&state, 1)); },
+      scene.body, options, known,
+      [&](State state) {
+        inverted.now += has_inverted_elements(state);
+        inverted.all += has_inverted_elements(state);
+        file.append(std::span(&state, 1));
+      },
       [&](const PlacementProgress& p) {
         if (watch->raised()) stop.request_stop();
-        progress->show(share(p), in_words(p));
+        show(*progress, p, error);
       });
   watch.reset();
   progress.reset();
 
-  if (globals.json) print_json(to_json(report, error));
-  say(globals, fmt::format("{}: {} states, {} solved in {:.2f} s, {} there before, {} failed{}", output,
-                           report.states, report.solved, report.seconds, report.resumed, report.failed,
+  if (globals.json) print_json(to_json(report, inverted, error));
+  say(globals, fmt::format("{}: {} states{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
+                           report.states, inverted_in_words(inverted.all), report.solved - inverted.now,
+                           report.seconds, report.resumed, report.failed,
                            report.linear ? "; linear: three solves give the whole state space" : ""));
   say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
   if (report.truth_samples > 0)

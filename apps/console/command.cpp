@@ -128,8 +128,7 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
   const std::string word = argv[1];
   if (word.starts_with("-") || std::ranges::find(names, word) != names.end()) return;
-  throw InputError("command '" + word + "'", fmt::format("unknown, did you mean '{}'? Expected one of {}",
-                                                         nearest_word(word, names), listed(names)));
+  throw InputError("command '" + word + "'", "unknown" + expected_instead(word, names));
 }
 
 std::vector<std::string> option_names(const CLI::App& app) {
@@ -147,9 +146,11 @@ void check_options(const CLI::App& app, int argc, const char* const* argv) {
   for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
     const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
     if (!word.starts_with("--") || std::ranges::find(names, word) != names.end()) continue;
+    const std::string near = nearest_word(word, names);
     throw InputError(&chosen == &app ? "options" : first,
-                     fmt::format("unknown option '{}', did you mean '{}'? See forefeel {}--help", word,
-                                 nearest_word(word, names), &chosen == &app ? "" : first + " "));
+                     fmt::format("unknown option '{}'{} forefeel {}--help", word,
+                                 near.empty() ? ", see" : fmt::format(", did you mean '{}'? See", near),
+                                 &chosen == &app ? "" : first + " "));
   }
 }
 

@@ -3,6 +3,7 @@
 // progress line.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,17 +26,27 @@ void answer(const Globals& globals, const std::string& line);
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
 
-// One progress line on stderr, redrawn at most 10 times a second. Prints nothing if stderr is not a terminal.
+// One progress line on stderr, redrawn at most 10 times a second and at least once a second, so that the time
+// goes on where a step is long. Prints nothing if stderr is not a terminal. For any thread.
 class Progress {
  public:
   Progress(const Globals& globals, std::string title);
-  ~Progress();                                       // clears the line
-  void show(double share, const std::string& text);  // share in [0, 1]; gives the remaining time
+  ~Progress();  // clears the line
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(double share,
+            const std::string& text);  // share in [0, 1] of the phase; gives the time left in it
+  void show(const std::string& text);  // how much is left is not known; gives the time so far
+  // The next phase: the title of the line, and the start of its time. Nothing if it is the title already.
+  void phase(const std::string& title);
 
  private:
-  bool live_;
-  std::string title_;
-  std::int64_t started_ns_ = 0, shown_ns_ = 0;
+  struct Line;
+  std::unique_ptr<Line> line_;  // null: prints nothing
 };
+
+// The line: "title  62 %  text, 0:34 left"; with a share below 0, "title  text, 0:34 so far". elapsed [s].
+std::string progress_line(const std::string& title, double share, const std::string& text, double elapsed);
 
 }  // namespace forefeel

@@ -36,7 +36,16 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
       best = candidate;
     }
   }
-  return best;
+  const std::size_t few = word.empty() ? 0 : std::min<std::size_t>(2, word.size() - 1);
+  return !best.empty() && least <= std::max(few, word.size() / 3) ? best : std::string();
+}
+
+std::string expected_instead(std::string_view word, std::span<const std::string> known,
+                             std::string_view before, std::string_view after) {
+  const std::string nearest = nearest_word(word, known);
+  if (nearest.empty()) return ", expected one of " + listed(known);
+  return ", did you mean '" + std::string(before) + nearest + std::string(after) + "'? Expected one of " +
+         listed(known);
 }
 
 std::string listed(std::span<const std::string> words) {

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "apps/console/json.hpp"
+#include "scheduling/record/attention.hpp"
 
 namespace forefeel {
 
@@ -27,6 +28,8 @@ nlohmann::ordered_json to_json(const SessionSummary& summary) {
       place = &(*place)[column.name.substr(begin, dot - begin)];
     (*place)[column.name.substr(begin)] = to_json(column.value);
   }
+  document["safety"]["force_limit"] = to_json(column_value(summary.safety.force_limit));
+  document["attention"] = attention(summary);
   document["notes"] = summary.run.notes;
   document["failures"] = summary.run.failures;
   return document;

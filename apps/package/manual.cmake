@@ -43,6 +43,29 @@ foreach(name IN LISTS names)
   string(APPEND cases "    ${name}) words=\"${options}\" ;;\n")
 endforeach()
 string(APPEND page ".SH EXIT STATUS\n0: done. 1: ran, but the answer is negative or incomplete. 2: bad input.\n")
+preformatted(text "The force with the contact pressed in by 2 cm:
+  forefeel solve liver.toml --at=0,0,-0.02
+A lattice of states, and a picture of what they cover:
+  forefeel generate liver.toml -o liver.states
+  forefeel classify liver.states --grid 0.004 -o coverage.svg
+A session of 5 s that gives the same bytes each time; a solve costs 50 ms:
+  forefeel session liver.toml --clock virtual --seconds 5 --device path:circle,speed=0.04 --cost constant:0.05 -o run
+Policies compared over many sessions:
+  forefeel study quick.toml -o study
+What the cache holds, and emptying it:
+  forefeel cache
+  forefeel cache --empty")
+string(APPEND page ".SH EXAMPLES\n${text}")
+preformatted(text "$XDG_CACHE_HOME/forefeel, or else ~/.cache/forefeel
+  The cache: meshes of phantoms, tight solves, measured spacings and costs. See forefeel cache.
+RUN/summary.json, frames.csv, dispatch.csv, switches.csv, states.csv, session.states, report.html
+  What a session writes. In frames.csv fx, fy, fz is the force sent to the device, rendered_x, rendered_y,
+  rendered_z the force before the safety rules; error is that of the rendered force.
+DIR/cells.csv, report.html, study.json, cells/
+  What a study writes; cells/ holds the results that a rerun resumes from.
+PREFIX/share/forefeel
+  Scenes, studies and examples, where the package is installed.")
+string(APPEND page ".SH FILES\n${text}")
 file(WRITE ${FOLDER}/forefeel.1 "${page}")
 
 long_options(options "${top}")

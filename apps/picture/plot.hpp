@@ -15,9 +15,9 @@ namespace forefeel {
 std::string_view colour(Label label);
 
 namespace ink {  // curves, by meaning
-inline constexpr std::string_view rendered = "#1b1b1b", undamped = "#d1495b", reference = "#1f77b4",
-                                  reference_light = "#8ec3ea", approximation = "#1f77b4",
-                                  switching = "#d1495b", staleness = "#e0a021";
+inline constexpr std::string_view rendered = "#1b1b1b", sent = "#2a9d8f", limit = "#6a6a6a",
+                                  undamped = "#d1495b", reference = "#1f77b4", reference_light = "#8ec3ea",
+                                  approximation = "#1f77b4", switching = "#d1495b", staleness = "#e0a021";
 }
 
 bool have_gnuplot();

@@ -16,6 +16,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "scheduling/record/attention.hpp"
 
 namespace forefeel {
 namespace {
@@ -49,17 +50,23 @@ std::string tile(const std::string& value, const std::string& what) {
 
 std::string tiles(const SessionSummary& s) {
   std::string html = "<div class=\"tiles\">\n";
-  html +=
-      tile(percent(s.error.samples.within_jnd), "of sampled frames within the just noticeable difference");
-  html +=
-      tile(percent(s.error.first_visit.within_jnd), "of first visits within the just noticeable difference");
-  html += tile(percent(s.error.samples.p95), "error, 95th percentile");
+  const SessionSummary::Errors &samples = s.error.samples, &visits = s.error.first_visit;
+  html += tile(share_of_samples(samples.within_jnd, samples.samples),
+               "sampled frames within the just noticeable difference");
+  html += tile(share_of_samples(visits.within_jnd, visits.samples),
+               "first visits within the just noticeable difference");
+  html += tile(percent(samples.p95),
+               fmt::format("error of the rendered force, 95th percentile of {} samples", samples.samples));
   html += tile(shown(s.switching.frames_over_jnd), "frames in which a switch exceeded its bound");
   html += tile(with_unit(s.switching.max_jump, "N"), "largest change by a switch in one frame; " +
                                                          with_unit(s.switching.max_jump_undamped, "N") +
                                                          " undamped");
   html += tile(percent(s.time_in[Label::safe]), "of the time in safe regions (densely known)");
   html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
+  html += tile(percent(s.safety.clamped_share),
+               fmt::format("of the frames clamped at {}; {} at the slew limit",
+                           with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)));
+  html += tile(percent(s.motion.outside), "of the time outside the box of states");
   if (s.settings.clock == Clock::real)
     html += tile(shown(s.deadline.missed), "deadlines missed of " + shown(s.run.frames) +
                                                " frames; a frame costs " +
@@ -144,7 +151,7 @@ std::string all_numbers(const Json& document) {
       "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
   std::string single;
   for (const auto& [key, value] : document.items()) {
-    if (key == "provenance" || key == "notes") continue;
+    if (key == "provenance" || key == "notes" || key == "attention") continue;
     if (!value.is_object()) {
       rows_of(value, key, single);
       continue;
@@ -156,6 +163,13 @@ std::string all_numbers(const Json& document) {
     html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
   }
   return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div></details>\n";
+}
+
+// What is said before anything else.
+std::string attention_box(const SessionSummary& summary) {
+  std::string html;
+  for (const std::string& line : attention(summary)) html += "<li>" + escaped(line) + "</li>\n";
+  return html.empty() ? html : "<ul class=\"note\">\n" + html + "</ul>\n";
 }
 
 std::string notes(const SessionSummary& summary, const Scene& scene) {
@@ -196,11 +210,11 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
   return drawn([slice = std::move(slice), space] { return slice_figure(slice, space); });
 }
 
-ReportPictures begin_pictures(const SessionResult& result, Picture slices) {
+ReportPictures begin_pictures(const SessionResult& result, Picture slices, double force_limit) {
   const std::span<const FrameRecord> frames = result.frames;
   ReportPictures drawings{.slices = std::move(slices),
-                          .time = drawn([frames] { return time_figure(frames); }),
-                          .start = drawn([frames] { return start_figure(frames); }),
+                          .time = drawn([=] { return time_figure(frames, force_limit); }),
+                          .start = drawn([=] { return start_figure(frames, force_limit); }),
                           .deadlines = {}};
   if (has_deadlines(frames)) drawings.deadlines = drawn([frames] { return deadline_figure(frames); });
   return drawings;
@@ -209,9 +223,9 @@ ReportPictures begin_pictures(const SessionResult& result, Picture slices) {
 void write_report(const std::filesystem::path& run_folder, const SessionSummary& s, const Json& document,
                   const Scene& scene, const ReportPictures& drawings) {
   std::string html = fmt::format(
-      "<h1>{}</h1>\n<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
+      "<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
       "seed {}; {} tetrahedra, {}</p>\n",
-      escaped(scene.file.stem().string()), shown(s.run.seconds),
+      escaped(scene.file.stem().string()), attention_box(s), shown(s.run.seconds),
       s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
       name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
       scene.body->mesh.tets.size(), name(scene.body->material.law));

@@ -20,7 +20,8 @@ struct ReportPictures {
 };
 // Draws what was known where, after a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
-ReportPictures begin_pictures(const SessionResult& result, Picture slices);
+// force_limit: what is sent is cut at [N].
+ReportPictures begin_pictures(const SessionResult& result, Picture slices, double force_limit);
 
 // Writes run_folder/report.html. document: summary.json, printed in full at the end of the page. Without
 // gnuplot the report has no plots and says so. Throws InputError if the file cannot be written.

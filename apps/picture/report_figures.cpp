@@ -70,14 +70,17 @@ std::string strip_blocks(Frames frames, const std::vector<double>& t) {
 
 // Forces over time: the data blocks and the plot.
 struct Curves {
-  std::vector<double> t, rendered, undamped, reference;
-  double end = 1e-3;  // [s]
+  std::vector<double> t, rendered, sent, undamped, reference;
+  double limit = unknown;  // [N]
+  double end = 1e-3;       // [s]
 
-  explicit Curves(Frames frames)
+  Curves(Frames frames, double force_limit)
       : t(values_of(frames, [](const FrameRecord& f) { return f.t; })),
-        rendered(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.sent; })),
+        rendered(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.force; })),
+        sent(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.sent; })),
         undamped(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.undamped; })),
-        reference(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.judged.reference; })) {
+        reference(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.judged.reference; })),
+        limit(force_limit) {
     if (t.size() > 1) end = t.back() + t[1] - t[0];
   }
   std::pair<std::size_t, std::size_t> rows(double from, double until) const {
@@ -90,6 +93,7 @@ struct Curves {
       return std::span(values).subspan(first, n);
     };
     return data_block("rendered", thinned_curve(part(t), part(rendered), bins)) +
+           data_block("sent", thinned_curve(part(t), part(sent), bins)) +
            data_block("undamped", thinned_curve(part(t), part(undamped), bins)) +
            data_block("reference", scatter(t, reference));
   }
@@ -98,12 +102,31 @@ struct Curves {
     double top = 0.1;
     for (std::size_t i = begin; i < last; ++i) top = std::max(top, rendered[i]);
     return fmt::format(
-        "set key top right horizontal samplen 2 textcolor rgb '#3a3a3a'\nset yrange [0:{:.4g}]\nset "
-        "ylabel 'force, N' offset 1\n"
-        "plot $reference with points pt 7 ps 0.55 lc rgb '{}' title 'reference', $undamped with lines lw 1 "
-        "lc rgb '{}' title 'newest model, undamped', "
-        "$rendered with lines lw 1.3 lc rgb '{}' title 'rendered'\n",
-        1.2 * top, ink::reference_light, ink::undamped, ink::rendered);
+               "set key top right horizontal samplen 2 textcolor rgb '#3a3a3a'\nset yrange [0:{:.4g}]\nset "
+               "ylabel 'force, N' offset 1\n",
+               1.2 * top) +
+           limit_mark(1.2 * top) +
+           fmt::format(
+               "plot $reference with points pt 7 ps 0.55 lc rgb '{}' title 'reference', $undamped with lines "
+               "lw 1 lc rgb '{}' title 'newest model, undamped', "
+               "$rendered with lines lw 1.3 lc rgb '{}' title 'rendered', $sent with lines lw 1 lc rgb '{}' "
+               "title 'sent to the device'\nunset arrow 1\nunset label 1\n",
+               ink::reference_light, ink::undamped, ink::rendered, ink::sent);
+  }
+
+ private:
+  std::string limit_mark(double top) const {
+    if (!std::isfinite(limit)) return "";
+    if (limit > top)
+      return fmt::format(
+          "set label 1 'force limit {:.3g} N, above this axis' at graph 0.01, graph 0.95 "
+          "textcolor rgb '{}'\n",
+          limit, ink::limit);
+    return fmt::format(
+        "set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead lw 1 dt 2 lc rgb '{1}' front\n"
+        "set label 1 'force limit {2:.3g} N' at graph 0.01, first {0} offset 0,0.6 textcolor rgb '{1}' "
+        "front\n",
+        limit, ink::limit, limit);
   }
 };
 
@@ -172,8 +195,8 @@ set tics nomirror out scale 0.5 textcolor rgb '#3a3a3a'
 set grid ytics lc rgb '#e4e1da' lw 0.7
 )";
 
-Figure time_figure(Frames frames) {
-  const Curves curves(frames);
+Figure time_figure(Frames frames, double force_limit) {
+  const Curves curves(frames, force_limit);
   const std::vector<double> states =
       values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
   std::string script = curves.blocks(0, curves.end, 1400) + figure_style + strip_blocks(frames, curves.t) +
@@ -204,13 +227,13 @@ Figure time_figure(Frames frames) {
             "set format x '%g'\nset ytics autofreq\nset xlabel 'time, s' offset 0,0.6\n" + error_plot();
   return {"time",
           "Force of the body on the hand, label at the hand, number of known states, and the error of the "
-          "rendered force with its three parts, if above 1e-6. Reference: tight solves on the reference "
-          "branch, sampled along the path.",
+          "rendered force with its three parts, if above 1e-6. Rendered: after the switch, before the safety "
+          "rules; sent: after them. Reference: tight solves on the reference branch, sampled along the path.",
           960, 820, script + "unset multiplot\n"};
 }
 
-Figure start_figure(Frames frames) {
-  const Curves curves(frames);
+Figure start_figure(Frames frames, double force_limit) {
+  const Curves curves(frames, force_limit);
   const double end = std::min(curves.end, 0.6);
   return {"start",
           "The start, with few states known: the first models fade in, and the force changes to each new "

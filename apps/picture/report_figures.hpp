@@ -1,5 +1,6 @@
 #pragma once
-// The pictures of a run's report, as gnuplot scripts (see plot.hpp).
+// The pictures of a run's report, as gnuplot scripts (see plot.hpp). `rendered` and `sent` are those of
+// scheduling/record/summary.hpp: before and after the safety rules.
 
 #include <span>
 #include <string>
@@ -18,10 +19,11 @@ struct Figure {
   std::string script;
 };
 
-// Over one time axis: force, labels, number of known states, error and its parts.
-Figure time_figure(std::span<const FrameRecord> frames);
+// Over one time axis: force with its limit [N], labels, number of known states, error and its parts. A limit
+// above the axis is named instead of drawn; NaN: none.
+Figure time_figure(std::span<const FrameRecord> frames, double force_limit);
 // Force over the first 0.6 s.
-Figure start_figure(std::span<const FrameRecord> frames);
+Figure start_figure(std::span<const FrameRecord> frames, double force_limit);
 // Cost and wake-up lateness of the loop; only with a real clock.
 bool has_deadlines(std::span<const FrameRecord> frames);
 Figure deadline_figure(std::span<const FrameRecord> frames);

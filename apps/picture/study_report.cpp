@@ -11,6 +11,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
+#include "apps/study/study_table.hpp"
 
 namespace forefeel {
 namespace {
@@ -261,6 +262,23 @@ std::string metrics_section(const Study& study, const std::vector<StudyCellResul
   return html + "</table>\n";
 }
 
+std::string devices_section(const std::vector<StudyDevice>& devices) {
+  std::string html = "<h2>Devices</h2>\n<table><tr>";
+  for (const std::string& title : device_titles()) html += "<th>" + html_escaped(title) + "</th>";
+  html += "</tr>\n";
+  for (const StudyDevice& device : devices) {
+    const std::vector<std::string> texts = device_row(device);
+    std::string line;
+    for (std::size_t i = 1; i < texts.size(); ++i) line += cell(html_escaped(texts[i]));
+    html += row(texts.front(), line);
+  }
+  return html +
+         "</table>\n<p class=\"muted\">Means over the cells of each device. Clamped and slewed: frames at "
+         "the force "
+         "and the slew limit. Outside: time outside the box of states. Saturation: time that the workers "
+         "solve. A session ends with its motion.</p>\n";
+}
+
 std::string plan_section(const PlannedStudy& planned) {
   std::string html = "<h2>What varies</h2>\n" + head({"key", "values"});
   for (const StudyAxis& axis : planned.plan.study.axes) {
@@ -304,19 +322,24 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<S
 std::string study_page(const PlannedStudy& planned, const StudyResult& result,
                        const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared) {
   const Study& study = planned.plan.study;
+  const std::vector<StudyDevice> devices = study_devices(planned.plan, result.cells);
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"sub\">{} sessions under the virtual clock: {} combinations, {} seeds; scene "
       "{}. "
       "One row each in cells.csv.</p>\n",
       html_escaped(planned.file.file.stem().string()), planned.plan.cells.size(), study.combinations(),
       study.seeds.size(), html_escaped(planned.file.scene.filename().string()));
-  std::vector<std::string> notes = planned.warnings;
+  std::vector<std::string> notes = attention(devices);
+  std::ranges::copy(planned.warnings, std::back_inserter(notes));
   std::ranges::copy(sustained_notes(study, result.cells), std::back_inserter(notes));
   if (!notes.empty()) {
     html += "<ul class=\"note\">\n";
     for (const std::string& warning : notes) html += "<li>" + html_escaped(warning) + "</li>\n";
     html += "</ul>\n";
   }
+  if (const auto verdict = study_verdict(study, result.cells))
+    html += "<p><b>" + html_escaped(*verdict) + "</b></p>\n";
+  html += devices_section(devices);
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     html += ranking_section(study, ranked[i], i);
     if (ranked[i].axis == 0) {

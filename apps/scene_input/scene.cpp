@@ -27,17 +27,21 @@ void check_positions(const StateSpaceOptions& space, const InputPlace& place) {
                                         most_positions));
 }
 
-void choose_spacing_of(const SceneTable& table, Scene& scene) {
+void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scene) {
   if ((scene.space.box.size().array() <= 0).any())
     throw InputError(table.where("spacing"),
                      "is \"auto\" with a flat box, expected a box with a volume, or a number [m]");
+  if (!use.spacing) {
+    scene.space.spacing = finest_spacing(scene.space.box);
+    return;
+  }
   scene.chosen_spacing = automatic_spacing(scene.body, scene.identity,
                                            {.box = scene.space.box,
                                             .tolerance = scene.tolerance,
                                             .model = scene.model,
                                             .coverage = scene.space.coverage,
                                             .floor = scene.session.judging.error_floor},
-                                           cache_folder());
+                                           cache_folder(), use.quiet);
   scene.space.spacing = scene.chosen_spacing->spacing;
   if (!scene.chosen_spacing->holds)
     scene.warnings.push_back(fmt::format(
@@ -47,8 +51,9 @@ void choose_spacing_of(const SceneTable& table, Scene& scene) {
         100 - 100 * scene.chosen_spacing->allowed_share));
 }
 
-void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, Scene& scene) {
-  const bool automatic = table.is_text("spacing", "auto");
+void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, const SceneUse& use,
+                      Scene& scene) {
+  const bool automatic = scene.automatic_spacing = table.is_text("spacing", "auto");
   if (!defaults)
     for (const std::string key : {"spacing", "box"})
       if (!table.has(key))
@@ -60,8 +65,8 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
     scene.space.spacing =
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
   scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
-  if (automatic) choose_spacing_of(table, scene);
-  check_positions(scene.space, table.where("spacing"));
+  if (automatic) choose_spacing_of(table, use, scene);
+  if (!automatic || use.spacing) check_positions(scene.space, table.where("spacing"));
   scene.displacements = table.boolean("displacements").value_or(false);
 }
 
@@ -197,7 +202,8 @@ spacing = 0.006
 box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 )";
 
-Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like) {
+Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like,
+                 const SceneUse& use = {}) {
   const SceneTable root =
       document.root({"body", "material", "clamp", "contact", "state_space", "model", "session"});
   const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements", "tolerance"});
@@ -232,7 +238,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     share_body(*like, scene);
   else
     take_body(read_body(sections, file.parent_path(), file.string(), scene.warnings), scene);
-  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), scene);
+  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
   scene.hash = hash_of(document, scene.identity);
@@ -241,8 +247,9 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
 
 }  // namespace
 
-Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like) {
-  return make_scene(SceneDocument::read(file, overrides), file, like);
+Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like,
+                 const SceneUse& use) {
+  return make_scene(SceneDocument::read(file, overrides), file, like, use);
 }
 
 Scene built_in_scene(std::span<const std::string> overrides) {

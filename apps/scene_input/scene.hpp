@@ -25,7 +25,8 @@ struct Scene {
   StateSpaceOptions space;
   bool displacements = false;
   double tolerance = 0.07;  // of the relative error where the label is safe [1]; spacing = "auto" meets it
-  std::optional<SpacingChoice> chosen_spacing;  // with spacing = "auto" only
+  bool automatic_spacing = false;               // spacing = "auto"
+  std::optional<SpacingChoice> chosen_spacing;  // with spacing = "auto" only, if it was measured
   ModelOptions model;
   SessionOptions session;                   // .model.fit equals model; device and cost: scene_session.hpp
   std::optional<std::string> device, cost;  // as written; nothing where the scene does not say it
@@ -39,11 +40,17 @@ struct Scene {
   std::string body_source;  // the sections that make the body, as text
 };
 
+// What a command needs of its scene. Measuring spacing = "auto" solves hundreds of states.
+struct SceneUse {
+  bool spacing = true;  // false: not measured; the finest spacing that would be tried stands for it
+  bool quiet = false;   // no progress line while it is measured
+};
+
 // overrides: "key.path=value" as given to --set; value is TOML, or a bare string.
 // like: another variant of the same file. If both describe the same body, the body is shared instead of
 // meshed again.
 Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
-                 const Scene* like = nullptr);
+                 const Scene* like = nullptr, const SceneUse& use = {});
 
 // The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch
 // of 2 cm, neo-Hookean, spacing 6 mm.

@@ -92,7 +92,7 @@ bool read_kept(const fs::path& file, SpacingChoice& choice) {
 }  // namespace
 
 SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
-                                const AutoSpacingOptions& options, const fs::path& folder) {
+                                const AutoSpacingOptions& options, const fs::path& folder, bool quiet) {
   SpacingChoice choice;
   choice.tolerance = options.tolerance;
   choice.allowed_share = options.allowed_share;
@@ -101,6 +101,11 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   if (read_kept(file, choice)) return choice;
   AutoSpacingOptions watched = options;
   watched.interrupted = &interrupt_flag();
+  Progress progress({.quiet = quiet}, "spacing \"auto\"");
+  watched.progress = [&](const AutoSpacingProgress& p) {
+    progress.show(fmt::format("try {} of at most {}, {:.3g} mm: {} of {} {}", p.trial, p.trials,
+                              1e3 * p.spacing, p.done, p.total, p.checking ? "tight solves" : "states"));
+  };
   const AutoSpacingReport report = choose_spacing(body, watched);
   if (report.interrupted)
     throw Interrupted(

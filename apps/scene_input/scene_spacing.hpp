@@ -23,9 +23,11 @@ struct SpacingChoice {
   bool kept = false;   // read from the cache folder; nothing was solved
 };
 
-// The values depend only on the arguments. If folder is empty, nothing is cached.
+// The values depend only on the arguments. If folder is empty, nothing is cached. A progress line shows what
+// is tried, unless it is to be quiet.
 SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
-                                const AutoSpacingOptions& options, const std::filesystem::path& folder);
+                                const AutoSpacingOptions& options, const std::filesystem::path& folder,
+                                bool quiet);
 
 std::string in_words(const SpacingChoice& choice);
 nlohmann::ordered_json to_json(const SpacingChoice& choice);

@@ -78,8 +78,7 @@ SceneTable::SceneTable(std::shared_ptr<const Source> source, const std::vector<s
   for (const auto& [key, value] : *source_->table) {
     const std::string name(key.str());
     if (std::ranges::find(known, name) != known.end()) continue;
-    throw InputError(where(name), fmt::format("unknown key, did you mean '{}'? Expected one of {}",
-                                              full(nearest_word(name, known)), listed(known)));
+    throw InputError(where(name), "unknown key" + expected_instead(name, known, full("")));
   }
 }
 
@@ -222,9 +221,11 @@ std::string SceneTable::exactly_one_of(const std::vector<std::string>& keys) con
 std::size_t chosen_word(const SceneTable& table, const std::string& key, const std::string& text,
                         const std::vector<std::string>& words) {
   const auto found = std::ranges::find(words, text);
-  if (found == words.end())
-    throw table.wrong(key,
-                      fmt::format("one of {} (nearest: '{}')", listed(words), nearest_word(text, words)));
+  if (found == words.end()) {
+    const std::string near = nearest_word(text, words);
+    throw table.wrong(key, fmt::format("one of {}{}", listed(words),
+                                       near.empty() ? "" : fmt::format(" (nearest: '{}')", near)));
+  }
   return static_cast<std::size_t>(found - words.begin());
 }
 

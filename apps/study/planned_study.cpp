@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 1;  // of a cell's record; raised when the content of the record changes
+constexpr int format_version = 2;  // of a cell's record; raised when the content of the record changes
 
 std::string contents(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -153,7 +153,7 @@ StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std
   at_its_place([&] { cell = make_cell(study, combination, seed, session_options(scene)); });
   check_arrivals(file, scene, cell.options, warnings);
   at_its_place([&] {
-    check_cell(study, cell, input);
+    check_cell(study, input, cell);
     set_cost(study, input, cell);
   });
   cell.key = cell_key(scene.hash, cell, input, study.sustained);

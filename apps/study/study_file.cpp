@@ -71,8 +71,7 @@ void Reader::check_root() const {
   for (const auto& [key, node] : root_) {
     const std::string name(key.str());
     if (std::ranges::find(known, name) == known.end())
-      throw InputError(where(&node, name), fmt::format("unknown key, did you mean '{}'? Expected one of {}",
-                                                       nearest_word(name, known), listed(known)));
+      throw InputError(where(&node, name), "unknown key" + expected_instead(name, known));
   }
 }
 
@@ -287,9 +286,7 @@ void Reader::read_sustained() {
   for (const auto& [name, value] : in_file_order(*node->as_table())) {
     const InputPlace place = where(value, "sustained." + name);
     const auto found = std::ranges::find(known, name);
-    if (found == known.end())
-      throw InputError(place, fmt::format("unknown key, did you mean '{}'? Expected one of {}",
-                                          nearest_word(name, known), listed(known)));
+    if (found == known.end()) throw InputError(place, "unknown key" + expected_instead(name, known));
     const std::optional<double> number = value->is_number() ? value->value<double>() : std::nullopt;
     if (!number || !std::isfinite(*number) || *number <= 0 || (name == "share" && *number > 1))
       throw InputError(place, fmt::format("is {}, expected a number above 0{}", toml_of(*value),

@@ -21,6 +21,8 @@
 //
 //   [sustained]                     # each cell searches the highest speed that it sustains (sustained_speed.hpp)
 //
+// A session ends with its motion: a trace of 3 s gives 3 s, whatever session.seconds says above that. Paths
+// and hands have no end; they run for session.seconds.
 // The clock is virtual whatever the scene says: cells must not depend on wall time. A key may appear once, be
 // it varied, stepped, fixed or given by --set.
 

@@ -38,16 +38,13 @@ std::string scene_key(const std::string& written, const InputPlace& place, bool 
   const bool dotted = section.size() + 1 < written.size();
   if (dotted && std::ranges::find(scene_sections(), section) != scene_sections().end()) return written;
   if (dotted)
-    throw InputError(place, fmt::format("unknown section, did you mean '{}{}'? Expected one of {}",
-                                        nearest_word(section, scene_sections()),
-                                        written.substr(section.size()), listed(scene_sections())));
+    throw InputError(place, "unknown section" + expected_instead(section, scene_sections(), "",
+                                                                 written.substr(section.size())));
   if (pseudo_allowed && std::ranges::find(scene_sections(), written) != scene_sections().end())
     return written;
   const std::vector<std::string>& words = pseudo_allowed ? vary_words : short_keys;
-  throw InputError(place,
-                   fmt::format("unknown key, did you mean '{}'? Expected one of {}, or a scene key in quotes "
-                               "(\"model.kernel\")",
-                               nearest_word(written, words), listed(words)));
+  throw InputError(place, fmt::format("unknown key{}, or a scene key in quotes (\"model.kernel\")",
+                                      expected_instead(written, words)));
 }
 
 void ClaimedKeys::claim(const std::string& key, const InputPlace& place, const std::string& how) {

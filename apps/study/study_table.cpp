@@ -1,10 +1,14 @@
 #include "apps/study/study_table.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "apps/console/json.hpp"
 #include "apps/console/summary_json.hpp"
+#include "scheduling/record/attention.hpp"
 
 namespace forefeel {
 namespace {
@@ -110,6 +114,47 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
     document["contrasts"].push_back(row);
   }
   return document;
+}
+
+// ---- devices
+
+std::vector<std::string> device_titles() {
+  return {"device",  "motion", "session", "cells",      "first visits within the JND",
+          "clamped", "slewed", "outside", "saturation", "energy given back"};
+}
+
+std::vector<std::string> device_row(const StudyDevice& d) {
+  const auto share = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.3g} %", 100 * value) : std::string("–");
+  };
+  const auto seconds = [](double value) { return fmt::format("{:.4g} s", value); };
+  return {d.device,
+          std::isfinite(d.motion_seconds) ? seconds(d.motion_seconds) : "endless",
+          seconds(d.seconds),
+          std::to_string(d.cells),
+          share_of_samples(d.within_jnd, d.first_visits),
+          share(d.clamped),
+          share(d.slewed),
+          share(d.outside),
+          share(d.busy),
+          std::isfinite(d.generated) ? fmt::format("{:.3g} mJ", 1e3 * d.generated) : "–"};
+}
+
+Json devices_json(const std::vector<StudyDevice>& devices) {
+  Json list = Json::array();
+  for (const StudyDevice& d : devices)
+    list.push_back({{"device", d.device},
+                    {"motion_seconds", number(d.motion_seconds)},
+                    {"seconds", number(d.seconds)},
+                    {"cells", d.cells},
+                    {"first_visits", d.first_visits},
+                    {"within_jnd", number(d.within_jnd)},
+                    {"clamped_share", number(d.clamped)},
+                    {"slewed_share", number(d.slewed)},
+                    {"time_outside", number(d.outside)},
+                    {"busy_share", number(d.busy)},
+                    {"generated_J", number(d.generated)}});
+  return list;
 }
 
 }  // namespace forefeel

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scheduling/study/study_ranking.hpp"
+#include "scheduling/study/study_verdict.hpp"
 
 namespace forefeel {
 
@@ -18,5 +19,10 @@ std::string cells_csv(const Study& study, const std::vector<StudyCellResult>& ce
 // direction: for some metrics less is better.
 nlohmann::ordered_json ranking_json(const Study& study, const std::vector<AxisRanking>& rankings,
                                     const std::vector<Contrast>& contrasts);
+
+// The table of devices, as printed: a row of texts for each, below these titles.
+std::vector<std::string> device_titles();
+std::vector<std::string> device_row(const StudyDevice& device);
+nlohmann::ordered_json devices_json(const std::vector<StudyDevice>& devices);
 
 }  // namespace forefeel

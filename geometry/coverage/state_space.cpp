@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
 #include <cmath>
+#include <string>
 
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/coverage_query.hpp"
@@ -69,8 +69,21 @@ const DelaunayIndex& StateSpace::delaunay() const {
   return impl_->delaunay;
 }
 
+namespace {
+
+void check(const State& state) {
+  if (!state.usable())
+    throw InputError("state", "its solve ended as " + std::string(name(state.status)) +
+                                  ", expected one that converged or was measured");
+  if (!state.at.allFinite()) throw InputError("state", "its position is not finite, expected metres");
+  if (!state.force.allFinite() && !state.force.array().isNaN().all())
+    throw InputError("state", "its force is not finite, expected newtons, or NaN in all three if not known");
+}
+
+}  // namespace
+
 StateSpace::Insertion StateSpace::insert(State state) {
-  assert(state.usable() && state.at.allFinite());
+  check(state);
   Impl& my = *impl_;
   if (const StateId known = find(state.at); known.valid()) return {known, false};
   const StateId id{static_cast<std::uint32_t>(my.states.size())};

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "geometry/common/error.hpp"
+#include "geometry/states/state_outcome.hpp"
 
 namespace forefeel {
 
@@ -62,6 +63,9 @@ State read_row(Statement& row, const std::string& where) {
   state.seconds = row.real(i++);
   state.min_jacobian = row.real(i++);
   for (int k = 0; k < 3; ++k) state.parent[k] = row.real(i++);
+  // With a force it is an equilibrium (state_outcome.hpp), without one the solve failed there.
+  if (state.status == SolveStatus::inverted && state.force.allFinite() && state.min_jacobian <= 0)
+    state.status = SolveStatus::converged;
   if (const std::string_view bytes = row.bytes(i); !bytes.empty()) {
     if (bytes.size() % (3 * sizeof(double)) != 0)
       throw InputError({.file = where}, "a state's displacements are cut short");
@@ -85,7 +89,7 @@ State read_row(Statement& row, const std::string& where) {
 
 // Checksum of all values of a row as they are read back: every NaN is one value, and so are 0 and -0. Each
 // step is a bijection of the sum so far, so a change of any single value changes the result.
-std::int64_t checksum_of(const State& state) {
+std::int64_t checksum_of(const State& state, std::string_view status) {
   std::uint64_t sum = 0x46465331;
   const auto take = [&](std::uint64_t word) {
     sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
@@ -101,7 +105,7 @@ std::int64_t checksum_of(const State& state) {
   for (const double value : {state.energy, state.spacing, state.residual, state.seconds, state.min_jacobian})
     number(value);
   for (int k = 0; k < 3; ++k) number(state.parent[k]);
-  for (const char letter : name(state.status)) take(static_cast<unsigned char>(letter));
+  for (const char letter : status) take(static_cast<unsigned char>(letter));
   take(state.multivalued ? 2 : 1);
   take(static_cast<std::uint64_t>(state.iterations));
   if (state.displacements && !state.displacements->empty()) {
@@ -119,7 +123,7 @@ void bind_row(Statement& insert, const State& state) {
     for (int c = 0; c < 3; ++c) insert.bind(i++, state.stiffness(r, c));
   insert.bind(i++, state.energy);
   insert.bind(i++, state.spacing);
-  insert.bind(i++, name(state.status));
+  insert.bind(i++, name(outcome(state)));
   insert.bind(i++, state.multivalued ? 1 : 0);
   insert.bind(i++, state.iterations);
   insert.bind(i++, state.residual);
@@ -130,7 +134,7 @@ void bind_row(Statement& insert, const State& state) {
     insert.bind_bytes(i, state.displacements->data(), state.displacements->size() * sizeof(double));
   else
     insert.bind_null(i);
-  insert.bind(++i, checksum_of(state));
+  insert.bind(++i, checksum_of(state, name(outcome(state))));
 }
 
 }  // namespace
@@ -227,7 +231,7 @@ void insert_states(sqlite3* database, const std::string& where, std::span<const 
 }
 
 namespace {
-constexpr int checksum_column = 27, id_column = 28;
+constexpr int status_column = 17, checksum_column = 27, id_column = 28;
 }
 
 StateRows::StateRows(sqlite3* database, const std::string& where, bool checksums)
@@ -248,7 +252,9 @@ std::optional<State> StateRows::read() {
     state = read_row(rows_, where_);
   } catch (const InputError&) {  // so damaged that it is no state
   }
-  if (state && checksum_of(*state) != rows_.integer(checksum_column)) state.reset();
+  // Older files say converged where det F <= 0, so the checksum takes the word as it stands.
+  if (state && checksum_of(*state, rows_.text(status_column)) != rows_.integer(checksum_column))
+    state.reset();
   return state;
 }
 

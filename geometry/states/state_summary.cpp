@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/states/state_outcome.hpp"
+
 namespace forefeel {
 
 StateSetSummary summarise(std::span<const State> states) {
@@ -11,8 +13,9 @@ StateSetSummary summarise(std::span<const State> states) {
   if (!states.empty()) sum.extent = {states.front().at, states.front().at};
   for (const State& s : states) {
     sum.extent.low = sum.extent.low.cwiseMin(s.at), sum.extent.high = sum.extent.high.cwiseMax(s.at);
-    ++sum.by_status[std::string(name(s.status))];
+    ++sum.by_status[std::string(name(outcome(s)))];
     sum.multivalued += s.multivalued;
+    sum.inverted += has_inverted_elements(s);
     if (std::isfinite(s.seconds)) sum.solve_seconds += s.seconds;
     if (!s.usable()) continue;
     ++sum.usable;

@@ -7,6 +7,7 @@
 
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "geometry/states/state_outcome.hpp"
 
 namespace forefeel {
 namespace {
@@ -94,7 +95,7 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
   out.array<double>("Float64", "parent", 3, states, [](const State& s, int k) { return s.parent[k]; });
   out.array<std::int32_t>("Int32", "iterations", 1, states, [](const State& s, int) { return s.iterations; });
   out.array<std::uint8_t>("UInt8", "status", 1, states,
-                          [](const State& s, int) { return static_cast<int>(s.status); });
+                          [](const State& s, int) { return static_cast<int>(outcome(s)); });
   out.array<std::uint8_t>("UInt8", "multivalued", 1, states,
                           [](const State& s, int) { return s.multivalued; });
   out.text("</PointData>\n<Points>\n");

@@ -6,6 +6,7 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 
@@ -59,19 +60,24 @@ class References {
   const State& operator[](std::size_t i) const { return *states_[i]; }
   std::size_t solved() const { return solved_; }
 
-  void solve(std::span<const std::size_t> wanted) {
+  // told(done, total) as they are solved.
+  void solve(std::span<const std::size_t> wanted, const std::function<void(std::size_t, std::size_t)>& told) {
     std::vector<std::size_t> missing;
     for (const std::size_t i : wanted)
       if (!states_[i]) missing.push_back(i);
     solved_ += missing.size();
     if (missing.empty()) return;
+    std::size_t finished = 0;
 #pragma omp parallel num_threads(threads_)
     {
       Solver solver(body_);
 #pragma omp for schedule(dynamic)
-      for (std::size_t k = 0; k < missing.size(); ++k)
+      for (std::size_t k = 0; k < missing.size(); ++k) {
         states_[missing[k]] =
             wanted_to_end(options_) ? State{} : solver.reference(at_[missing[k]], step_).state;
+#pragma omp critical(forefeel_auto_spacing)
+        told(++finished, missing.size());
+      }
     }
   }
 
@@ -85,9 +91,11 @@ class References {
   std::size_t solved_ = 0;
 };
 
+using Tell = std::function<void(std::size_t done, std::size_t total)>;
+
 // The solved lattice of spacing h, in the order of positions; an unfinished one if the user wants to end.
 std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
-                                  double h, std::size_t& solves) {
+                                  double h, std::size_t& solves, const Tell& tell) {
   GenerateOptions lattice;
   lattice.spacing = h;
   lattice.box = options.box;
@@ -97,8 +105,9 @@ std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const
   lattice.stop = stop.get_token();
   const GenerateReport report = generate_lattice(
       body, lattice, {}, [&](State s) { states.push_back(std::move(s)); },
-      [&](std::size_t, std::size_t) {
+      [&](std::size_t done, std::size_t total) {
         if (wanted_to_end(options)) stop.request_stop();
+        tell(done, total);
       });
   solves += report.solved + report.failed;
   std::ranges::sort(states, [](const State& a, const State& b) {
@@ -108,13 +117,19 @@ std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const
 }
 
 AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
-                             double h, References& references, std::size_t& solves) {
+                             AutoSpacingProgress now, References& references, std::size_t& solves) {
+  const double h = now.spacing;
+  const Tell tell = [&](std::size_t done, std::size_t total) {
+    now.done = done;
+    now.total = total;
+    if (options.progress) options.progress(now);
+  };
   StateSpaceOptions space_options;
   space_options.spacing = h;
   space_options.box = options.box;
   space_options.coverage = options.coverage;
   StateSpace space(space_options);
-  for (State& state : lattice_states(body, options, h, solves))
+  for (State& state : lattice_states(body, options, h, solves, tell))
     if (state.usable()) space.insert(std::move(state));
   if (wanted_to_end(options)) return {};
   AutoSpacingTrial trial{.spacing = h, .states = space.size(), .safe = 0};
@@ -132,7 +147,8 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   while (trial.safe < safe.size() && static_cast<int>(trial.above) <= most) {
     const std::span next =
         std::span(safe).subspan(trial.safe).first(std::min(at_a_time, safe.size() - trial.safe));
-    references.solve(next);
+    now.checking = true;
+    references.solve(next, tell);
     if (wanted_to_end(options)) return {};
     trial.safe += next.size();
     for (const std::size_t i : next) {
@@ -162,6 +178,10 @@ double share_bound(std::size_t k, std::size_t n, double confidence) {
                                                                      static_cast<double>(k), 1 - confidence);
 }
 
+double finest_spacing(const Box& box) {
+  return box.size().maxCoeff() / divisions[std::size(divisions) - 1];
+}
+
 AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpacingOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const double longest = options.box.size().maxCoeff();
@@ -169,9 +189,11 @@ AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpa
   References references(body, draws(options.box, most_draws * options.positions), longest / reference_steps,
                         threads, options);
   AutoSpacingReport report;
+  AutoSpacingProgress now{.trials = std::size(divisions)};
   for (const int division : divisions) {
-    report.spacing = longest / division;
-    report.trials.push_back(try_spacing(body, options, report.spacing, references, report.solves));
+    report.spacing = now.spacing = longest / division;
+    ++now.trial;
+    report.trials.push_back(try_spacing(body, options, now, references, report.solves));
     if ((report.interrupted = wanted_to_end(options))) return report;
     report.holds = report.trials.back().share_bound <= options.allowed_share;
     if (report.holds) break;

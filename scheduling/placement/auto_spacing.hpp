@@ -24,6 +24,13 @@
 
 namespace forefeel {
 
+struct AutoSpacingProgress {
+  std::size_t trial = 0, trials = 0;  // the spacing that is tried, from 1; how many there are at most
+  double spacing = 0;                 // h [m]
+  bool checking = false;              // false: states of the lattice are solved; true: references
+  std::size_t done = 0, total = 0;    // of these
+};
+
 struct AutoSpacingOptions {
   Box box;
   double tolerance = 0.07;  // of the error [1]
@@ -35,6 +42,7 @@ struct AutoSpacingOptions {
   double confidence = 0.95;                        // of that bound [1]
   int threads = 0;                                 // 0: all
   const std::atomic<bool>* interrupted = nullptr;  // once true, solving stops and the report is invalid
+  std::function<void(const AutoSpacingProgress&)> progress = {};  // from one thread at a time
 };
 
 struct AutoSpacingTrial {
@@ -53,6 +61,9 @@ struct AutoSpacingReport {
   double seconds = 0;
   std::vector<AutoSpacingTrial> trials;  // the last one is that of `spacing`
 };
+
+// The finest spacing that is tried in a box [m].
+double finest_spacing(const Box& box);
 
 AutoSpacingReport choose_spacing(std::shared_ptr<const Body> body, const AutoSpacingOptions& options);
 

@@ -1,6 +1,8 @@
 #pragma once
-// The tables of a run: frames.csv, dispatch.csv and switches.csv. A virtual run gives the same bytes each
-// time: its tables hold no wall time. Real runs append cost_us and lateness_us.
+// The tables of a run: frames.csv, dispatch.csv and switches.csv. In frames.csv fx, fy, fz is the force sent
+// to the device, rendered_x … the force before the safety rules, ux … that of the newest model, rx … the
+// reference (summary.hpp defines these words; `error` is that of the rendered force). A virtual run gives the
+// same bytes each time: its tables hold no wall time. Real runs append cost_us and lateness_us.
 
 #include <filesystem>
 

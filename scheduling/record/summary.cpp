@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "geometry/common/quantiles.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/render/render_loop.hpp"
 
@@ -95,12 +97,17 @@ SessionSummary::States states_of(const SessionResult& result, bool foreign) {
   }
   std::sort(age.begin(), age.end());
   const auto& [start, solved, failed, preempted] = result.counts;
+  // Those known at the start come first.
+  const std::span<const State> fresh =
+      std::span(result.states).subspan(std::min(start, result.states.size()));
+  const auto inverted = static_cast<std::size_t>(std::ranges::count_if(fresh, has_inverted_elements));
   return {.start = start,
-          .solved = solved,
+          .solved = solved - std::min(inverted, solved),
           .used = used,
           .wasted = solved - std::min(used, solved),
           .preempted = preempted,
           .failed = failed,
+          .inverted = inverted,
           .age_at_use_ms_p50 = rank_quantile(age, 0.5),
           .age_at_use_ms_p99 = rank_quantile(age, 0.99),
           .foreign = foreign};
@@ -203,6 +210,41 @@ SessionSummary::Loop loop_of(const LoopReport& loop, const SessionOptions& optio
           .last_force = loop.last_force};
 }
 
+SessionSummary::Safety safety_of(const SessionResult& result) {
+  const SafetyReport& report = result.safety;
+  const auto frames = static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
+  return {.clamped = report.clamped,
+          .slewed = report.slewed,
+          .stale = report.stale,
+          .non_finite = report.non_finite,
+          .clamped_share = static_cast<double>(report.clamped) / frames,
+          .slewed_share = static_cast<double>(report.slewed) / frames};
+}
+
+SessionSummary::Motion motion_of(const SessionResult& result, const StateSpaceOptions& space,
+                                 const SessionOptions& options) {
+  if (result.frames.empty()) return {};
+  const Vec3 slack = Vec3::Constant(1e-6 * space.spacing);  // a path may touch a face
+  const Box box{space.box.low - slack, space.box.high + slack};
+  const auto outside =
+      std::ranges::count_if(result.frames, [&](const FrameRecord& f) { return !box.contains(f.at); });
+  SessionSummary::Motion motion{.outside =
+                                    static_cast<double>(outside) / static_cast<double>(result.frames.size())};
+  const FrameRecord& first = result.frames.front();
+  const auto within = [&](const FrameRecord& f) {
+    return (f.force - f.judged.reference).norm() <= jnd(f.judged.reference, options.switching);
+  };
+  motion.start_rendered = first.force.norm();
+  if (!first.judged.reference.allFinite()) return motion;
+  motion.start_reference = first.judged.reference.norm();
+  motion.starts_wrong = !within(first) && motion.start_reference > options.judging.error_floor;
+  const auto settled = std::ranges::find_if(result.frames, [&](const FrameRecord& f) {
+    return f.judged.sampled && f.judged.reference.allFinite() && within(f);
+  });
+  if (settled != result.frames.end()) motion.start_within_jnd = settled->t;
+  return motion;
+}
+
 }  // namespace
 
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,
@@ -216,11 +258,9 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .error = error_of(result, options.switching),
           .load = load_of(result, input, options),
           .energy = {.generated = result.safety.generated, .work = result.safety.work},
-          .safety = {.clamped = result.safety.clamped,
-                     .slewed = result.safety.slewed,
-                     .stale = result.safety.stale,
-                     .non_finite = result.safety.non_finite},
-          .loop = loop_of(result.loop, options)};
+          .safety = safety_of(result),
+          .loop = loop_of(result.loop, options),
+          .motion = motion_of(result, input.touched.space, options)};
 }
 
 }  // namespace forefeel

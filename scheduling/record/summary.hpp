@@ -1,6 +1,10 @@
 #pragma once
 // The summary of a session: every value of summary.json, as a type. Times are in s and forces in N unless the
 // name says otherwise; shares are in [0, 1]. NaN: not measured.
+//
+// `rendered` is one thing everywhere, in errors, plots and the columns rendered_x … of frames.csv: the force
+// of the model after the switch, before the safety rules. `sent`, the columns fx, fy, fz, is what is left of
+// it after them (start-up ramp, force limit, slew limit …; render/safety.hpp). Energy counts what is sent.
 
 #include <array>
 #include <cstddef>
@@ -33,9 +37,10 @@ struct SessionSummary {
     std::size_t missed = 0;
     Timing cost_us, lateness_us;
   };
-  // used: part of some model. wasted: solved but never used.
+  // used: part of some model. wasted: solved but never used. inverted: solved, but with inverted elements;
+  // they do not count as solved (geometry/states/state_outcome.hpp).
   struct States {
-    std::size_t start = 0, solved = 0, used = 0, wasted = 0, preempted = 0, failed = 0;
+    std::size_t start = 0, solved = 0, used = 0, wasted = 0, preempted = 0, failed = 0, inverted = 0;
     double age_at_use_ms_p50 = unknown,
            age_at_use_ms_p99 = unknown;  // from the end of the solve to its first use
     bool foreign = false;                // those at the start are of another body; nothing was solved
@@ -69,9 +74,18 @@ struct SessionSummary {
   struct Energy {
     double generated = 0, work = 0;  // [J]
   };
-  // Frames in which a safety rule acted.
+  // Frames in which a safety rule acted, and two of these numbers as shares of all frames.
   struct Safety {
     std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
+    double clamped_share = 0, slewed_share = 0;
+    double force_limit = unknown;  // what `clamped` cuts at, where the caller gives it [N]
+  };
+  // Where the motion went. The first frame: the force of a tight solve there, what was rendered, and the time
+  // of the first sample whose error is below the just noticeable difference [s]; unknown: none is.
+  struct Motion {
+    double outside = 0;  // share of the frames outside the box of states
+    double start_reference = unknown, start_rendered = unknown, start_within_jnd = unknown;
+    bool starts_wrong = false;  // the first frame's error is above the JND, at a reference above error_floor
   };
   // How the frames came, and how the force ended (LoopReport of log/session_result.hpp).
   struct Loop {
@@ -112,6 +126,7 @@ struct SessionSummary {
   Energy energy;
   Safety safety;
   Loop loop;
+  Motion motion;
 };
 
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,

@@ -111,8 +111,22 @@ ColumnValue column_value(double value) {
   return std::isfinite(value) ? ColumnValue(value) : ColumnValue();
 }
 
+std::vector<Column> later_columns(const SessionSummary& summary) {
+  std::vector<Column> columns;
+  columns.push_back({"states.inverted", std::uint64_t{summary.states.inverted}});
+  Group(columns, "safety")
+      .number("clamped_share", summary.safety.clamped_share)
+      .number("slewed_share", summary.safety.slewed_share);
+  columns.push_back({"time_outside", column_value(summary.motion.outside)});
+  Group(columns, "start")
+      .number("reference", summary.motion.start_reference)
+      .number("rendered", summary.motion.start_rendered)
+      .number("within_jnd_at", summary.motion.start_within_jnd);
+  return columns;
+}
+
 std::vector<Column> summary_columns(const SessionSummary& summary) {
-  const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety, loop] =
+  const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety, loop, motion] =
       summary;
   std::vector<Column> columns;
   columns.push_back({"clock", std::string(settings.clock == Clock::real ? "real" : "virtual")});
@@ -138,6 +152,7 @@ std::vector<Column> summary_columns(const SessionSummary& summary) {
   columns.push_back({"wall_seconds", column_value(run.wall_seconds)});
   columns.push_back({"realtime_priority", run.realtime_priority});
   columns.push_back({"memory_locked", run.memory_locked});
+  for (Column& column : later_columns(summary)) columns.push_back(std::move(column));
   return columns;
 }
 

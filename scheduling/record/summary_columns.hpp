@@ -22,5 +22,7 @@ struct Column {
 ColumnValue column_value(double value);  // unknown if it is not finite
 
 std::vector<Column> summary_columns(const SessionSummary& summary);
+// The last of these, which tables of studies keep behind their own columns.
+std::vector<Column> later_columns(const SessionSummary& summary);
 
 }  // namespace forefeel

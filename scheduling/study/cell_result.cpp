@@ -87,13 +87,21 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
 
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options) {
-  StudyCellResult row(summary_columns(summarise(result, input, options)));
+  const SessionSummary summary = summarise(result, input, options);
+  const std::vector<Column> later =
+      later_columns(summary);  // the last ones; here they stand behind the study's
+  std::vector<Column> columns = summary_columns(summary);
+  columns.resize(columns.size() - later.size());
+  StudyCellResult row(std::move(columns));
   for (const Column& column : row.columns())
     if (depends_on_wall_time(column.name)) row.set(column.name, {});
   add_parts(result, row);
   row.set("error.first_visit.within_7", column_value(first_visits_within(result, options.switching, 0.07)));
   add_solver_time(result, options.clock.seconds, row);
   row.set("cost", to_text(options.workers.cost));
+  for (const Column& column : later) row.set(column.name, column.value);
+  const double capacity = options.clock.seconds * options.workers.count;
+  row.set("solver.busy_share", column_value(row.number("solver.busy") / capacity));
   return row;
 }
 

@@ -33,7 +33,9 @@ class StudyCellResult {
 //   solver.busy                 seconds of all workers in solves
 //   solver.preempted            of these in solves that were cancelled
 //   solver.wasted               of these in solves whose state no model used
+//   solver.busy_share           busy, as a share of the workers' time: 1 where they are saturated
 //   cost                        cost model
+//   motion_seconds              duration of the motion itself [s]; empty for one without end
 // Values that depend on wall time are left empty, so a cell always has the same result.
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);

@@ -23,7 +23,7 @@ StudyCell make_cell(const Study& study, std::size_t combination, std::uint64_t s
   return cell;
 }
 
-void check_cell(const Study& study, const StudyCell& cell, const SessionInput& input) {
+void check_cell(const Study& study, const SessionInput& input, StudyCell& cell) {
   if (cell.options.planning.arrivals)
     for (const auto& [key, given] :
          {std::pair{"study.sustained", study.sustained.has_value()},
@@ -34,7 +34,11 @@ void check_cell(const Study& study, const StudyCell& cell, const SessionInput& i
             "has no effect where states arrive at given times (session.arrivals), since nothing is "
             "solved; expected one or the other");
   if (!study.sustained) {
-    make_plan(input, cell.options);
+    SessionOptions options = cell.options;
+    options.clock.length = RunLength::shorter;
+    const SessionPlan plan = make_plan(input, options);
+    cell.options.clock.seconds = plan.options.clock.seconds;
+    cell.motion_seconds = plan.device->duration();
     return;
   }
   SessionOptions options = cell.options;
@@ -65,7 +69,7 @@ StudyPlan plan_study(const Study& study, const StudySessions& sessions) {
     StudySession session = sessions(study.choice(c));
     for (const std::uint64_t seed : study.seeds) {
       StudyCell cell = make_cell(study, c, seed, session.options);
-      check_cell(study, cell, session.input);
+      check_cell(study, session.input, cell);
       set_cost(study, session.input, cell);
       plan.cells.push_back(std::move(cell));
     }

@@ -3,6 +3,7 @@
 // `study.speed`, `study.target_load`, `study.sustained` or a key of make_plan().
 
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct StudyCell {
   // searches the cost that gives this load; 0: none. free_demand: states per second that the motion needs if
   // no force acts on the hand.
   double load_to_find = 0, free_demand = 0;
+  // Duration of the motion itself [s]; infinite for one without end. A session is no longer than its motion.
+  double motion_seconds = std::numeric_limits<double>::infinity();
   // Identifies the content of the cell, to find its result on disk; empty: no result is kept.
   std::string key = {};
 };
@@ -45,8 +48,9 @@ StudyPlan plan_study(const Study& study, const StudySessions& sessions);
 // 1. Makes a cell with the clock, seed and speed of the study.
 StudyCell make_cell(const Study& study, std::size_t combination, std::uint64_t seed,
                     const SessionOptions& options);
-// 2. Throws if make_plan() would refuse the session of the cell.
-void check_cell(const Study& study, const StudyCell& cell, const SessionInput& input);
+// 2. Throws if make_plan() would refuse the session of the cell. Ends the session with its motion, if that is
+// shorter than the session's seconds: after a trace's own length, not with its last position held.
+void check_cell(const Study& study, const SessionInput& input, StudyCell& cell);
 // 3. Sets the cost of solves if the study varies target_load.
 void set_cost(const Study& study, const SessionInput& input, StudyCell& cell);
 

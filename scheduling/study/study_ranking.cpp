@@ -61,7 +61,15 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
       {"solver.preempted", "solver time in cancelled solves, s", false},
       {"solver.wasted", "solver time for states never used, s", false},
       {"regret.first_visit.within_jnd", "regret at first visits, points", false, 100},
-      {"load", "load", false}};
+      {"load", "load (needed over solved states per second)", false},
+      {"solver.busy_share", "saturation: time that workers solve, %", false, 100, false, true},
+      {"energy.generated_J", "energy given back beyond that received, mJ", false, 1e3},
+      {"safety.clamped_share", "frames clamped at the force limit, %", false, 100, false, true},
+      {"safety.slewed_share", "frames at the slew limit, %", false, 100, false, true},
+      {"time_outside", "time outside the box of states, %", false, 100, false, true},
+      {"states.inverted", "states with inverted elements", false},
+      {"error.first_visit.samples", "first visits in a session", true},
+      {"error.samples", "samples of the error in a session", true}};
   metrics.insert(metrics.end(), of_sessions.begin(), of_sessions.end());
   return metrics;
 }

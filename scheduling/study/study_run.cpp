@@ -86,7 +86,9 @@ SessionResult unfailed(SessionResult result) {
 StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, const ShowPart& show) {
   const SessionResult result = unfailed(
       run_session(input, cell.options, {.progress = [&](const SessionProgress& p) { show(part_of(p)); }}));
-  return cell_result(result, input, cell.options);
+  StudyCellResult row = cell_result(result, input, cell.options);
+  row.set("motion_seconds", column_value(cell.motion_seconds));
+  return row;
 }
 
 // The columns of a sustained cell are those of the session at the speed found, or at `low` if no speed holds.

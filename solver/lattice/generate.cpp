@@ -8,6 +8,7 @@
 #include <set>
 
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "solver/body/law.hpp"
 #include "solver/equilibrium/linear_body.hpp"
 #include "solver/lattice/generate.hpp"
@@ -267,6 +268,7 @@ class Sweep {
     {
       try {
         (state.usable() ? report_.solved : report_.failed) += 1;
+        report_.inverted += has_inverted_elements(state);
         sink_(std::move(state));
         if (progress_) progress_(report_.resumed + report_.solved + report_.failed, all_.size());
       } catch (...) {

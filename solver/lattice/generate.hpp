@@ -24,6 +24,7 @@ struct GenerateOptions {
 };
 struct GenerateReport {
   std::size_t solved = 0, failed = 0, resumed = 0;
+  std::size_t inverted = 0;  // of the solved: with inverted elements (state_outcome.hpp)
   double seconds = 0;
   int threads = 0;
 };

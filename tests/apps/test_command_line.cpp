@@ -35,6 +35,7 @@ TEST_CASE("usage errors are one line", "[command-line]") {
   shop.write("beam.toml", beam_scene());
   check_refused(shop, "", {"expected one of"});
   check_refused(shop, "sesion beam.toml", {"'sesion'", "did you mean 'session'"});
+  check_refused(shop, "nosuch beam.toml", {"command 'nosuch': unknown, expected one of mesh, solve"});
   check_refused(shop, "--jsn", {"--jsn"});
   check_refused(shop, "solve beam.toml --att=0,0,0", {"--att", "did you mean '--at'"});
   check_refused(shop, "solve", {"SCENE"});

@@ -21,6 +21,12 @@ TEST_CASE("edit distance and the nearest word", "[suggest]") {
   CHECK(nearest_word("poison", known) == "poisson");
   CHECK(nearest_word("yuong", known) == "young");
   CHECK(nearest_word("x", {}).empty());
+  CHECK(nearest_word("nosuch", std::vector<std::string>{"error", "session"}).empty());
+  CHECK(nearest_word("x", known).empty());  // two edits make a new word of it
+  CHECK(nearest_word("neigbour_numbers", std::vector<std::string>{"neighbours"}).empty());
+  CHECK(expected_instead("nosuch", known) == ", expected one of young, poisson, law");
+  CHECK(expected_instead("lwa", known, "material.") ==
+        ", did you mean 'material.law'? Expected one of young, poisson, law");
   CHECK(listed(known) == "young, poisson, law");
 }
 

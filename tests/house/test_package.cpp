@@ -56,8 +56,10 @@ void check_headers(const Workshop& shop) {
 void check_manual(const Workshop& shop) {
   const std::string page = ran(shop, "cat prefix/share/man/man1/forefeel.1");
   for (const char* command : {"mesh", "solve", "generate", "import", "export", "info", "classify", "evaluate",
-                              "session", "study", "reproduce", "bench"})
+                              "session", "study", "reproduce", "bench", "cache"})
     CHECK_THAT(page, Catch::Contains(std::string(".SS forefeel ") + command + "\n"));
+  CHECK_THAT(page, Catch::Contains(".SH EXAMPLES\n") && Catch::Contains("forefeel cache \\-\\-empty"));
+  CHECK_THAT(page, Catch::Contains(".SH FILES\n") && Catch::Contains("~/.cache/forefeel"));
   const std::string complete =
       "source prefix/share/bash-completion/completions/forefeel; COMP_WORDS=(forefeel ";
   CHECK(ran(shop, "bash -c '" + complete + "sess); COMP_CWORD=1; _forefeel; echo ${COMPREPLY[@]}'") ==

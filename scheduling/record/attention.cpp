@@ -1,0 +1,61 @@
+#include "scheduling/record/attention.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <tuple>
+
+namespace forefeel {
+namespace {
+
+std::string pressed_in(const SessionSummary::Motion& motion) {
+  const std::string end =
+      std::isfinite(motion.start_within_jnd)
+          ? fmt::format("the first sample within the JND came after {:.2g} s", motion.start_within_jnd)
+          : std::string("no later sample was within the JND");
+  return fmt::format(
+      "the motion starts pressed in: the body's force is {:.3g} N there, {:.3g} N was rendered, and {}",
+      motion.start_reference, motion.start_rendered, end);
+}
+
+std::string clamped(const SessionSummary::Safety& safety) {
+  const std::string limit =
+      std::isfinite(safety.force_limit) ? fmt::format(" of {:.3g} N", safety.force_limit) : std::string();
+  return fmt::format(
+      "{:.3g} % of the frames were clamped at the force limit{}: the device got less than was rendered",
+      100 * safety.clamped_share, limit);
+}
+
+std::string samples(const char* what, std::size_t n) {
+  return fmt::format("{} rest on {} sample{}", what, n, n == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::vector<std::string> attention(const SessionSummary& summary) {
+  const auto& [motion, safety, states] = std::tie(summary.motion, summary.safety, summary.states);
+  std::vector<std::string> lines;
+  if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
+  if (motion.starts_wrong) lines.push_back(pressed_in(motion));
+  if (motion.outside > outside_too_often)
+    lines.push_back(
+        fmt::format("{:.3g} % of the time was outside the box of states: forces there are extrapolated",
+                    100 * motion.outside));
+  if (states.inverted > 0)
+    lines.push_back(fmt::format("{} of {} solved states have inverted elements: no body takes that shape",
+                                states.inverted, states.solved + states.inverted));
+  const std::size_t sampled = summary.error.samples.samples, visits = summary.error.first_visit.samples;
+  if (summary.run.frames > 0 && sampled < few_samples) lines.push_back(samples("the errors", sampled));
+  if (summary.run.frames > 0 && visits > 0 && visits < few_samples)
+    lines.push_back(samples("the errors of first visits", visits));
+  return lines;
+}
+
+std::string share_of_samples(double share, std::size_t samples) {
+  if (samples == 0 || !std::isfinite(share)) return "unknown";
+  const auto n = static_cast<double>(samples);
+  if (samples < few_samples) return fmt::format("{:.0f} of {}", std::round(share * n), samples);
+  return fmt::format("{:.1f} % of {}", 100 * share, samples);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,190 @@
+#include "scheduling/study/study_verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "scheduling/record/attention.hpp"
+
+namespace forefeel {
+namespace {
+
+// The axis whose best value the verdict names.
+std::optional<std::size_t> axis_of_verdict(const Study& study) {
+  const auto competes = [&](std::size_t axis) { return study.axes[axis].values.size() > 1; };
+  for (const char* policy : {"policy", "session.policy"})
+    if (const auto axis = find_axis(study, policy); axis && competes(*axis)) return axis;
+  std::optional<std::size_t> of_traces;
+  for (std::size_t axis = 0; axis < study.axes.size(); ++axis) {
+    if (!competes(axis)) continue;
+    if (!is_trace_axis(study.axes[axis])) return axis;
+    if (!of_traces) of_traces = axis;
+  }
+  return of_traces;
+}
+
+bool is_bound(const StudyAxis& axis, std::size_t level) {
+  return (axis.column == "policy" || axis.column == "session.policy") &&
+         axis.values[level].text.starts_with("clairvoyant");
+}
+
+struct Contender {
+  std::size_t level = 0;
+  double mean = 0;  // in the metric's scale, factors as logarithms
+};
+
+// Over the traces and seeds where every contender has a value; the best first.
+std::vector<Contender> contenders(const StudyAxis& axis, std::span<const Observation> seen,
+                                  const StudyMetric& metric) {
+  const Ranking ranking = rank(seen, axis.values.size(), metric.larger_is_better, {.shares = metric.share});
+  std::vector<Contender> all;
+  for (const Ranked& row : ranking.ranked)
+    if (!is_bound(axis, row.level) && std::isfinite(row.value.student.mean))
+      all.push_back({row.level, row.value.student.mean});
+  return all;
+}
+
+std::string amount(const StudyMetric& metric, double mean) {
+  return fmt::format("{:.3g}", metric.scale * (metric.ratio ? std::exp(mean) : mean));
+}
+
+// "2.1 points, 95 % interval 0.5 to 3.7", "a factor 1.2, without an interval".
+std::string difference_in_words(const StudyMetric& metric, const Comparison& d) {
+  const auto size = [&](double value) {
+    return metric.ratio ? fmt::format("{:.3g}", std::exp(value))
+                        : fmt::format("{:.3g}", metric.scale * value);
+  };
+  const char* unit = metric.share ? " points" : "";
+  std::string text = metric.ratio ? "a factor " + size(d.student.mean) : size(d.student.mean) + unit;
+  if (!std::isfinite(d.student.low)) return text + ", without an interval";
+  return text + fmt::format(", 95 % interval {} to {}", size(d.student.low), size(d.student.high));
+}
+
+std::string over(const Comparison& d) {
+  return fmt::format("{} pair{} on {} motion{}", d.pairs, d.pairs == 1 ? "" : "s", d.groups,
+                     d.groups == 1 ? "" : "s");
+}
+
+bool is_shown(const Comparison& d, const StudyMetric& metric) {
+  return (metric.larger_is_better ? d.verdict() : -d.verdict()) > 0;
+}
+
+// What the best is compared with.
+std::string against_next(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
+                         const std::vector<Contender>& all) {
+  const Comparison next = compare_levels(seen, all[0].level, all[1].level);
+  const std::string name = axis.values[all[1].level].text;
+  if (next.won == 0 && next.lost == 0)
+    return fmt::format("; {} is equal to it in all {}: no difference is shown", name, over(next));
+  std::string beaten;
+  for (std::size_t i = 2; i < all.size(); ++i)
+    if (is_shown(compare_levels(seen, all[0].level, all[i].level), metric))
+      beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
+  return fmt::format("; the next, {}, has {} (difference {}, over {}): the difference is {}{}", name,
+                     amount(metric, all[1].mean), difference_in_words(metric, next), over(next),
+                     is_shown(next, metric) ? "shown" : "not shown",
+                     beaten.empty() ? "" : fmt::format("; that to {} is shown", beaten));
+}
+
+}  // namespace
+
+std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells) {
+  const std::optional<std::size_t> chosen = axis_of_verdict(study);
+  if (!chosen) return {};
+  const StudyAxis& axis = study.axes[*chosen];
+  const StudyMetric metric = primary_metric(study);
+  const std::vector<Observation> seen = observations(study, cells, *chosen, metric);
+  const std::vector<Contender> all = contenders(axis, seen, metric);
+  if (all.empty())
+    return fmt::format("No verdict on {}: no trace and seed has a value of \"{}\" for every one.",
+                       axis.column, metric.title);
+  std::string bounds;
+  for (std::size_t level = 0; level < axis.values.size(); ++level)
+    if (is_bound(axis, level)) bounds += (bounds.empty() ? "" : ", ") + axis.values[level].text;
+  return fmt::format(
+      "Best {}: {}, with {} ({}){}.{}", axis.column, axis.values[all[0].level].text,
+      amount(metric, all[0].mean), metric.title,
+      all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
+      bounds.empty() ? "" : fmt::format(" Not compared, for it knows the motion: {}.", bounds));
+}
+
+// ---- devices
+
+namespace {
+
+// Mean over the cells that have a value.
+class Mean {
+ public:
+  void add(double value, double weight = 1) {
+    if (!std::isfinite(value) || !(weight > 0)) return;
+    sum_ += weight * value;
+    weight_ += weight;
+  }
+  double value() const { return weight_ > 0 ? sum_ / weight_ : unknown; }
+
+ private:
+  double sum_ = 0, weight_ = 0;
+};
+
+StudyDevice device_of(const std::string& name, const std::vector<std::size_t>& members, const StudyPlan& plan,
+                      const std::vector<StudyCellResult>& cells) {
+  StudyDevice device{.device = name, .cells = members.size()};
+  Mean within, clamped, slewed, outside, busy, generated;
+  for (const std::size_t i : members) {
+    const StudyCellResult& cell = cells[i];
+    const double seconds = cell.number("seconds"), visits = cell.number("error.first_visit.samples");
+    device.motion_seconds = plan.cells[i].motion_seconds;
+    if (std::isfinite(seconds)) device.seconds = std::max(device.seconds, seconds);
+    if (std::isfinite(visits)) device.first_visits += static_cast<std::size_t>(visits);
+    within.add(cell.number("error.first_visit.within_jnd"), visits);
+    clamped.add(cell.number("safety.clamped_share"));
+    slewed.add(cell.number("safety.slewed_share"));
+    outside.add(cell.number("time_outside"));
+    busy.add(cell.number("solver.busy_share"));
+    generated.add(cell.number("energy.generated_J"));
+  }
+  device.within_jnd = within.value();
+  device.clamped = clamped.value();
+  device.slewed = slewed.value();
+  device.outside = outside.value();
+  device.busy = busy.value();
+  device.generated = generated.value();
+  return device;
+}
+
+}  // namespace
+
+std::vector<StudyDevice> study_devices(const StudyPlan& plan, const std::vector<StudyCellResult>& cells) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<std::size_t>> members;
+  for (std::size_t i = 0; i < plan.cells.size() && i < cells.size(); ++i) {
+    const std::string name = to_text(plan.cells[i].options.motion.device);
+    if (!members.contains(name)) order.push_back(name);
+    members[name].push_back(i);
+  }
+  std::vector<StudyDevice> devices;
+  for (const std::string& name : order) devices.push_back(device_of(name, members[name], plan, cells));
+  return devices;
+}
+
+std::vector<std::string> attention(const std::vector<StudyDevice>& devices) {
+  std::vector<std::string> lines;
+  for (const StudyDevice& d : devices) {
+    if (d.clamped > clamped_too_often)
+      lines.push_back(fmt::format(
+          "{}: {:.3g} % of the frames were clamped at the force limit: the device got less than was rendered",
+          d.device, 100 * d.clamped));
+    if (d.outside > outside_too_often)
+      lines.push_back(
+          fmt::format("{}: {:.3g} % of the time was outside the box of states: forces there are extrapolated",
+                      d.device, 100 * d.outside));
+    if (d.cells > 0 && d.first_visits < few_samples)
+      lines.push_back(fmt::format("{}: {} first visits in {} sessions: a percentage of them says little",
+                                  d.device, d.first_visits, d.cells));
+  }
+  return lines;
+}
+
+}  // namespace forefeel

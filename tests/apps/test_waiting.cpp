@@ -1,0 +1,122 @@
+// Waiting: a command computes only what it needs, progress says what goes on, and the cache has a place.
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+
+#include "apps/console/console.hpp"
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+
+using namespace forefeel;
+using namespace forefeel::test;
+
+namespace {
+
+// What the cache of a workshop holds, one name a line.
+std::string cached(const Workshop& shop) {
+  return shop.shell("ls ../cache/forefeel 2>/dev/null || true").out;
+}
+
+// What a command prints to a terminal.
+std::string on_terminal(const Workshop& shop, const std::string& arguments) {
+  return shop.shell("script -qefc \"" + executable() + " " + arguments + "\" /dev/null").out;
+}
+
+}  // namespace
+
+TEST_CASE("a progress line gives the time left of a share, and without a share the time so far") {
+  CHECK(progress_line("solve", 0.25, "1 of 4 states", 60) == "solve  25 %  1 of 4 states, 3:00 left");
+  CHECK(progress_line("generate: placing states", -1, "9 of at most 343", 71) ==
+        "generate: placing states  9 of at most 343, 1:11 so far");
+  CHECK(progress_line("solve", 0, "0 of 4 states", 5) == "solve   0 %  0 of 4 states");
+  CHECK_THAT(progress_line("solve", 0.5, "", 7200), Catch::EndsWith("2:00:00 left"));
+}
+
+TEST_CASE("solve measures no spacing, and gives the same forces as with a spacing of its own") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string at = "solve beam.toml --at=0.002,0,0.003 --json";
+  const Workshop::Outcome automatic = shop.forefeel(at + " --set 'state_space.spacing=\"auto\"'");
+  REQUIRE(automatic.code == 0);
+  CHECK_THAT(automatic.err, Catch::Contains("is not measured"));
+  CHECK_THAT(cached(shop), !Catch::Contains("spacing.json"));
+  const auto a = automatic.json()["states"][0]["force"], b = shop.forefeel(at).json()["states"][0]["force"];
+  for (int i = 0; i < 3; ++i) CHECK(a[i].get<double>() == Approx(b[i].get<double>()).epsilon(1e-8));
+}
+
+TEST_CASE("classify with a spacing of its own, and benches that read no lattice, measure none") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("generate beam.toml -o s.states --quiet").code == 0);
+  REQUIRE(shop.forefeel("classify s.states --scene beam.toml --spacing 0.004 --quiet --set "
+                        "'state_space.spacing=\"auto\"'")
+              .code == 0);
+  CHECK_THAT(cached(shop), !Catch::Contains("spacing.json"));
+}
+
+TEST_CASE(
+    "on a terminal, generate --error says which phase goes on and promises no time that it cannot know") {
+  if (!has_command("script")) return skip("script is not installed");
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string seen = on_terminal(shop, "generate beam.toml --error 0.001 -o s.states");
+  CHECK_THAT(seen, Catch::Contains("generate: placing states  ") && Catch::Contains("so far") &&
+                       Catch::Contains("generate: checking the error ") && Catch::Contains("tight solves"));
+  const std::size_t placing = seen.find("placing states  ");
+  CHECK(seen.substr(placing, seen.find('\r', placing) - placing).find("left") == std::string::npos);
+}
+
+TEST_CASE("on a terminal, mesh says what it does") {
+  if (!has_command("script")) return skip("script is not installed");
+  const Workshop shop;
+  CHECK_THAT(on_terminal(shop, "mesh --phantom ball --elements 300 -o ball.msh"),
+             Catch::Contains("mesh  making the phantom ball, 0:00 so far"));
+}
+
+TEST_CASE("on a terminal, measuring a spacing shows which one is tried") {
+  if (!has_command("script")) return skip("script is not installed");
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  CHECK_THAT(on_terminal(shop, "generate beam.toml -o s.states --set state_space.spacing=auto"),
+             Catch::Contains("spacing \"auto\"  try 1 of at most 8"));
+}
+
+TEST_CASE("the cache says its place and size, and is emptied without touching what is not its own") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o run --quiet")
+              .code == 0);
+  shop.shell("echo mine > ../cache/forefeel/notes.txt");
+  const auto full = shop.forefeel("cache --json").json();
+  CHECK(full["files"].get<int>() >= 2);
+  CHECK(full["bytes"].get<long>() > 1000);
+  CHECK(full["foreign"] == 1);
+  CHECK_THAT(full["place"].get<std::string>(), Catch::EndsWith("/cache/forefeel"));
+  CHECK_THAT(shop.forefeel("cache").out, Catch::Contains("/cache/forefeel: ") && Catch::Contains(" files, "));
+
+  const auto emptied = shop.forefeel("cache --empty --json").json();
+  CHECK(emptied["removed"]["files"] == full["files"]);
+  CHECK(emptied["removed"]["bytes"] == full["bytes"]);
+  CHECK(emptied["files"] == 0);
+  CHECK(cached(shop) == "notes.txt\n");
+  CHECK(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o again --quiet")
+            .code == 0);
+  CHECK(shop.forefeel("cache --json").json()["files"] == full["files"]);
+}
+
+TEST_CASE("a state file of the cache that a session writes is left there, and said") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string held =
+      "'" + executable() +
+      "' session beam.toml --clock real --seconds 3 --device path:press --quiet -o run & p=$!; "
+      "for i in $(seq 100); do ls ../cache/forefeel/*.states >/dev/null 2>&1 && break; sleep 0.02; done; "
+      "sleep 0.3; '" +
+      executable() + "' cache --empty --json; code=$?; wait $p; exit $code";
+  const Workshop::Outcome outcome = shop.shell(held);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.json()["in_use"].get<int>() > 0);
+  CHECK_THAT(outcome.err, Catch::Contains("in use by another forefeel"));
+}

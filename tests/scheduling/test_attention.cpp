@@ -1,0 +1,108 @@
+// What is said before the figures of a session, and the numbers behind it.
+
+#include <catch2/catch.hpp>
+
+#include "geometry/states/state_outcome.hpp"
+#include "scheduling/record/attention.hpp"
+#include "scheduling/record/summary_columns.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+using testing::small_input;
+using testing::virtual_options;
+
+namespace {
+
+// 1000 frames at rest inside the box, all of them samples without error.
+SessionResult quiet_run(std::size_t samples = 1000) {
+  SessionResult result;
+  for (std::size_t k = 0; k < 1000; ++k) {
+    FrameRecord frame{.t = 1e-3 * static_cast<double>(k)};
+    if (k < samples) {
+      frame.judged.sampled = frame.judged.first_visit = true;
+      frame.judged.reference = frame.force = Vec3(1, 0, 0);
+      frame.judged.error = 0;
+    }
+    result.frames.push_back(frame);
+  }
+  return result;
+}
+
+std::vector<std::string> lines(const SessionResult& result) {
+  return attention(summarise(result, small_input(), virtual_options(1)));
+}
+
+}  // namespace
+
+TEST_CASE("nothing is said first about a session that has nothing to hide") {
+  CHECK(lines(quiet_run()).empty());
+}
+
+TEST_CASE("a motion that starts pressed in while zero is rendered is said, with the time until it is right") {
+  SessionResult result = quiet_run();
+  for (std::size_t k = 0; k < 400; ++k) {
+    result.frames[k].force.setZero();
+    result.frames[k].judged.reference = Vec3(2.3, 0, 0);
+    result.frames[k].judged.error = 1;
+  }
+  REQUIRE(lines(result).size() == 1);
+  CHECK_THAT(lines(result)[0], Catch::Contains("starts pressed in") && Catch::Contains("2.3 N") &&
+                                   Catch::Contains("0 N was rendered") && Catch::Contains("0.4 s"));
+  for (FrameRecord& frame : result.frames) frame.force.setZero();
+  CHECK_THAT(lines(result)[0], Catch::Contains("no later sample was within the JND"));
+}
+
+TEST_CASE("more than 5 % of frames clamped is said first of all, with the limit") {
+  SessionResult result = quiet_run();
+  result.safety = {.clamped = 50};
+  CHECK(lines(result).empty());
+  result.safety.clamped = 985;
+  for (std::size_t k = 0; k < 380; ++k) result.frames[k].at = Vec3(1, 0, 0);
+  SessionSummary summary = summarise(result, small_input(), virtual_options(1));
+  summary.safety.force_limit = 3.3;
+  REQUIRE(attention(summary).size() == 2);
+  CHECK_THAT(attention(summary)[0], Catch::Contains("98.5 %") && Catch::Contains("3.3 N"));
+  CHECK_THAT(attention(summary)[1], Catch::Contains("38 %") && Catch::Contains("outside the box"));
+}
+
+TEST_CASE("a position on a face of the box is inside") {
+  SessionResult result = quiet_run();
+  for (FrameRecord& frame : result.frames) frame.at = Vec3(0.012 + 1e-12, 0, 0);
+  CHECK(summarise(result, small_input(), virtual_options(1)).motion.outside == 0);
+}
+
+TEST_CASE("a percentage of few samples is given as counts") {
+  CHECK(share_of_samples(1.0, 1) == "1 of 1");
+  CHECK(share_of_samples(2.0 / 3, 3) == "2 of 3");
+  CHECK(share_of_samples(0.981, 213) == "98.1 % of 213");
+  CHECK(share_of_samples(unknown, 0) == "unknown");
+  REQUIRE(lines(quiet_run(1)).size() == 2);
+  CHECK_THAT(lines(quiet_run(1))[0],
+             Catch::Contains("errors rest on 1 sample") && !Catch::Contains("samples"));
+}
+
+TEST_CASE("states with inverted elements do not count as solved, and are said") {
+  SessionResult result = quiet_run();
+  result.counts = {.start = 1, .solved = 3};
+  for (const double jacobian : {-0.5, 0.5, -0.1, 0.2}) {
+    State state;
+    state.status = SolveStatus::converged;
+    state.min_jacobian = jacobian;
+    result.states.push_back(state);
+  }
+  CHECK(outcome(result.states[0]) == SolveStatus::inverted);
+  CHECK(outcome(result.states[1]) == SolveStatus::converged);
+  const SessionSummary summary = summarise(result, small_input(), virtual_options(1));
+  CHECK(summary.states.inverted == 1);  // the first was known at the start
+  CHECK(summary.states.solved == 2);
+  REQUIRE(attention(summary).size() == 1);
+  CHECK_THAT(attention(summary)[0], Catch::StartsWith("1 of 3 solved states have inverted elements"));
+}
+
+TEST_CASE("the later columns are the last ones of the summary") {
+  const SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
+  const std::vector<Column> all = summary_columns(summary), later = later_columns(summary);
+  REQUIRE(all.size() > later.size());
+  for (std::size_t i = 0; i < later.size(); ++i)
+    CHECK(all[all.size() - later.size() + i].name == later[i].name);
+}

@@ -1,0 +1,139 @@
+// The verdict of a study as a sentence, and its table of devices.
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <fstream>
+
+#include "scheduling/study/study_run.hpp"
+#include "scheduling/study/study_verdict.hpp"
+#include "small_body.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace forefeel;
+using testing::small_input;
+using testing::virtual_options;
+
+namespace {
+
+// Three policies and the bound on two motions with four seeds; the value of each policy and a spread by seed.
+Study policies() {
+  return {.seeds = {1, 2, 3, 4},
+          .axes = {{"policy", {{"nearest"}, {"coverage"}, {"fifo"}, {"clairvoyant"}}},
+                   {"device", {{"path:press"}, {"path:circle"}, {"path:line"}}}}};
+}
+
+std::vector<StudyCellResult> cells_with(const Study& study, const std::vector<double>& shares,
+                                        double spread) {
+  std::vector<StudyCellResult> cells;
+  for (std::size_t i = 0; i < study.cells(); ++i) {
+    const std::vector<std::size_t> choice = study.choice(study.combination_of(i));
+    const double wiggle = spread * std::sin(12.9898 * static_cast<double>(i));
+    cells.push_back(StudyCellResult({{"error.first_visit.within_jnd", shares[choice[0]] + wiggle}}));
+  }
+  return cells;
+}
+
+StudyPlan one_device(const DeviceSpec& device, double seconds) {
+  return plan_study({.seeds = {1}, .axes = {{"policy", {{"nearest"}}}}}, [&](auto) {
+    StudySession session{.input = small_input(Law::linear), .options = virtual_options(seconds)};
+    session.options.motion.device = device;
+    return session;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("the verdict names the best policy, the next, their difference and whether it is shown") {
+  const Study study = policies();
+  const auto sure = study_verdict(study, cells_with(study, {0.6, 0.9, 0.5, 0.95}, 0.0002));
+  REQUIRE(sure);
+  CHECK_THAT(*sure, Catch::StartsWith("Best policy: coverage, with 90") &&
+                        Catch::Contains("the next, nearest, has 60") && Catch::Contains("30 points") &&
+                        Catch::Contains("12 pairs on 3 motions") &&
+                        Catch::Contains("the difference is shown") &&
+                        Catch::Contains("that to fifo is shown") &&
+                        Catch::EndsWith("it knows the motion: clairvoyant."));
+  const auto unsure = study_verdict(study, cells_with(study, {0.6, 0.601, 0.5, 0.95}, 0.05));
+  REQUIRE(unsure);
+  CHECK_THAT(*unsure, Catch::Contains("the difference is not shown"));
+  const auto equal = study_verdict(study, cells_with(study, {0.6, 0.6, 0.5, 0.95}, 0));
+  REQUIRE(equal);
+  CHECK_THAT(*equal, Catch::Contains("equal") && Catch::Contains("no difference is shown"));
+}
+
+TEST_CASE("a verdict on one motion and one seed is never shown") {
+  const Study study{.seeds = {1}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
+  const auto verdict = study_verdict(study, cells_with(study, {0.2, 0.9}, 0));
+  REQUIRE(verdict);
+  CHECK_THAT(*verdict, Catch::Contains("without an interval") && Catch::Contains("is not shown"));
+}
+
+TEST_CASE("there is no verdict where nothing competes") {
+  const Study study{.seeds = {1}, .axes = {{"policy", {{"nearest"}}}}};
+  CHECK_FALSE(study_verdict(study, cells_with(study, {0.2}, 0)));
+}
+
+TEST_CASE("a session of a study ends with its trace, and an endless motion after the study's seconds") {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "short.csv") << "t,x,y,z\n0,0,0,0\n0.1,0,0,-0.002\n0.2,0,0.002,-0.003\n";
+  const DeviceSpec trace = TraceMotion{.file = folder / "short.csv"};
+  const StudyPlan ends = one_device(trace, 0.5), cut = one_device(trace, 0.05),
+                  endless = one_device(PathMotion{.path = PathName::line}, 0.5);
+  CHECK(ends.cells[0].options.clock.seconds == Approx(0.201));
+  CHECK(cut.cells[0].options.clock.seconds == Approx(0.05));
+  CHECK(endless.cells[0].options.clock.seconds == 0.5);
+
+  const StudyResult result = run_study(ends, {.threads = 1});
+  CHECK(result.cells[0].number("frames") == 201);
+  CHECK(result.cells[0].number("motion_seconds") == Approx(0.2));
+  const std::vector<StudyDevice> devices = study_devices(ends, result.cells);
+  REQUIRE(devices.size() == 1);
+  CHECK(devices[0].device == to_text(trace));
+  CHECK(devices[0].motion_seconds == Approx(0.2));
+  CHECK(devices[0].seconds == Approx(0.201));
+  const StudyResult other = run_study(endless, {.threads = 1});
+  CHECK(other.cells[0].number("frames") == 500);
+  CHECK(std::isnan(other.cells[0].number("motion_seconds")));
+  CHECK(std::isinf(study_devices(endless, other.cells)[0].motion_seconds));
+}
+
+TEST_CASE("devices show energy, clamping, saturation and time outside, and what stands out is said first") {
+  StudyPlan plan = one_device(PathMotion{.path = PathName::line}, 0.1);
+  const std::vector<StudyCellResult> cells{StudyCellResult({{"seconds", 0.1},
+                                                            {"error.first_visit.samples", std::uint64_t{7}},
+                                                            {"error.first_visit.within_jnd", 1.0},
+                                                            {"safety.clamped_share", 0.31},
+                                                            {"safety.slewed_share", 0.01},
+                                                            {"time_outside", 0.38},
+                                                            {"solver.busy_share", 0.9},
+                                                            {"energy.generated_J", 0.002}})};
+  const std::vector<StudyDevice> devices = study_devices(plan, cells);
+  REQUIRE(devices.size() == 1);
+  const StudyDevice& d = devices[0];
+  CHECK(d.first_visits == 7);
+  CHECK(d.clamped == 0.31);
+  CHECK(d.slewed == 0.01);
+  CHECK(d.outside == 0.38);
+  CHECK(d.busy == 0.9);
+  CHECK(d.generated == 0.002);
+  const std::vector<std::string> lines = attention(devices);
+  REQUIRE(lines.size() == 3);
+  CHECK_THAT(lines[0], Catch::Contains("31 %") && Catch::Contains("clamped"));
+  CHECK_THAT(lines[1], Catch::Contains("38 %") && Catch::Contains("outside the box"));
+  CHECK_THAT(lines[2], Catch::Contains("7 first visits"));
+}
+
+TEST_CASE("the columns that came later stand behind all others of a cell") {
+  const StudyPlan plan = one_device(PathMotion{.path = PathName::line}, 0.1);
+  const StudyResult result = run_study(plan, {.threads = 1});
+  const auto place = [&](const std::string& name) {
+    const auto& columns = result.cells[0].columns();
+    const auto found = std::ranges::find(columns, name, &Column::name);
+    REQUIRE(found != columns.end());
+    return found - columns.begin();
+  };
+  for (const char* later :
+       {"safety.clamped_share", "time_outside", "states.inverted", "solver.busy_share", "motion_seconds"})
+    for (const char* older : {"memory_locked", "cost", "solver.wasted"}) CHECK(place(later) > place(older));
+}
