@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/generate_error.hpp"
+#include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
@@ -22,6 +24,7 @@
 #include "geometry/index/lattice_room.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
+#include "scheduling/ranks/generate_ranks.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 
@@ -31,6 +34,7 @@ namespace {
 struct GenerateArguments {
   std::string scene, output;
   std::optional<double> error;
+  MpiArguments mpi;
 };
 
 // Result of `forefeel generate` when it fills the lattice.
@@ -39,6 +43,7 @@ struct GenerateResult {
   std::size_t usable = 0, failed = 0;  // states in the file, including earlier runs
   std::size_t inverted = 0;            // of the usable
   bool interrupted = false;
+  std::optional<FarmReport> ranks = {};  // with --mpi
 
   double states_per_second() const {
     return report.seconds > 0 ? static_cast<double>(report.solved) / report.seconds : 0.0;
@@ -56,6 +61,7 @@ nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene)
   document["seconds"] = number(report.seconds);
   document["states_per_second"] = number(result.states_per_second());
   document["threads"] = report.threads;
+  if (result.ranks) document["ranks"] = {{"solving", result.ranks->ranks}, {"lost", result.ranks->lost}};
   document["error_estimate"] = nullptr;
   document["interrupted"] = result.interrupted;
   document["spacing"] = scene.space.spacing;
@@ -65,11 +71,11 @@ nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene)
 
 void tell(const Globals& globals, const GenerateResult& result, const std::string& output) {
   say(globals,
-      fmt::format(
-          "{}: {} states{}, {} solved in {:.2f} s ({:.0f} states/s, {} threads), {} there before, {} failed",
-          output, result.usable, inverted_in_words(result.inverted),
-          result.report.solved - result.report.inverted, result.report.seconds, result.states_per_second(),
-          result.report.threads, result.report.resumed, result.failed));
+      fmt::format("{}: {} states{}, {} solved in {:.2f} s ({:.0f} states/s, {} {}), {} there before, {} failed",
+                  output, result.usable, inverted_in_words(result.inverted),
+                  result.report.solved - result.report.inverted, result.report.seconds,
+                  result.states_per_second(), result.report.threads, result.ranks ? "ranks" : "threads",
+                  result.report.resumed, result.failed));
 }
 
 StateFileHeader header_of(const Scene& scene) {
@@ -83,14 +89,29 @@ StateFileHeader header_of(const Scene& scene) {
   return header;
 }
 
-GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFile file,
-                            const std::vector<State>& known) {
-  std::stop_source stop;
+GenerateOptions options_of(const Scene& scene) {
   GenerateOptions options;
   options.spacing = scene.space.spacing;
   options.box = scene.space.box;
-  options.threads = globals.threads;
   options.want_displacements = scene.displacements;
+  return options;
+}
+
+// Warnings about ranks are shown when they come: a hanging one may need somebody's hand.
+FarmOptions farm_options(const Globals& globals, const std::stop_token& stop,
+                         const std::function<void()>& tick) {
+  return {.queue = 2, .stop = stop, .tick = tick, .note = [&globals](const std::string& line) {
+            warn(globals, line);
+            flush_warnings();
+          }};
+}
+
+// ranks: null where threads solve.
+GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFile file,
+                            const std::vector<State>& known, RankPool* ranks) {
+  std::stop_source stop;
+  GenerateOptions options = options_of(scene);
+  options.threads = globals.threads;
   options.stop = stop.get_token();
 
   GenerateResult result;
@@ -99,20 +120,30 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   Progress progress(globals, "generate");
   const auto start = std::chrono::steady_clock::now();
   std::size_t fresh = 0;
-  result.report = generate_lattice(
-      scene.body, options, known,
-      [&](State state) {
-        ++fresh;
-        writer.push(std::move(state));
-      },
-      [&](std::size_t done, std::size_t total) {
-        if (watch.raised()) stop.request_stop();
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        progress.show(static_cast<double>(done) / static_cast<double>(total),
-                      fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total,
-                                  known.size(), seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
-      });
+  const auto keep = [&](State state) {
+    ++fresh;
+    writer.push(std::move(state));
+  };
+  const auto show = [&](std::size_t done, std::size_t total) {
+    if (watch.raised()) stop.request_stop();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress.show(static_cast<double>(done) / static_cast<double>(total),
+                  fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, known.size(),
+                              seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
+  };
+  const auto tick = [&] {
+    if (watch.raised()) stop.request_stop();
+  };
+  if (ranks && !is_linear(*scene.body)) {
+    const RankedGenerateReport report = generate_with_ranks(*ranks, scene.body, options, known, keep, show,
+                                                            farm_options(globals, options.stop, tick));
+    result.report = report.states;
+    result.ranks = report.farm;
+  } else {
+    if (ranks) options.threads = 1;  // three solves give all states of a linear body
+    result.report = generate_lattice(scene.body, options, known, keep, show);
+    if (ranks) result.ranks = FarmReport{};
+  }
   writer.flush();
   result.interrupted = watch.raised();
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(known, &State::usable));
@@ -143,7 +174,7 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
   return scene;
 }
 
-int run_generate(const Globals& globals, const GenerateArguments& arguments) {
+int run_generate(const Globals& globals, const GenerateArguments& arguments, RankPool* ranks) {
   const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
@@ -156,7 +187,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
     return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error),
                     held ? 0 : 1);
 
-  const GenerateResult result = fill_lattice(globals, scene, std::move(file), known);
+  if (ranks) ranks->begin(rank_identity(scene.hash));
+  const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
   if (result.interrupted) {
@@ -172,12 +204,40 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments) {
   return 1;
 }
 
+// Rank 0 checks, so that there is one line of error.
+void check_mpi(const Globals& globals, const GenerateArguments& arguments) {
+  if (arguments.error)
+    throw InputError(
+        "--mpi",
+        "has no use with --error, where each state is placed by those before it; expected one of the two");
+  if (globals.threads > 1)
+    throw InputError("--threads",
+                     fmt::format("is {}, but with --mpi each rank solves with one thread, expected more "
+                                 "ranks instead",
+                                 globals.threads));
+}
+
+int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
+  const auto lead = [&](RankPool& ranks) {
+    check_mpi(globals, arguments);
+    return run_generate(globals, arguments, &ranks);
+  };
+  const auto load = [&](const RankContext& rank) {
+    const Scene scene = load_scene(arguments.scene, globals.set);
+    return LoadedHand{.hand = make_lattice_hand(scene.body, options_of(scene), rank.ended),
+                      .identity = rank_identity(scene.hash)};
+  };
+  return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
+}
+
 }  // namespace
 
 void add_generate(CommandLine& line) {
   const auto arguments = std::make_shared<GenerateArguments>();
   Command sub = line.add("generate", "Solve the lattice of a scene, outward from rest; a rerun resumes");
-  sub.runs([arguments](const Globals& globals) { return run_generate(globals, *arguments); });
+  sub.runs([arguments](const Globals& globals) {
+    return arguments->mpi.on ? run_with_mpi(globals, *arguments) : run_generate(globals, *arguments, nullptr);
+  });
   sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
   sub.option("-o,--output", arguments->output, "State file; resumed if it exists")
       .required()
@@ -186,6 +246,9 @@ void add_generate(CommandLine& line) {
              "Instead of a lattice, solve as few states as keep this relative error:\n"
              "95 % of the box within E, all of it within 2 E")
       .shows("E");
+  add_mpi_options(
+      sub, arguments->mpi,
+      "All ranks of mpirun -n N forefeel generate --mpi … solve, the same states; rank 0 writes them");
 }
 
 }  // namespace forefeel

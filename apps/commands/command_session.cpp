@@ -29,7 +29,7 @@
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/run_files.hpp"
-#include "scheduling/workers/mpi_workers.hpp"
+#include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
 namespace {
@@ -206,15 +206,21 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
   return 1;
 }
 
+// Waits until the other ranks have the scene.
+void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
+  constexpr double longest = 600;  // [s], of loading
+  ranks.begin(rank_identity(scene.hash));
+  ranks.wait_until_loaded(longest);
+  const std::string why = ranks.notes().empty() ? "they still load the scene" : ranks.notes().back();
+  if (ranks.taking_jobs() == 0) throw InputError("--mpi", "none of the other ranks can solve: " + why);
+  if (ranks.taking_jobs() < ranks.ranks()) warn(globals, why);
+}
+
 int run_session_command(const Globals& globals, const SessionArguments& given,
-                        const std::shared_ptr<MpiGroup>& mpi) {
+                        const std::shared_ptr<RankPool>& ranks) {
   const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
-  SessionPlan plan = plan_of(globals, given, scene, mpi);
-  if (mpi && mpi->rank() > 0) {
-    mpi->serve(scene.body,
-               {.spacing = scene.space.spacing, .tolerance = 1e-6, .displacements = scene.displacements});
-    return 0;
-  }
+  SessionPlan plan = plan_of(globals, given, scene, ranks);
+  if (ranks) gather(globals, *ranks, scene);
   const fs::path run = given.output;
   end_if_interrupted("the session began");
   plan = take_states(scene, given, globals, std::move(plan));
@@ -264,19 +270,21 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   return exit_code(globals, result, plan, salvage.failures());
 }
 
-// All ranks read the same input, so bad input ends all of them. Rank 0 reports it.
 int run_with_mpi(const Globals& globals, const SessionArguments& given) {
-  if (!MpiGroup::built())
-    throw InputError("--mpi", "this build has no MPI, expected one made after `bash apps/setup.sh mpi`");
-  const auto mpi = std::make_shared<MpiGroup>();
-  if (mpi->rank() == 0) return run_session_command(globals, given, mpi);
-  try {
-    return run_session_command(globals, given, mpi);
-  } catch (const std::exception& error) {
-    if (mpi->told_to_stop(10)) return 0;  // rank 0 says why and ends with 2; mpirun would kill it before
-    fmt::print(stderr, "forefeel: rank {}: {}\n", mpi->rank(), error.what());
-    mpi->abort(2);
-  }
+  const auto lead = [&](RankPool& pool) {
+    if (pool.ranks() < 1)
+      throw InputError(
+          "--mpi", "there is one rank, expected more: mpirun -n 3 forefeel session --mpi … has two workers");
+    const std::shared_ptr<RankPool> shared(&pool, [](RankPool*) {});
+    return run_session_command(globals, given, shared);
+  };
+  const auto load = [&](const RankContext&) {
+    const Scene scene = load_scene(given.scene, globals.set);
+    const StateSolverOptions solving{
+        .spacing = scene.space.spacing, .tolerance = 1e-6, .displacements = scene.displacements};
+    return LoadedHand{.hand = make_state_hand(scene.body, solving), .identity = rank_identity(scene.hash)};
+  };
+  return run_ranked(globals, given.mpi, {.lead = lead, .load = load, .load_at_once = true});
 }
 
 }  // namespace
@@ -285,7 +293,7 @@ void add_session(CommandLine& line) {
   const auto given = std::make_shared<SessionArguments>();
   Command sub = line.add("session", "A headless haptic session: workers solve while a 1 kHz loop renders");
   sub.runs([given](const Globals& globals) {
-    return given->mpi ? run_with_mpi(globals, *given) : run_session_command(globals, *given, nullptr);
+    return given->mpi.on ? run_with_mpi(globals, *given) : run_session_command(globals, *given, nullptr);
   });
   sub.option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults").required();
   sub.option(
@@ -303,8 +311,8 @@ void add_session(CommandLine& line) {
   sub.option("--seconds", given->seconds, "Length [s]");
   sub.option("--workers", given->workers, "Workers that solve");
   sub.option("--workers-kind", given->workers_kind, "threads, or a kind that this program registers");
-  sub.flag("--mpi", given->mpi,
-           "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
+  add_mpi_options(sub, given->mpi,
+                  "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
   sub.option("--policy", given->policy,
              "Rule that chooses what is solved next. clairvoyant is an upper bound: it simulates all seven "
              "schedules, then runs the best; it takes about seven times as long");

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
@@ -26,6 +27,8 @@
 #include "apps/study/study_table.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/sha256.hpp"
+#include "scheduling/ranks/study_ranks.hpp"
 #include "scheduling/record/run_files.hpp"
 
 namespace forefeel {
@@ -36,6 +39,7 @@ namespace fs = std::filesystem;
 struct StudyArguments {
   std::string study, output;
   std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
+  MpiArguments mpi;
 };
 
 void write_whole(const fs::path& file, const std::string& text) {
@@ -179,7 +183,14 @@ nlohmann::ordered_json to_json(const Findings& found) {
           {"devices", devices_json(found.devices)}};
 }
 
-int run_command(const Globals& globals, const StudyArguments& arguments) {
+// What all ranks must have in common: build, study, scenes and traces.
+std::string identity_of(const StudyPlan& plan) {
+  Sha256 hash;
+  for (const StudyCell& cell : plan.cells) hash.add(cell.key + "\n");
+  return rank_identity(hash.hex());
+}
+
+int run_command(const Globals& globals, const StudyArguments& arguments, RankPool* ranks) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
   const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
@@ -195,7 +206,8 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   fs::create_directories(folder);
   check_writable(folder / "cells.csv");
   write_whole(folder / "study.json", manifest(planned).dump(1) + "\n");
-  StudyResult result = run_study_in(folder, plan, globals);
+  if (ranks) ranks->begin(identity_of(plan));
+  StudyResult result = run_study_in(folder, plan, globals, ranks);
   if (result.interrupted) {
     const std::size_t done = result.resumed + result.ran;
     warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
@@ -236,13 +248,32 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   return 0;
 }
 
+int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
+  const auto lead = [&](RankPool& ranks) {
+    if (arguments.gantt > 0)
+      throw InputError("--mpi", "has no use with --gantt, which runs one cell; expected one of the two");
+    if (globals.threads > 1)
+      throw InputError("--threads", fmt::format("is {}, but with --mpi each rank runs one cell at a time, expected "
+                                                "more ranks instead", globals.threads));
+    return run_command(globals, arguments, &ranks);
+  };
+  const auto load = [&](const RankContext& rank) {
+    auto planned = std::make_shared<const PlannedStudy>(plan_study(read_study(arguments.study, globals.set)));
+    const std::string identity = identity_of(planned->plan);
+    return LoadedHand{.hand = make_cell_hand({planned, &planned->plan}, rank), .identity = identity};
+  };
+  return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
+}
+
 }  // namespace
 
 void add_study(CommandLine& line) {
   const auto arguments = std::make_shared<StudyArguments>();
   Command sub =
       line.add("study", "Run every combination of policies, devices, models …; table, ranking, report");
-  sub.runs([arguments](const Globals& globals) { return run_command(globals, *arguments); });
+  sub.runs([arguments](const Globals& globals) {
+    return arguments->mpi.on ? run_with_mpi(globals, *arguments) : run_command(globals, *arguments, nullptr);
+  });
   sub.option("STUDY", arguments->study,
              "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
              "which the motion needs per "
@@ -257,6 +288,8 @@ void add_study(CommandLine& line) {
              "Only draw the dispatch Gantt of this cell: a row of cells.csv, counted from 1")
       .check(above_zero)
       .shows("CELL");
+  add_mpi_options(sub, arguments->mpi,
+                  "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");
 }
 
 }  // namespace forefeel

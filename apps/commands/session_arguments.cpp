@@ -72,25 +72,22 @@ void warn_of_solving(const Globals& globals, const Scene& scene, const SessionAr
   if (given.replay || (!given.arrivals && scene.arrivals_place.empty())) return;
   const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place.text();
   std::vector<std::string> options = scheduling_options(given);
-  if (given.mpi) options.push_back("--mpi");
+  if (given.mpi.on) options.push_back("--mpi");
   for (const auto& [key, place] : scene.scheduling) options.push_back(place.text());
   if (!options.empty())
     warn(globals, fmt::format("{}: without effect where states arrive at given times ({})",
                               fmt::join(options, ", "), arrivals));
 }
 
-void join(const std::shared_ptr<MpiGroup>& mpi, const SessionArguments& given, SessionOptions& options) {
+void join(const std::shared_ptr<RankPool>& ranks, const SessionArguments& given, SessionOptions& options) {
   if (options.clock.kind != Clock::real)
     throw InputError(
         "--mpi", "has no use under the virtual clock, whose workers are simulated; expected --clock real");
-  if (mpi->ranks() < 2)
-    throw InputError(
-        "--mpi", "there is one rank, expected more: mpirun -n 3 forefeel session --mpi … has two workers");
-  if (given.workers && *given.workers != mpi->ranks() - 1)
+  if (given.workers && *given.workers != ranks->ranks())
     throw InputError("--workers", fmt::format("is {}, but with --mpi the workers are the {} other ranks",
-                                              *given.workers, mpi->ranks() - 1));
-  options.workers.count = mpi->ranks() - 1;
-  options.workers.mpi = mpi;
+                                              *given.workers, ranks->ranks()));
+  options.workers.count = ranks->ranks();
+  options.workers.ranks = ranks;
 }
 
 // An error in the device, the cost or the box names the scene's file, line and key, unless the command line
@@ -135,11 +132,11 @@ void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArg
 }
 
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                    const std::shared_ptr<MpiGroup>& mpi) {
+                    const std::shared_ptr<RankPool>& ranks) {
   try {
     SessionOptions options = options_of(scene, given, globals);
     warn_of_solving(globals, scene, given);
-    if (mpi) join(mpi, given, options);
+    if (ranks) join(ranks, given, options);
     return make_plan(session_input(scene), std::move(options));
   } catch (const InputError& error) {
     throw at_its_place(error, scene, given, globals);

@@ -6,10 +6,11 @@
 #include <optional>
 #include <string>
 
+#include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "scheduling/session/session.hpp"
-#include "scheduling/workers/mpi_workers.hpp"
+#include "scheduling/workers/rank_pool.hpp"
 
 namespace forefeel {
 
@@ -27,13 +28,13 @@ struct SessionArguments {
       workers_kind;
   std::optional<double> seconds, latency;
   std::optional<int> workers;
-  bool mpi = false;
+  MpiArguments mpi;
 };
 
-// The options and what they are for, checked. An InputError names the place that gave the value. mpi: null
-// where the workers are no ranks.
+// The options and what they are for, checked. An InputError names the place that gave the value. ranks:
+// null where the workers are no ranks.
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                    const std::shared_ptr<MpiGroup>& mpi);
+                    const std::shared_ptr<RankPool>& ranks);
 
 // A replay takes its motion and its arrivals from the run. Options of motion and planning are ignored; a
 // warning says which.

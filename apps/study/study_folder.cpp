@@ -12,6 +12,7 @@
 #include "apps/console/summary_json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "scheduling/ranks/study_ranks.hpp"
 
 namespace forefeel {
 namespace {
@@ -76,23 +77,45 @@ std::string in_words(const StudyProgress& p) {
   return fmt::format("{} of {} cells{}", p.done, p.cells, before);
 }
 
+// Warnings about ranks are shown when they come: a hanging one may need somebody's hand.
+void run_on_ranks(RankPool& ranks, const StudyPlan& plan, const std::vector<std::size_t>& cells,
+                  const StudyRunOptions::Take& take, const Globals& globals, const InterruptWatch& watch) {
+  std::stop_source stop;
+  const auto tick = [&] {
+    if (watch.raised()) stop.request_stop();
+  };
+  const auto note = [&](const std::string& line) {
+    warn(globals, line);
+    flush_warnings();
+  };
+  run_cells_with_ranks(ranks, plan, cells, take,
+                       {.hurried = &watch.hurry(),
+                        .warn = [&](const std::string& line) { warn(globals, line); },
+                        .farm = {.stop = stop.get_token(), .tick = tick, .note = note}});
+}
+
 }  // namespace
 
-StudyResult run_study_in(const fs::path& folder, const StudyPlan& plan, const Globals& globals) {
+StudyResult run_study_in(const fs::path& folder, const StudyPlan& plan, const Globals& globals, RankPool* ranks) {
   std::error_code error;
   fs::create_directories(folder / "cells", error);
   const FolderLock lock(folder);
   Progress progress(globals, "study");
   const InterruptWatch watch;
-  return run_study(
-      plan, {.threads = globals.threads,
-             .store = {.load = [&](const StudyCell& cell) { return read_record(folder, cell); },
-                       .save = [&](const StudyCell& cell,
-                                   const StudyCellResult& result) { write_record(folder, cell, result); }},
-             .interrupted = &watch.flag(),
-             .hurried = &watch.hurry(),
-             .progress = [&](const StudyProgress& p) { progress.show(p.share, in_words(p)); },
-             .warn = [&](const std::string& line) { warn(globals, line); }});
+  StudyRunOptions options{
+      .threads = globals.threads,
+      .store = {.load = [&](const StudyCell& cell) { return read_record(folder, cell); },
+                .save = [&](const StudyCell& cell,
+                            const StudyCellResult& result) { write_record(folder, cell, result); }},
+      .interrupted = &watch.flag(),
+      .hurried = &watch.hurry(),
+      .progress = [&](const StudyProgress& p) { progress.show(p.share, in_words(p)); },
+      .warn = [&](const std::string& line) { warn(globals, line); }};
+  if (ranks)
+    options.elsewhere = [&](const std::vector<std::size_t>& cells, const StudyRunOptions::Take& take) {
+      run_on_ranks(*ranks, plan, cells, take, globals, watch);
+    };
+  return run_study(plan, options);
 }
 
 }  // namespace forefeel

@@ -8,11 +8,14 @@
 
 #include "apps/console/console.hpp"
 #include "scheduling/study/study_run.hpp"
+#include "scheduling/workers/rank_pool.hpp"
 
 namespace forefeel {
 
 // The first SIGINT or SIGTERM ends the study: finished cells are kept, running cells are dropped. Throws
 // InputError if another process writes to the same folder.
-StudyResult run_study_in(const std::filesystem::path& folder, const StudyPlan& plan, const Globals& globals);
+// ranks: these run the cells, and only this process writes; null: threads run them.
+StudyResult run_study_in(const std::filesystem::path& folder, const StudyPlan& plan, const Globals& globals,
+                         RankPool* ranks = nullptr);
 
 }  // namespace forefeel

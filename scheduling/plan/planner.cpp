@@ -163,7 +163,8 @@ const Planner::Start* Planner::nearest_start(const Vec3& x) const {
 void Planner::plan(double now) {
   slots_.resize(std::max(slots_.size(), static_cast<std::size_t>(generator_.workers())));
   if (slots_.empty() || (candidates_->empty() && !candidates_->may_grow())) return;
-  auto idle_workers = std::ranges::count_if(slots_, [](const Slot& slot) { return !slot.busy(); });
+  std::size_t idle_workers = 0;
+  for (std::size_t worker = 0; worker < slots_.size(); ++worker) idle_workers += is_idle(worker) ? 1 : 0;
   if (idle_workers == 0) return consider_preemption(now);
   if (rest_comes_first(now)) return;
   look(now);
@@ -171,7 +172,7 @@ void Planner::plan(double now) {
   if (many) rank_for_many(now);
   for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty();
        ++worker) {
-    if (slots_[worker].busy()) continue;
+    if (!is_idle(worker)) continue;
     if (!many) rank(now);
     double priority = 0;
     const std::size_t chosen = many ? best_of_many(now, priority) : best();
@@ -184,6 +185,10 @@ void Planner::plan(double now) {
     for (const Candidate& c : beside) pending_.push_back(c.at);
     if (--idle_workers > 0) setup_.policy->pend(view(now));
   }
+}
+
+bool Planner::is_idle(std::size_t worker) const {
+  return !slots_[worker].busy() && generator_.takes_jobs(static_cast<int>(worker));
 }
 
 // While no state is known, one worker solves rest. The others wait until rest is known or the hand has moved

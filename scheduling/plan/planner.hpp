@@ -88,6 +88,7 @@ class Planner {
     std::shared_ptr<const Equilibrium> equilibrium;
   };
   bool insert(const State& state, std::int64_t dispatch);
+  bool is_idle(std::size_t worker) const;
   void predict(double now);
   PlannerView view(double now) const;
   void rank(double now);           // priorities of the open candidates

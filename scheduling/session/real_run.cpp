@@ -20,7 +20,7 @@
 
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/session/run_parts.hpp"
-#include "scheduling/workers/mpi_workers.hpp"
+#include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
 namespace {
@@ -193,7 +193,7 @@ std::shared_ptr<RealWorkers> workers_of(const SessionPlan& plan) {
   const TouchedBody& touched = plan.input.touched;
   const WorkerOptions& options = plan.options.workers;
   if (plan.input.parts.workers) return plan.input.parts.workers;
-  if (options.mpi) return options.mpi->workers();
+  if (options.ranks) return make_rank_workers(*options.ranks);
   return make_real_workers(options.kind, {.body = touched.body,
                                           .solving = {.spacing = touched.space.spacing,
                                                       .tolerance = 1e-6,
@@ -258,6 +258,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   result.solver.workers = plan.given_arrivals ? 0 : workers.workers();
   result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
+  for (std::string& note : workers.notes()) result.notes.push_back(std::move(note));
   if (serving && !result.interrupted() && workers.workers() < options.workers.count)
     result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
                                        workers.workers(), options.workers.count));

@@ -116,7 +116,7 @@ void check_registered(const SessionPlan& plan) {
   predictor_of(plan);
   if (is_virtual && !parts.cost && std::holds_alternative<Registered>(workers.cost.cost()))
     make_cost(workers.cost, factory_context(plan), {});
-  if (is_virtual ? !parts.virtual_workers : !parts.workers && !workers.mpi)
+  if (is_virtual ? !parts.virtual_workers : !parts.workers && !workers.ranks)
     check_workers(workers.kind, is_virtual);
 }
 

@@ -17,29 +17,12 @@
 namespace forefeel {
 namespace {
 
-// One service of reference solves for each body, spacing and kind of state: a cache file has one writer.
-class References {
- public:
-  References(int threads, const std::function<void(const std::string&)>& warn)
-      : threads_(threads), warn_(warn) {}
-
-  std::shared_ptr<ReferenceService> of(const SessionInput& input) {
-    std::string key = fmt::format("{} {}", input.touched.space.spacing, input.touched.displacements);
-    for (const auto& [name, hash] : input.touched.identity) key += fmt::format(" {}={}", name, hash);
-    const std::lock_guard lock(mutex_);
-    std::shared_ptr<ReferenceService>& service = services_[key];
-    if (service) return service;
-    service = std::make_shared<ReferenceService>(reference_options(input), threads_);
-    if (service->damage() && warn_) warn_(*service->damage());
-    return service;
-  }
-
- private:
-  int threads_;
-  const std::function<void(const std::string&)>& warn_;
-  std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<ReferenceService>> services_;
-};
+// Equal for sessions with the same reference solves.
+std::string body_key(const SessionInput& input) {
+  std::string key = fmt::format("{} {}", input.touched.space.spacing, input.touched.displacements);
+  for (const auto& [name, hash] : input.touched.identity) key += fmt::format(" {}={}", name, hash);
+  return key;
+}
 
 // Share of all cells done; cells under way count in part.
 class Ticker {
@@ -122,26 +105,24 @@ bool raised(const std::atomic<bool>* flag) {
 // The threads that run the cells without a stored result.
 class Pool {
  public:
-  Pool(const StudyPlan& plan, const StudyRunOptions& options, std::size_t threads,
-       std::vector<std::size_t> todo, StudyResult& result)
-      : plan_(plan),
-        options_(options),
-        todo_(std::move(todo)),
-        result_(result),
-        references_(static_cast<int>(threads), options.warn),
-        ticker_(options.progress, todo_.size(), result.resumed) {
+  Pool(CellRunner& runner, const std::vector<std::size_t>& todo, std::size_t threads,
+       const StudyRunOptions& options, Ticker& ticker, const StudyRunOptions::Take& take)
+      : runner_(runner), todo_(todo), options_(options), ticker_(ticker), take_(take) {
     std::vector<std::jthread> others;
     for (std::size_t i = 1; i < std::min(threads, todo_.size()); ++i) others.emplace_back([this] { work(); });
     work();
   }
-  std::size_t done() const { return done_; }
   std::exception_ptr failed() const { return failed_; }
 
  private:
   void work() {
     for (std::size_t item = next_++; item < todo_.size() && !raised(options_.interrupted); item = next_++) {
       try {
-        if (!run(item)) break;
+        StudyCellResult row = runner_.run(todo_[item], [&](double part) { ticker_.at(item, part); });
+        // An interrupted session may be incomplete, so its cell is dropped.
+        if (raised(options_.interrupted)) break;
+        take_(todo_[item], std::move(row));
+        ticker_.at(item, 1.0);
       } catch (...) {
         const std::lock_guard guard(failed_mutex_);
         if (!failed_) failed_ = std::current_exception();
@@ -150,37 +131,72 @@ class Pool {
     }
   }
 
-  // Returns false if the cell was interrupted: its session may be incomplete, so the cell is dropped.
-  bool run(std::size_t item) {
-    StudyCell cell = plan_.cells[todo_[item]];
-    cell.options.stop.interrupted = options_.interrupted;
-    cell.options.stop.hurried = options_.hurried;
-    SessionInput input = plan_.inputs[cell.input];
-    input.references = references_.of(input);
-    cell = with_load_found(cell, input);
-    const auto show = [&](double part) { ticker_.at(item, part); };
-    StudyCellResult row = plan_.study.sustained ? run_sustained(*plan_.study.sustained, cell, input, show)
-                                                : run_plain(cell, input, show);
-    if (raised(options_.interrupted)) return false;
-    if (options_.store.save) options_.store.save(cell, row);
-    result_.cells[todo_[item]] = std::move(row);
-    ++done_;
-    ticker_.at(item, 1.0);
-    return true;
-  }
-
-  const StudyPlan& plan_;
+  CellRunner& runner_;
+  const std::vector<std::size_t>& todo_;
   const StudyRunOptions& options_;
-  std::vector<std::size_t> todo_;
-  StudyResult& result_;
-  References references_;
-  Ticker ticker_;
-  std::atomic<std::size_t> next_{0}, done_{0};
+  Ticker& ticker_;
+  const StudyRunOptions::Take& take_;
+  std::atomic<std::size_t> next_{0};
   std::mutex failed_mutex_;
   std::exception_ptr failed_;
 };
 
 }  // namespace
+
+// One service of reference solves for each body, spacing and kind of state: a cache file has one writer.
+struct CellRunner::Impl {
+  const StudyPlan& plan;
+  Options options;
+  std::vector<std::size_t> body_of = {};  // each input
+  std::mutex mutex = {};
+  std::map<std::size_t, std::shared_ptr<ReferenceService>> services = {};
+};
+
+CellRunner::CellRunner(const StudyPlan& plan, Options options)
+    : impl_(new Impl{.plan = plan, .options = std::move(options)}) {
+  std::map<std::string, std::size_t> first;
+  for (std::size_t i = 0; i < plan.inputs.size(); ++i)
+    impl_->body_of.push_back(first.try_emplace(body_key(plan.inputs[i]), i).first->second);
+}
+
+CellRunner::~CellRunner() = default;
+
+std::size_t CellRunner::body_of(std::size_t input) const {
+  return impl_->body_of.at(input);
+}
+
+std::shared_ptr<ReferenceService> CellRunner::references(std::size_t body) {
+  const std::lock_guard lock(impl_->mutex);
+  std::shared_ptr<ReferenceService>& service = impl_->services[body];
+  if (service) return service;
+  ReferenceOptions options = reference_options(impl_->plan.inputs.at(body));
+  options.read_only = impl_->options.read_only_cache;
+  service = std::make_shared<ReferenceService>(options, impl_->options.threads);
+  if (impl_->options.exchange) service->share(impl_->options.exchange(body));
+  if (service->damage() && impl_->options.warn) impl_->options.warn(*service->damage());
+  return service;
+}
+
+void CellRunner::share_no_more() {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->options.exchange = {};
+  for (const auto& [body, service] : impl_->services)
+    if (service) service->share(nullptr);
+}
+
+StudyCellResult CellRunner::run(std::size_t number, const std::function<void(double)>& show) {
+  StudyCell cell = impl_->plan.cells.at(number);
+  cell.options.stop.interrupted = impl_->options.interrupted;
+  cell.options.stop.hurried = impl_->options.hurried;
+  SessionInput input = impl_->plan.inputs[cell.input];
+  input.references = references(impl_->body_of[cell.input]);
+  cell = with_load_found(cell, input);
+  const auto tell = [&](double part) {
+    if (show) show(part);
+  };
+  const std::optional<SustainedOptions>& sustained = impl_->plan.study.sustained;
+  return sustained ? run_sustained(*sustained, cell, input, tell) : run_plain(cell, input, tell);
+}
 
 StudyCell with_load_found(const StudyCell& cell, const SessionInput& input) {
   if (!(cell.load_to_find > 0)) return cell;
@@ -244,10 +260,31 @@ StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options) {
   result.resumed = plan.cells.size() - missing;
   const unsigned machine = std::max(1u, std::thread::hardware_concurrency());
   const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads) : machine;
-  const Pool pool(plan, options, threads, std::move(todo), result);
+  Ticker ticker(options.progress, missing, result.resumed);
+  std::atomic<std::size_t> done{0};
+  const StudyRunOptions::Take take = [&](std::size_t cell, StudyCellResult row) {
+    if (options.store.save) options.store.save(plan.cells[cell], row);
+    result.cells[cell] = std::move(row);
+    ++done;
+  };
+  std::exception_ptr failed;
+  if (options.elsewhere) {
+    std::map<std::size_t, std::size_t> item_of;
+    for (std::size_t item = 0; item < missing; ++item) item_of[todo[item]] = item;
+    options.elsewhere(todo, [&](std::size_t cell, StudyCellResult row) {
+      take(cell, std::move(row));
+      ticker.at(item_of.at(cell), 1.0);
+    });
+  } else {
+    CellRunner runner(plan, {.threads = static_cast<int>(threads),
+                             .interrupted = options.interrupted,
+                             .hurried = options.hurried,
+                             .warn = options.warn});
+    failed = Pool(runner, todo, threads, options, ticker, take).failed();
+  }
   const bool interrupted = raised(options.interrupted);
-  if (pool.failed() && !interrupted) std::rethrow_exception(pool.failed());
-  result.ran = pool.done();
+  if (failed && !interrupted) std::rethrow_exception(failed);
+  result.ran = done;
   result.interrupted = interrupted && result.ran < missing;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

@@ -4,12 +4,14 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "scheduling/study/cell_result.hpp"
 #include "scheduling/study/study_plan.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 
@@ -35,6 +37,9 @@ struct StudyRunOptions {
   const std::atomic<bool>* hurried = nullptr;
   std::function<void(const StudyProgress&)> progress = {};
   std::function<void(const std::string&)> warn = {};
+  // Instead of threads of this process: runs those cells and hands each result to `take`, from the calling thread.
+  using Take = std::function<void(std::size_t cell, StudyCellResult row)>;
+  std::function<void(const std::vector<std::size_t>& cells, const Take& take)> elsewhere = {};
 };
 
 struct StudyResult {
@@ -42,6 +47,29 @@ struct StudyResult {
   std::size_t ran = 0, resumed = 0;
   bool interrupted = false;
   double seconds = 0;  // wall
+};
+
+// Runs cells of a plan one by one. Cells of one body share their reference solves. Any thread.
+class CellRunner {
+ public:
+  struct Options {
+    int threads = 1;                                         // of reference solves, for each body
+    const std::atomic<bool>*interrupted = nullptr, *hurried = nullptr;
+    std::function<void(const std::string&)> warn = {};
+    bool read_only_cache = false;
+    // For the reference solves of a body, by its number: that of the first input that has it. Null: they are not shared.
+    std::function<std::shared_ptr<ReferenceExchange>(std::size_t body)> exchange = {};
+  };
+  CellRunner(const StudyPlan& plan, Options options);
+  ~CellRunner();
+  StudyCellResult run(std::size_t cell, const std::function<void(double)>& show = {});  // show: the share done
+  std::size_t body_of(std::size_t input) const;
+  std::shared_ptr<ReferenceService> references(std::size_t body);
+  void share_no_more();  // reference solves that others should do are done here
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 // Throws the exceptions of sessions; results of finished cells stay stored.

@@ -67,9 +67,10 @@ struct JobResult {
 class Generator {
  public:
   virtual ~Generator() = default;
-  virtual int workers() const = 0;                 // ready to take jobs; may grow
-  virtual void dispatch(int worker, Job job) = 0;  // to an idle worker
-  virtual void cancel(int worker) = 0;             // results still come: cancelled, or solved if too late
+  virtual int workers() const = 0;                                // ready to take jobs; may grow
+  virtual bool takes_jobs(int /*worker*/) const { return true; }  // false: it is out of reach for now
+  virtual void dispatch(int worker, Job job) = 0;                 // to an idle worker
+  virtual void cancel(int worker) = 0;  // results still come: cancelled, or solved if too late
 };
 
 // Workers of the real clock.
@@ -82,6 +83,8 @@ class RealWorkers : public Generator {
   virtual void collect(std::vector<JobResult>& out, double timeout) = 0;
   virtual void stop() = 0;                         // cancels running solves; collect() then returns the rest
   virtual std::exception_ptr failure() const = 0;  // of a worker; null: none. Ends the session
+  // After stop(): what the user should know of the workers, one line each.
+  virtual std::vector<std::string> notes() const { return {}; }
 };
 
 // Workers of the virtual clock.

@@ -63,6 +63,7 @@ ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
   };
   const std::filesystem::path file = options.cache_folder / (name + ".states");
   try {
+    if (options.read_only) throw InputError({.file = file.string()}, "another process of this run writes it");
     std::filesystem::create_directories(options.cache_folder);
     StateFileHeader header{
         .identity = options.identity, .spacing = options.spacing, .box = options.box, .notes = {}};
@@ -89,6 +90,7 @@ ReferenceService::~ReferenceService() {
   {
     const std::lock_guard lock(mutex_);
     queue_.clear();
+    granted_.clear();
   }
   for (auto& thread : threads_) thread.request_stop();
   wake_.notify_all();
@@ -147,9 +149,77 @@ std::size_t ReferenceService::solved() const {
   return solved_;
 }
 
+void ReferenceService::take(const State& state) {
+  const Key place = key(state.at);
+  Entry& entry = entries_[place];
+  asked_.erase(place);
+  put_off_.erase(place);
+  if (entry.ready) return;
+  entry = {.ready = true, .state = state};
+  ready_.notify_all();
+  wake_.notify_all();
+}
+
 void ReferenceService::learn(std::span<const State> states) {
   const std::lock_guard lock(mutex_);
-  for (const State& state : states) entries_.try_emplace(key(state.at), Entry{.ready = true, .state = state});
+  for (const State& state : states) take(state);
+}
+
+void ReferenceService::learn_and_keep(const State& state) {
+  const std::lock_guard lock(mutex_);
+  if (const auto known = entries_.find(key(state.at)); known != entries_.end() && known->second.ready) return;
+  keep(state);
+  take(state);
+}
+
+std::optional<State> ReferenceService::find(const Vec3& x) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = entries_.find(key(x));
+  if (known == entries_.end() || !known->second.ready) return {};
+  return known->second.state;
+}
+
+void ReferenceService::share(std::shared_ptr<ReferenceExchange> exchange) {
+  const std::lock_guard lock(mutex_);
+  exchange_ = std::move(exchange);
+  if (exchange_) return;
+  for (const Vec3& x : granted_) queue_.push_back(x);
+  for (const auto* asked : {&asked_, &put_off_})
+    for (const auto& [place, x] : *asked) queue_.push_back(x);
+  granted_.clear();
+  asked_.clear();
+  put_off_.clear();
+  for (std::size_t i = 0; i < queue_.size(); ++i) start_thread();
+  wake_.notify_all();
+}
+
+void ReferenceService::grant(const Vec3& x) {
+  const std::lock_guard lock(mutex_);
+  const auto known = entries_.find(key(x));
+  if (!exchange_ || known == entries_.end() || known->second.ready) return;
+  asked_.erase(key(x));
+  put_off_.erase(key(x));
+  granted_.push_back(x);
+  wake_.notify_one();
+}
+
+void ReferenceService::put_off(const Vec3& x) {
+  const std::lock_guard lock(mutex_);
+  if (asked_.erase(key(x)) > 0) put_off_.emplace(key(x), x);
+  wake_.notify_one();
+}
+
+// One position more than there are threads is asked for, so that no thread waits for an answer.
+std::vector<Vec3> ReferenceService::next_to_ask() {
+  std::vector<Vec3> next;
+  while (exchange_ && !queue_.empty() && asked_.size() + granted_.size() <= thread_count_) {
+    const Vec3 x = queue_.front();
+    queue_.pop_front();
+    if (entries_.at(key(x)).ready) continue;
+    asked_.emplace(key(x), x);
+    next.push_back(x);
+  }
+  return next;
 }
 
 // The cache is optional: a session must not fail with its disk.
@@ -184,10 +254,22 @@ void ReferenceService::work(std::stop_token stop) {
     StateSolver solver(basis_, linear_, solver_options_);
     std::unique_lock lock(mutex_);
     for (;;) {
-      wake_.wait(lock, [&] { return stop.stop_requested() || !queue_.empty(); });
+      const std::vector<Vec3> asking = next_to_ask();
+      if (const auto exchange = exchange_; exchange && !asking.empty()) {
+        lock.unlock();
+        for (const Vec3& x : asking) exchange->ask(x);
+        lock.lock();
+      }
+      const auto may_ask = [&] { return asked_.size() + granted_.size() <= thread_count_; };
+      wake_.wait(lock, [&] {
+        return stop.stop_requested() || !granted_.empty() || (!queue_.empty() && (!exchange_ || may_ask()));
+      });
       if (stop.stop_requested()) return;
-      const Vec3 x = queue_.front();
-      queue_.pop_front();
+      if (exchange_ && granted_.empty()) continue;
+      std::deque<Vec3>& next = exchange_ ? granted_ : queue_;
+      const Vec3 x = next.front();
+      next.pop_front();
+      if (entries_.at(key(x)).ready) continue;
       lock.unlock();
       SolveOutcome outcome = solver.reference(x);
       outcome.state.at = x;
@@ -196,11 +278,13 @@ void ReferenceService::work(std::stop_token stop) {
       outcome.state.stiffness.array() += 0.0;
       lock.lock();
       keep(outcome.state);
-      Entry& entry = entries_.at(key(x));
-      entry.state = std::move(outcome.state);
-      entry.ready = true;
+      take(outcome.state);
       ++solved_;
-      ready_.notify_all();
+      if (const auto exchange = exchange_) {
+        lock.unlock();
+        exchange->tell(outcome.state);
+        lock.lock();
+      }
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

@@ -33,6 +33,16 @@ struct ReferenceOptions {
   Box box;                             // recorded_costs() draws its positions here [m]
   bool displacements = false;          // states hold them
   std::filesystem::path cache_folder;  // empty: no cache
+  bool read_only = false;              // the cache is another process's to write
+};
+
+// Other processes that solve for the same body. Each position is solved by one of them. Any thread may call these.
+class ReferenceExchange {
+ public:
+  virtual ~ReferenceExchange() = default;
+  // May x be solved here? Answered by ReferenceService::grant(), put_off() or learn().
+  virtual void ask(const Vec3& x) = 0;
+  virtual void tell(const State& state) = 0;  // it was solved here
 };
 
 // Threads that solve, for a wish of so many (0: all of the machine). More than four for each core, or eight,
@@ -55,6 +65,14 @@ class ReferenceService {
   std::size_t solved() const;  // number of solves not found in the cache
   // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
   void learn(std::span<const State> states);
+  // From now on every position that the cache does not hold is asked for before it is solved. Null: no longer; what
+  // was asked for is solved here.
+  void share(std::shared_ptr<ReferenceExchange> exchange);
+  void grant(const Vec3& x);           // solve it here
+  void put_off(const Vec3& x);         // it is solved elsewhere: learn() or grant() will follow
+  void learn_and_keep(const State&);   // as learn(), and it is written to the cache
+  std::optional<State> find(const Vec3& x) const;  // if it is ready
+
   // If a cache was requested: why there is none, or why it is read-only.
   const std::optional<std::string>& note() const { return note_; }
   // Set if records of the cache had a wrong checksum: one line with file and count. They are solved again and
@@ -86,6 +104,8 @@ class ReferenceService {
   void start_thread();            // unless there are enough
   void keep(const State& state);  // in the cache, under the mutex
   void note_cache_failure(const std::exception& problem);
+  void take(const State& state);    // under the mutex
+  std::vector<Vec3> next_to_ask();  // under the mutex
 
   std::shared_ptr<SolverBasis> basis_;
   std::shared_ptr<LinearBasis> linear_;
@@ -106,6 +126,10 @@ class ReferenceService {
   std::condition_variable wake_, ready_;
   std::unordered_map<Key, Entry, Hash> entries_;
   std::deque<Vec3> queue_;
+  // With an exchange: positions of the queue are asked for a little ahead of the threads.
+  std::shared_ptr<ReferenceExchange> exchange_;
+  std::deque<Vec3> granted_;
+  std::unordered_map<Key, Vec3, Hash> asked_, put_off_;
   std::size_t solved_ = 0;
   std::exception_ptr failure_;
   std::unique_ptr<StateWriter> writer_;

@@ -8,13 +8,13 @@
 
 namespace forefeel {
 
-class MpiGroup;
+class RankPool;
 
 struct WorkerOptions {
-  int count = 2;                       // workers that solve; simulated ones under the virtual clock
-  int threads = 0;                     // of reference solves, 0: all; does not affect virtual results
-  WorkersSpec kind = "threads";        // their kind; "threads" is simulated under the virtual clock
-  std::shared_ptr<MpiGroup> mpi = {};  // real clock: its other ranks are the workers; null: threads
+  int count = 2;                         // workers that solve; simulated ones under the virtual clock
+  int threads = 0;                       // of reference solves, 0: all; does not affect virtual results
+  WorkersSpec kind = "threads";          // their kind; "threads" is simulated under the virtual clock
+  std::shared_ptr<RankPool> ranks = {};  // real clock: these ranks are the workers; null: threads
   // Virtual clock only.
   CostSpec cost = {};  // of a solve: constant:0.01
   double latency = 0;  // of a message to or from a worker [s]

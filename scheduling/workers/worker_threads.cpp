@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "scheduling/workers/built_in_workers.hpp"
+#include "scheduling/workers/solve_job.hpp"
 
 namespace forefeel {
 
@@ -28,7 +29,10 @@ void WorkerThreads::serve() {
       slot.job.reset();
       const std::stop_token stop = slot.stop.get_token();
       lock.unlock();
-      run(solver, worker, job, stop);
+      solve_job(solver, job, stop, now_, [&](JobResult result) {
+        result.worker = worker;
+        give(std::move(result));
+      });
       lock.lock();
     }
   } catch (...) {
@@ -42,35 +46,6 @@ void WorkerThreads::give(JobResult result) {
   const std::lock_guard lock(mutex_);
   results_.push_back(std::move(result));
   done_.notify_one();
-}
-
-// Solves the chosen state and gives it back at once, then its neighbours together.
-void WorkerThreads::run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop) {
-  const auto result_of = [&](std::uint32_t dispatch, const Vec3& at, double started, SolveOutcome outcome) {
-    outcome.state.at = at;
-    return JobResult{.dispatch = dispatch,
-                     .worker = worker,
-                     .started = started,
-                     .finished = now_(),
-                     .state = std::move(outcome.state),
-                     .equilibrium = std::move(outcome.equilibrium),
-                     .partial = std::move(outcome.partial)};
-  };
-  const double started = now_();
-  SolveOutcome first = solver.from(job.start.get(), job.at, stop);
-  const std::shared_ptr<const Equilibrium> near = first.equilibrium ? first.equilibrium : job.start;
-  give(result_of(job.dispatch, job.at, started, std::move(first)));
-  if (job.beside.empty()) return;
-  const double later = now_();
-  std::vector<Vec3> xs;
-  for (const Job::Neighbour& neighbour : job.beside) xs.push_back(neighbour.at);
-  std::vector<SolveOutcome> outcomes = solver.beside(near.get(), xs, stop);
-  for (std::size_t i = 0; i < xs.size(); ++i) {
-    JobResult result = result_of(job.beside[i].dispatch, xs[i], later, std::move(outcomes[i]));
-    if (result.state.status != SolveStatus::cancelled)
-      result.finished = result.started + result.state.seconds;  // its share of their common time
-    give(std::move(result));
-  }
 }
 
 void WorkerThreads::stop() {

@@ -41,7 +41,6 @@ class WorkerThreads final : public RealWorkers {
     std::stop_source stop;
     std::condition_variable wake;
   };
-  void run(StateSolver& solver, int worker, const Job& job, const std::stop_token& stop);
   void give(JobResult result);
 
   std::shared_ptr<SolverBasis> basis_;

@@ -1,4 +1,4 @@
-// Workers in the ranks of an MPI run, where the build has them.
+// Commands as the ranks of an MPI run, where the build has them: what they give, and ranks that hang or die.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -13,13 +13,133 @@ using forefeel::test::Workshop;
 
 namespace {
 
+const std::string as_root = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; ";
+const std::string run = "timeout -k 5 90 mpirun --oversubscribe ";
+
 Workshop::Outcome ranks(const Workshop& shop, int count, const std::string& arguments) {
-  return shop.shell(
-      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun --oversubscribe -n " +
-      std::to_string(count) + " " + forefeel::test::executable() + " " + arguments);
+  return shop.shell(as_root + run + "-n " + std::to_string(count) + " '" + forefeel::test::executable() +
+                    "' " + arguments);
+}
+
+// The same; rank 1 gets the signal as soon as the file is there.
+Workshop::Outcome ranks_but_one(const Workshop& shop, const std::string& options, const std::string& file,
+                                const std::string& signal, const std::string& arguments) {
+  shop.write("rank.sh",
+             "if [ \"$OMPI_COMM_WORLD_RANK\" = 1 ]; then\n"
+             "  (exec >/dev/null 2>&1; for i in $(seq 2000); do [ -e " +
+                 file +
+                 " ] && break; sleep 0.01; done\n"
+                 "   sleep 0.1; kill -" +
+                 signal +
+                 " $$) &\nfi\n"
+                 "exec '" +
+                 forefeel::test::executable() + "' " + arguments + "\n");
+  return shop.shell(as_root + run + options + " bash rank.sh");
+}
+
+// Why these tests cannot run; empty: they can.
+std::string reason_to_skip(const Workshop& shop) {
+  shop.write("beam.toml", beam_scene());
+  const auto alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
+  if (alone.err.find("no MPI") != std::string::npos) return "this build has no MPI";
+  return forefeel::test::has_command("mpirun") ? "" : "mpirun is not installed";
+}
+
+// All states of a file, sorted, without what depends on time.
+std::string states_of(const Workshop& shop, const std::string& file) {
+  const auto exported = shop.forefeel("export " + file + " -o " + file + ".csv --quiet");
+  INFO(exported.err);
+  REQUIRE(exported.code == 0);
+  return shop.shell("sort " + file + ".csv").out;
 }
 
 }  // namespace
+
+TEST_CASE("generate by two ranks gives the states of generate by threads, and resumes") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  const std::string finer = " --set state_space.spacing=0.002 ";
+  REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
+  const std::string expected = states_of(shop, "threads.states");
+  const auto both = ranks(shop, 2, "generate beam.toml --mpi -o ranks.states --json --quiet" + finer);
+  INFO(both.err);
+  REQUIRE(both.code == 0);
+  CHECK(both.json()["states"] == 125);
+  CHECK(both.json()["ranks"]["lost"] == 0);
+  CHECK(states_of(shop, "ranks.states") == expected);
+  const auto again = ranks(shop, 1, "generate beam.toml --mpi -o ranks.states --json --quiet" + finer);
+  REQUIRE(again.code == 0);
+  CHECK(again.json()["resumed"] == 125);
+  CHECK(again.json()["solved"] == 0);
+  const auto both_ways = ranks(shop, 2, "generate beam.toml --mpi --error 0.1 -o other.states");
+  CHECK(both_ways.code == 2);
+  CHECK(both_ways.err.find("forefeel: --mpi: has no use with --error") != std::string::npos);
+  CHECK(both_ways.err.find("forefeel:") == both_ways.err.rfind("forefeel:"));
+  CHECK(shop.shell("test -e other.states").code != 0);
+}
+
+TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs nothing but its own work") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  const std::string finer = " --set state_space.spacing=0.002 ";
+  REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
+  const std::string expected = states_of(shop, "threads.states");
+  const auto stopped = ranks_but_one(shop, "-n 3", "stopped.states", "STOP",
+                                     "generate beam.toml --mpi --patience 1 -o stopped.states" + finer);
+  INFO(stopped.err);
+  CHECK(stopped.code == 0);
+  CHECK(stopped.err.find("1 of 3 ranks hang or are gone") != std::string::npos);
+  CHECK(states_of(shop, "stopped.states") == expected);
+  const auto killed = ranks_but_one(shop, "--enable-recovery -n 2", "killed.states", "KILL",
+                                    "generate beam.toml --mpi --patience 1 -o killed.states" + finer);
+  INFO(killed.err);
+  CHECK(states_of(shop, "killed.states") == expected);
+  // Without recovery, MPI ends all ranks with the first: what was solved is on disk, and a rerun resumes.
+  const auto ended =
+      ranks_but_one(shop, "-n 2", "ended.states", "KILL", "generate beam.toml --mpi -o ended.states" + finer);
+  if (states_of(shop, "ended.states") != expected) CHECK(ended.code != 0);
+  const auto resumed = ranks(shop, 2, "generate beam.toml --mpi -o ended.states" + finer);
+  INFO(resumed.err);
+  CHECK(resumed.code == 0);
+  CHECK(states_of(shop, "ended.states") == expected);
+}
+
+TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by threads") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  shop.write("study.toml",
+             "scene = \"beam.toml\"\nseeds = [1, 2]\n[vary]\npolicy = [\"nearest\", \"coverage\"]\n"
+             "\"session.seconds\" = [0.4]\n");
+  const auto threads = shop.forefeel("study study.toml -o threads --threads 2 --quiet");
+  INFO(threads.err);
+  REQUIRE(threads.code == 0);
+  REQUIRE(shop.shell("rm -r ../cache").code == 0);  // the ranks share what they solve
+  const auto both = ranks(shop, 2, "study study.toml --mpi -o ranks --json --quiet");
+  INFO(both.err);
+  REQUIRE(both.code == 0);
+  CHECK(both.json()["ran"] == 4);
+  CHECK(shop.shell("cmp threads/cells.csv ranks/cells.csv").code == 0);
+  const auto stopped = ranks_but_one(shop, "-n 2", "stopped/study.json", "STOP",
+                                     "study study.toml --mpi --patience 1 -o stopped");
+  INFO(stopped.err);
+  CHECK(stopped.code == 0);
+  CHECK(shop.shell("cmp threads/cells.csv stopped/cells.csv").code == 0);
+}
+
+TEST_CASE("a session whose worker rank is stopped ends in time, and says which rank did not answer") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  const auto stopped =
+      ranks_but_one(shop, "-n 3", "run/session.states", "STOP",
+                    "session beam.toml --mpi --patience 1 --clock real --seconds 3 -o run --json --quiet");
+  INFO(stopped.err);
+  REQUIRE(stopped.code == 0);
+  const nlohmann::json summary = stopped.json();
+  CHECK(summary["frames"] == 3000);
+  CHECK(summary["notes"].dump().find("rank 1 has not answered for 1 s; its work goes to others") !=
+        std::string::npos);
+  CHECK(summary["states"]["solved"] > 10);
+}
 
 TEST_CASE("a session with its workers in other processes") {
   const Workshop shop;
@@ -31,11 +151,11 @@ TEST_CASE("a session with its workers in other processes") {
   if (!forefeel::test::has_command("mpirun")) return forefeel::test::skip("mpirun is not installed");
   CHECK(alone.err.find("one rank") != std::string::npos);
 
-  const Workshop::Outcome run =
+  const Workshop::Outcome solved_by_two =
       ranks(shop, 3, "session beam.toml --mpi --clock real --seconds 1.5 -o run --json --quiet");
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-  const nlohmann::json summary = run.json();
+  INFO(solved_by_two.err);
+  REQUIRE(solved_by_two.code == 0);
+  const nlohmann::json summary = solved_by_two.json();
   CHECK(summary["workers"] == 2);
   CHECK(summary["states"]["solved"] > 10);
   CHECK(summary["error"]["within_jnd"] > 0.5);

@@ -1,0 +1,34 @@
+#pragma once
+// This process as a rank of an MPI run: `mpirun -n 5 forefeel … --mpi`. What the ranks say to each other is in
+// rank_protocol.hpp. Without Boost.MPI, built() returns false and no other function may be called.
+
+#include <memory>
+
+#include "scheduling/workers/transport.hpp"
+
+namespace forefeel {
+
+// At most one object in a process, used by one thread at a time.
+class MpiGroup {
+ public:
+  static bool built();
+  MpiGroup();   // InputError if MPI works only from the first thread
+  ~MpiGroup();  // waits until all ranks are here, as MPI asks
+  MpiGroup(const MpiGroup&) = delete;
+  MpiGroup& operator=(const MpiGroup&) = delete;
+
+  int rank() const;
+  int ranks() const;
+  Transport& transport();
+  // The end of this object will not wait for ranks that hang. If this process then ends with an error, mpirun ends
+  // the others.
+  void abandon();
+  // Ends all ranks at once, also those that hang; mpirun ends with that code.
+  [[noreturn]] void end_all(int exit_code);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace forefeel

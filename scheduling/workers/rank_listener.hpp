@@ -1,0 +1,29 @@
+#pragma once
+// Hands what comes for a rank to whom it may concern. Any thread.
+
+#include <functional>
+#include <mutex>
+#include <utility>
+
+#include "geometry/common/packer.hpp"
+
+namespace forefeel {
+
+class RankListener {
+ public:
+  using Hear = std::function<void(Bytes)>;
+  void set(Hear hear) {
+    const std::lock_guard lock(mutex_);
+    hear_ = std::move(hear);
+  }
+  void hear(Bytes answer) {
+    const std::lock_guard lock(mutex_);
+    if (hear_) hear_(std::move(answer));
+  }
+
+ private:
+  std::mutex mutex_;
+  Hear hear_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,84 @@
+#pragma once
+// The other ranks of a run, as rank 0 sees them: who takes jobs, what comes back, who hangs. A rank that sends a
+// message without meaning counts as failed; the message is dropped.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scheduling/workers/rank_protocol.hpp"
+#include "scheduling/workers/transport.hpp"
+
+namespace forefeel {
+
+struct RankEvent {
+  // lost: hangs or failed; what it was given must be done by others
+  enum class Kind { ready, result, question, lost };
+  Kind kind = Kind::result;
+  int rank = 0;
+  std::uint64_t job = 0;  // of a result, as is
+  Bytes content = {};
+};
+
+class RankPool {
+ public:
+  using Clock = std::function<double()>;  // [s]
+  // patience: seconds of silence after which a rank counts as hanging. Time in which rank 0 itself stood still is
+  // not counted. clock: the steady one if it is empty.
+  explicit RankPool(Transport& transport, double patience = 10, Clock clock = {});
+
+  // The other ranks load their input. identity: of the build and the input; a rank with another one gets no work.
+  void begin(std::string identity);
+  int ranks() const;                // without rank 0
+  bool takes_jobs(int rank) const;  // has loaded its input, and answers
+  bool is_pending(int rank) const;  // has not loaded its input yet, and answers
+  int taking_jobs() const;          // how many
+  void send(int rank, std::uint64_t job, const Bytes& content);
+  void cancel(int rank);
+  void answer(int rank, Bytes content);  // a question
+  // What has happened since the last call; does not wait. A rank that answers again after it was lost is ready
+  // again.
+  std::vector<RankEvent> poll();
+  // Polls until no rank is pending, or for so long [s].
+  std::vector<RankEvent> wait_until_loaded(double seconds);
+  // Tells all ranks to stop, and waits until they have left or hang. Results that came until then are returned.
+  std::vector<RankEvent> stop();
+  bool all_left() const;  // after stop(); false: a rank hangs, and the run can only be ended from outside
+
+  // Ranks that were lost and have not come back, and what else a person should know, one line each.
+  int lost() const;
+  const std::vector<std::string>& notes() const { return notes_; }
+  void distrust(int rank);  // a result of it has no meaning
+
+ private:
+  enum class Life { waiting, loading, working, failed, left };
+  struct Rank {
+    Life life = Life::waiting;
+    bool silent = false;  // for longer than the patience
+    double silence = 0;   // [s]
+    bool answers() const { return !silent && life != Life::failed && life != Life::left; }
+  };
+  Rank& of(int rank) { return ranks_[static_cast<std::size_t>(rank - 1)]; }
+  const Rank& of(int rank) const { return ranks_[static_cast<std::size_t>(rank - 1)]; }
+  void send(int rank, RankTag tag, Bytes bytes = {});
+  void take(Message message, std::vector<RankEvent>& events);
+  void hear(int rank, std::vector<RankEvent>& events);
+  void take_ready(int rank, Unpacker message, std::vector<RankEvent>& events);
+  void fail(int rank, const std::string& why, std::vector<RankEvent>& events);
+  void listen_for_silence(double passed, std::vector<RankEvent>& events);
+  void beat(double now);
+
+  Transport& transport_;
+  double patience_;
+  std::string identity_;
+  Clock clock_;
+  std::vector<Rank> ranks_;
+  std::vector<std::string> notes_;
+  std::vector<RankEvent> later_;  // for the next poll()
+  double polled_ = 0, beaten_ = 0;
+  bool stopping_ = false;
+};
+
+}  // namespace forefeel

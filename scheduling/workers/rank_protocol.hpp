@@ -1,0 +1,19 @@
+#pragma once
+// The messages between rank 0 and the ranks that solve.
+//   rank 0 -> r   begin (load the input) · job (number, content) · cancel · answer · beat · stop
+//   r -> rank 0   ready (identity) · result (number of the job, content) · question · failure (text) · beat · left, the
+//                 last one
+// Every rank sends a beat each half second, also while it loads or solves: rank 0 takes a rank that is silent for
+// longer than its patience as hanging and gives its work to others. A rank whose rank 0 is silent for `orphaned`
+// seconds ends.
+
+namespace forefeel {
+
+enum class RankTag : int { begin = 1, job, cancel, answer, stop, ready, result, question, failure, beat, left };
+
+inline constexpr double beat_seconds = 0.5, orphaned_seconds = 120;
+
+// Throws InputError with key --patience.
+void check_patience(double seconds);
+
+}  // namespace forefeel

@@ -1,0 +1,22 @@
+#pragma once
+// Workers of a session under the real clock in other processes: worker w is rank w + 1. `mpirun -n 5 forefeel
+// session --mpi …` plans and renders in rank 0 and solves in ranks 1 to 4, one job at a time in each. The states
+// that a lost rank was given come back as cancelled, so the planner gives them to others.
+
+#include <memory>
+
+#include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/rank_pool.hpp"
+#include "scheduling/workers/rank_server.hpp"
+#include "scheduling/workers/state_solver.hpp"
+
+namespace forefeel {
+
+// Rank 0. The pool must outlive them; one thread at a time may use both.
+std::unique_ptr<RealWorkers> make_rank_workers(RankPool& pool);
+
+// The other ranks.
+std::unique_ptr<RankHand> make_state_hand(std::shared_ptr<const Body> body,
+                                          const StateSolverOptions& options);
+
+}  // namespace forefeel

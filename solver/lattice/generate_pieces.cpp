@@ -1,0 +1,291 @@
+#include "solver/lattice/generate_pieces.hpp"
+
+#include <algorithm>
+#include <map>
+#include <queue>
+#include <set>
+
+#include "geometry/states/state_message.hpp"
+#include "solver/lattice/sweep_plan.hpp"
+
+namespace forefeel {
+
+class CoarseNodes {
+ public:
+  void keep(SweepNode node) {
+    const std::lock_guard lock(mutex_);
+    const LatticeIndex index = node.index;
+    nodes_.try_emplace(index, std::move(node));
+  }
+  const SweepNode* find(const LatticeIndex& c) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = nodes_.find(c);
+    return at != nodes_.end() ? &at->second : nullptr;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<LatticeIndex, SweepNode> nodes_;  // solved ones
+};
+
+std::shared_ptr<CoarseNodes> make_coarse_nodes() {
+  return std::make_shared<CoarseNodes>();
+}
+
+namespace {
+
+enum class PieceKind : std::uint8_t { coarse, cell };
+
+void pack(Packer& message, const LatticeIndex& k) {
+  for (const int i : k) message.add(std::int32_t{i});
+}
+
+LatticeIndex unpack_index(Unpacker& message) {
+  LatticeIndex k{};
+  for (int& i : k) i = message.number<std::int32_t>();
+  return k;
+}
+
+void pack_node(Packer& message, const SweepNode& node) {
+  pack(message, node.index);
+  forefeel::pack(message, node.state);
+  message.add(node.field.u);
+  message.add(node.field.tangent);
+}
+
+SweepNode unpack_node(Unpacker& message) {
+  SweepNode node;
+  node.index = unpack_index(message);
+  node.state = unpack_state(message);
+  node.field.u = message.values();
+  node.field.tangent = message.values();
+  return node;
+}
+
+}  // namespace
+
+struct LatticePieces::Impl {
+  struct Piece {
+    PieceKind kind;
+    LatticeIndex index;                    // of the coarse node, or of the cell's lowest corner
+    std::vector<LatticeIndex> fine;        // what it solves
+    std::size_t waits_for = 0;             // pieces
+    std::vector<std::size_t> before = {};  // pieces that wait for it
+    bool is_done = false;
+  };
+  // Coarse nodes first, for others depend on them; both outward from rest.
+  using Ready = std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>>;
+
+  Impl(const GenerateOptions& options, const std::vector<State>& known,
+       std::shared_ptr<CoarseNodes> its_nodes, std::function<void(State)> its_sink,
+       std::function<void(std::size_t, std::size_t)> its_progress)
+      : plan(options, known),
+        spacing(options.spacing),
+        nodes(std::move(its_nodes)),
+        sink(std::move(its_sink)),
+        progress(std::move(its_progress)) {
+    report.resumed = plan.resumed();
+    add_coarse();
+    add_cells();
+    left = pieces.size();
+    for (std::size_t id = 0; id < pieces.size(); ++id)
+      if (pieces[id].waits_for == 0) ready.push(id);
+  }
+
+  void add_coarse() {
+    std::vector<LatticeIndex> outward = plan.coarse();
+    std::ranges::stable_sort(outward, {}, [](const LatticeIndex& c) { return level(c); });
+    for (const LatticeIndex& c : outward) {
+      const std::size_t id = pieces.size();
+      coarse_piece[c] = id;
+      pieces.push_back({.kind = PieceKind::coarse, .index = c, .fine = {{2 * c[0], 2 * c[1], 2 * c[2]}}});
+      for (const LatticeIndex& p : towards_rest(c)) wait_for(id, p);
+    }
+  }
+  void add_cells() {
+    for (const LatticeIndex& cell : plan.cells()) {
+      const std::size_t id = pieces.size();
+      pieces.push_back({.kind = PieceKind::cell, .index = cell, .fine = plan.fine_of(cell)});
+      for (int m = 0; m < 8; ++m) {
+        LatticeIndex corner = cell;
+        for (std::size_t axis = 0; axis < 3; ++axis) corner[axis] += (m >> axis) & 1;
+        wait_for(id, corner);
+      }
+    }
+  }
+  void wait_for(std::size_t id, const LatticeIndex& coarse) {
+    const auto at = coarse_piece.find(coarse);
+    if (at == coarse_piece.end()) return;
+    pieces[at->second].before.push_back(id);
+    ++pieces[id].waits_for;
+  }
+
+  Bytes content(const Piece& piece, int worker) {
+    Packer message;
+    message.add(piece.kind);
+    pack(message, piece.index);
+    message.add(std::uint32_t(piece.fine.size()));
+    for (const LatticeIndex& k : piece.fine) pack(message, k);
+    std::vector<const SweepNode*> needed;
+    if (worker > 0) {
+      std::set<LatticeIndex>& there = sent[worker];
+      for (const LatticeIndex& c : nodes_looked_at(piece.fine, spacing))
+        if (const SweepNode* node = nodes->find(c); node && there.insert(c).second) needed.push_back(node);
+    }
+    message.add(std::uint32_t(needed.size()));
+    for (const SweepNode* node : needed) pack_node(message, *node);
+    return message.take();
+  }
+
+  // The nodes of a result, if they are those of the piece.
+  std::vector<SweepNode> read(const Piece& piece, Unpacker result) const {
+    std::vector<SweepNode> found;
+    if (result.number<std::uint32_t>() != piece.fine.size())
+      throw MalformedMessage("another number of states");
+    for (const LatticeIndex& k : piece.fine) {
+      found.push_back(unpack_node(result));
+      const SweepNode& node = found.back();
+      const bool same = node.index == (piece.kind == PieceKind::coarse ? piece.index : k);
+      if (!same || node.state.at != position_at(piece, k)) throw MalformedMessage("another position");
+      if (piece.kind == PieceKind::coarse && node.solved() && node.field.u.empty())
+        throw MalformedMessage("a solution without displacements");
+    }
+    result.expect_end();
+    return found;
+  }
+  Vec3 position_at(const Piece& piece, const LatticeIndex& fine) const {
+    return piece.kind == PieceKind::coarse ? position_of(piece.index, 2 * spacing)
+                                           : position_of(fine, spacing);
+  }
+
+  void emit(State state) {
+    (state.usable() ? report.solved : report.failed) += 1;
+    sink(std::move(state));
+    if (progress) progress(report.resumed + report.solved + report.failed, plan.positions());
+  }
+
+  const SweepPlan plan;
+  double spacing;
+  std::shared_ptr<CoarseNodes> nodes;
+  std::function<void(State)> sink;
+  std::function<void(std::size_t, std::size_t)> progress;
+  std::vector<Piece> pieces;
+  std::map<LatticeIndex, std::size_t> coarse_piece;
+  Ready ready;
+  std::size_t left = 0;
+  std::map<int, std::set<LatticeIndex>> sent;  // to each worker
+  GenerateReport report;
+};
+
+LatticePieces::LatticePieces(const GenerateOptions& options, const std::vector<State>& known,
+                             std::shared_ptr<CoarseNodes> nodes, std::function<void(State)> sink,
+                             std::function<void(std::size_t, std::size_t)> progress)
+    : impl_(std::make_unique<Impl>(options, known, std::move(nodes), std::move(sink), std::move(progress))) {}
+
+LatticePieces::~LatticePieces() = default;
+LatticePieces::LatticePieces(LatticePieces&&) noexcept = default;
+
+std::optional<LatticePieces::Piece> LatticePieces::next(int worker) {
+  while (!impl_->ready.empty()) {
+    const std::size_t id = impl_->ready.top();
+    impl_->ready.pop();
+    if (impl_->pieces[id].is_done)
+      continue;  // offered again, and meanwhile its first worker was done with it
+    return Piece{id, impl_->content(impl_->pieces[id], worker)};
+  }
+  return {};
+}
+
+void LatticePieces::done(std::uint64_t id, int worker, Unpacker result) {
+  Impl::Piece& piece = impl_->pieces.at(id);
+  if (piece.is_done) return;
+  std::vector<SweepNode> found = impl_->read(piece, std::move(result));
+  piece.is_done = true;
+  --impl_->left;
+  const bool is_coarse = piece.kind == PieceKind::coarse;
+  for (SweepNode& node : found) {
+    if (impl_->plan.is_wanted(is_coarse ? piece.fine.front() : node.index)) impl_->emit(node.state);
+    node.state.displacements = nullptr;  // neighbours are predicted from the field
+  }
+  if (is_coarse && found.front().solved()) {
+    impl_->sent[worker].insert(piece.index);
+    impl_->nodes->keep(std::move(found.front()));
+  }
+  for (const std::size_t other : piece.before)
+    if (--impl_->pieces[other].waits_for == 0) impl_->ready.push(other);
+}
+
+void LatticePieces::again(std::uint64_t id) {
+  impl_->ready.push(id);
+}
+
+void LatticePieces::forget(int worker) {
+  impl_->sent.erase(worker);
+}
+
+bool LatticePieces::finished() const {
+  return impl_->left == 0;
+}
+
+const GenerateReport& LatticePieces::report() const {
+  return impl_->report;
+}
+
+struct LatticeHand::Impl {
+  Impl(std::shared_ptr<const Body> its_body, const GenerateOptions& its_options,
+       std::shared_ptr<CoarseNodes> its_nodes)
+      : body(std::move(its_body)),
+        d(std::make_shared<const Discretisation>(discretise(*body))),
+        options(its_options),
+        nodes(std::move(its_nodes)),
+        worker(d, sweep_options(*body, options, options.stop, solved)) {}
+
+  std::shared_ptr<const Body> body;
+  std::shared_ptr<const Discretisation> d;
+  GenerateOptions options;
+  std::shared_ptr<CoarseNodes> nodes;
+  std::set<LatticeIndex> looked_at;  // by the piece under way
+  // A node outside of what nodes_looked_at() foretold was perhaps not sent: the value would depend on who solves.
+  const SolvedNodes solved = [this](const LatticeIndex& c) {
+    if (!looked_at.contains(c))
+      throw std::logic_error("a piece of the lattice looks at a node that it was not sent");
+    return nodes->find(c);
+  };
+  SweepWorker worker;
+};
+
+LatticeHand::LatticeHand(std::shared_ptr<const Body> body, const GenerateOptions& options,
+                         std::shared_ptr<CoarseNodes> nodes)
+    : impl_(std::make_unique<Impl>(std::move(body), options, std::move(nodes))) {}
+
+LatticeHand::~LatticeHand() = default;
+
+std::optional<Bytes> LatticeHand::solve(Unpacker piece) {
+  const double spacing = impl_->options.spacing;
+  const auto kind = static_cast<PieceKind>(piece.number<std::uint8_t>());
+  const LatticeIndex index = unpack_index(piece);
+  std::vector<LatticeIndex> fine;
+  for (auto count = piece.number<std::uint32_t>(); count > 0; --count) fine.push_back(unpack_index(piece));
+  for (auto count = piece.number<std::uint32_t>(); count > 0; --count) impl_->nodes->keep(unpack_node(piece));
+  piece.expect_end();
+  impl_->looked_at = nodes_looked_at(fine, spacing);
+  std::vector<SweepNode> found;
+  if (kind == PieceKind::coarse)
+    found.push_back(solve_coarse_node(impl_->worker, index, spacing, impl_->solved));
+  else
+    found = solve_fine_nodes(impl_->worker, fine, spacing, impl_->solved);
+  Packer result;
+  result.add(std::uint32_t(found.size()));
+  for (SweepNode& node : found) {
+    if (node.state.status == SolveStatus::cancelled || impl_->options.stop.stop_requested()) return {};
+    node.state = state_of(node, *impl_->d, *impl_->body, impl_->options.want_displacements);
+    if (kind == PieceKind::cell) node.field = {};  // only coarse nodes are looked at by others
+    pack_node(result, node);
+    if (kind == PieceKind::cell || !node.solved()) continue;
+    node.state.displacements = nullptr;
+    impl_->nodes->keep(std::move(node));  // it is not sent here again
+  }
+  return result.take();
+}
+
+}  // namespace forefeel
