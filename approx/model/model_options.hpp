@@ -19,8 +19,8 @@ struct ModelOptions {
   Data data = Data::force;
   std::size_t neighbours = 100;  // n
   Select select = Select::label;
-  double ridge =
-      0;  // >= 0, for noisy states: added to the kernel's diagonal, in units of phi(radius of the set)
+  // >= 0, for noisy states: added to the kernel's diagonal, in units of phi(radius of the set).
+  double ridge = 0;
   double length = 0;  // distance between states, used if the set itself does not show it [m]; 0: unknown
 };
 

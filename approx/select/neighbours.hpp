@@ -17,7 +17,7 @@
 // The candidates are all states within a distance that is a continuous function of x (or all states if they
 // are few); c_i falls to 0 over the last 2 h of it. n is at least weighted_neighbours(). Between two sides up
 // to bridging_neighbours() more states are added; the rank is then a real number, and its key lies between
-// those of the two nearest ranks. The far side of a gap so enters and leaves while its weight is small, and
+// those of the two nearest ranks. The far side of a gap therefore enters and leaves while its weight is small, and
 // no axis and no number of sides changes at once.
 
 #include <cstdint>

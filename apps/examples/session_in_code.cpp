@@ -21,6 +21,7 @@ int main() {
   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.04};  // [m/s]
   options.workers.count = 3;
   options.workers.cost = ConstantCost{.seconds = 0.05};  // of a simulated solve
+  options.model.fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
 
   // 3. The run. Its result holds every frame; the summary holds what they amount to.
   const SessionResult result = run_session(input, options);

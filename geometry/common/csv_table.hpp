@@ -27,7 +27,7 @@ struct CsvOptions {
 };
 
 // InputError that names file and line: missing file, no rows, missing column, a row shorter than
-// the header, no finite number.
+// the header, a cell that is not a finite number.
 CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                   const CsvOptions& options = {});
 

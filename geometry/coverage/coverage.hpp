@@ -8,7 +8,7 @@
 //             rho
 // The label is the coverage class of q, the first of safe, sparse, gap, blank that holds (thresholds below).
 // Safe means densely known; it says nothing of stability. A gap lies between known regions; blank is beyond
-// them. Sparse asks for a near state only, so a sparse place may lie outside the hull, with infinite spread.
+// them. Sparse only needs a near state, so a sparse place may lie outside the hull, with infinite spread.
 
 #include <cstdint>
 #include <limits>
@@ -22,8 +22,8 @@ enum class Label : std::uint8_t { safe, sparse, gap, blank };
 std::string_view name(Label label);
 
 struct CoverageOptions {
-  double safe_spread = 0.95;       // kappa_s: safe needs pi <= kappa_s h ...
-  double safe_cone_radius = 1.45;  // ... and gamma(q, 1.45 h) < safe_angle_deg
+  double safe_spread = 0.95;       // kappa_s: safe needs pi <= kappa_s h
+  double safe_cone_radius = 1.45;  // safe also needs gamma(q, safe_cone_radius h) < safe_angle_deg
   double safe_angle_deg = 90;
   double sparse_distance = 1.5;  // kappa_p: sparse needs delta <= kappa_p h
   double gap_cone_radius = 8;    // gap needs gamma(q, 8 h) <= gap_angle_deg

@@ -21,7 +21,7 @@ namespace forefeel {
 
 struct CalibrationOptions {
   StateSpaceOptions space;       // spacing, box, thresholds
-  Vec3 inward = -Vec3::UnitZ();  // into the body; gaps and borders of known sets are perpendicular
+  Vec3 inward = -Vec3::UnitZ();  // into the body; gaps and borders of known sets lie perpendicular to it
   double tolerance = 0.07;       // of the error [1]
   double floor = 0.05;           // f0 [N]
   Select select = Select::label;

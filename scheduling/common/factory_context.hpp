@@ -13,8 +13,8 @@ struct FactoryContext {
   Box box = {};                  // where states are placed [m]
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   std::uint64_t seed = 0;        // of the session: the only source of random numbers
-  std::filesystem::path folder =
-      {};                    // of the scene; relative files are looked up here, then in the working directory
+  // Folder of the scene. Relative files are looked up here, then in the working directory.
+  std::filesystem::path folder = {};
   Arguments arguments = {};  // the user's settings; empty for built-in parts
 };
 

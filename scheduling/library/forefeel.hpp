@@ -5,7 +5,7 @@
 //
 // Programs to start from are in apps/examples (installed: share/forefeel/examples).
 // Not included here, but installed beside it: geometry/coverage/estimate_spacing.hpp (the spacing of given
-// positions), geometry/common/csv_table.hpp (tables), scheduling/record/run_files.hpp (the files of a run),
+// states), geometry/common/csv_table.hpp (tables), scheduling/record/run_files.hpp (the files of a run),
 // scheduling/study/study.hpp (many sessions compared).
 
 // What is known, and where?

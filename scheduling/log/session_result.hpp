@@ -34,7 +34,7 @@ struct LoopReport {
 
 struct SolverReport {
   std::vector<double> seconds;  // of each solve, virtual or real; without the first one at rest [s]
-  std::size_t jobs = 0;         // number of jobs of these solves; each took two messages more
+  std::size_t jobs = 0;         // number of jobs of these solves; each job also costs two messages
   int workers = 0;              // number that took part
 };
 

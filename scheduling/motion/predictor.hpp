@@ -13,11 +13,11 @@
 //   const bool known = (forefeel::register_predictor("still", [](forefeel::FactoryContext&) {
 //     return std::make_unique<Still>(); }), true);
 //
-// In code, options.planning.predictor = Registered("still") then selects it. A command that is built with it
+// In code, options.motion.predictor = Registered("still") then selects it. A command that is built with it
 // knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
 //
-// Order of calls: observe() for each new sample of the HIP, then predict() for several horizons, at least
-// once between two samples. Under the virtual clock there is a sample each frame; under the real clock the
+// Order of calls: observe() for each new sample of the HIP. After each sample, predict() is called at least
+// once, for several horizons. Under the virtual clock there is a sample each frame; under the real clock the
 // planner observes the newest sample at each of its steps. Thread: the planner's alone. It may allocate. Its
 // time delays every decision: stay within a few microseconds a call. Under the virtual clock the result must
 // depend on the samples and the seed alone, so that runs repeat bit by bit.

@@ -24,7 +24,7 @@ struct Trace {
 Trace read_trace(const std::filesystem::path& file, bool whole_lines = false);
 std::unique_ptr<Device> make_trace_device(Trace trace);
 
-// folder/file if that exists; else the path unchanged, relative to the working directory.
+// folder/file if that exists; otherwise returns `file` unchanged, relative to the working directory.
 std::filesystem::path found_from(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 }  // namespace forefeel

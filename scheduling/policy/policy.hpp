@@ -70,8 +70,8 @@ class Policy {
   virtual std::string_view name() const = 0;
   // Called once per planning step, before the candidates are ranked. Do work shared by all candidates here.
   virtual void look(const PlannerView&) {}
-  // Called when only `pending` has changed: more states are being solved, or one is left out to evaluate its
-  // job.
+  // Called when only `pending` has changed: more states are being solved, or one is removed for a moment, to
+  // ask what its job is still worth.
   virtual void pend(const PlannerView&) {}
   // Whether Candidate::region is used. Updating the labels of all candidates costs more than ranking them.
   virtual bool reads_regions() const { return true; }
@@ -83,8 +83,8 @@ class Policy {
   // The worth of solving the candidate next: finite, not negative; the largest is solved first. Preemption
   // compares ratios of priorities.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
-  // Upper bound of a candidate's priority after more states became pending in the same step, given its
-  // present priority. Must not decrease as the priority grows. If it returns the priority itself, only the
+  // The highest priority that a candidate can still have after more states became pending in the same step,
+  // given its present one. A larger argument must not give a smaller result. If it returns the priority itself, only the
   // best candidates are ranked again. If it returns infinity, all candidates are ranked again.
   virtual double at_most(double priority) const;
   // The priorities of all candidates of a planning step; override it if they share work. Writes #candidates

@@ -41,9 +41,9 @@ struct SessionSummary {
   // they do not count as solved (geometry/states/state_outcome.hpp).
   struct States {
     std::size_t start = 0, solved = 0, used = 0, wasted = 0, preempted = 0, failed = 0, inverted = 0;
-    double age_at_use_ms_p50 = unknown,
-           age_at_use_ms_p99 = unknown;  // from the end of the solve to its first use
-    bool foreign = false;                // those at the start are of another body; nothing was solved
+    // From the end of the solve to its first use [ms].
+    double age_at_use_ms_p50 = unknown, age_at_use_ms_p99 = unknown;
+    bool foreign = false;  // those at the start are of another body; nothing was solved
   };
   // Effect of changing models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window
   // of 50, 100 or 300 ms.

@@ -1,6 +1,6 @@
 #pragma once
 // Makes the models that the loop renders, from the states of a space. It makes a new model when states have
-// come or the HIP has moved far enough, publishes it through the link, and reuses models that the loop
+// come or the HIP has moved far enough, passes it to the render loop (RenderLink), and reuses models that the loop
 // returns.
 
 #include <cstdint>

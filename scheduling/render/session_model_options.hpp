@@ -12,7 +12,9 @@ enum class SessionMethod {
 };
 
 struct SessionModelOptions {
-  ModelOptions fit = {};  // of method rbf
+  // Of method rbf. A scene without [model] uses quintic on force and stiffness with 25 neighbours, which needs
+  // states with stiffness; the default here does not.
+  ModelOptions fit = {};
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
   // While no state is known, render the stiffness of a rigid disc on a half-space of the body's material

@@ -16,15 +16,15 @@
 namespace forefeel {
 
 struct SessionOptions {
-  ClockOptions clock;
-  MotionOptions motion;
-  PlanningOptions planning;
-  WorkerOptions workers;
-  SessionModelOptions model;
-  SwitchOptions switching;
-  SafetyOptions safety;
-  JudgingOptions judging;
-  StopOptions stop;
+  ClockOptions clock = {};
+  MotionOptions motion = {};
+  PlanningOptions planning = {};
+  WorkerOptions workers = {};
+  SessionModelOptions model = {};
+  SwitchOptions switching = {};
+  SafetyOptions safety = {};
+  JudgingOptions judging = {};
+  StopOptions stop = {};
   std::uint64_t seed = 0;  // of all random parts: device, policy, cost
 };
 

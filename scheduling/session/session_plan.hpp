@@ -16,8 +16,8 @@
 
 namespace forefeel {
 
-// Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share the device,
-// so run them one after the other; the device restarts its motion when asked for an earlier time.
+// Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share one device.
+// Do not run two copies at once; the device restarts its motion when asked for an earlier time.
 struct SessionPlan {
   SessionInput input;
   SessionOptions options;  // clock.seconds has been set according to clock.length

@@ -17,10 +17,10 @@ namespace forefeel {
 
 // Storage of results between runs. Both functions are called from several threads at once.
 struct StudyStore {
-  std::function<std::optional<StudyCellResult>(const StudyCell&)> load =
-      {};  // nullopt if the cell is not stored
-  std::function<void(const StudyCell&, const StudyCellResult&)> save =
-      {};  // called as soon as a cell is done
+  // nullopt if the cell is not stored
+  std::function<std::optional<StudyCellResult>(const StudyCell&)> load = {};
+  // Called as soon as a cell is done.
+  std::function<void(const StudyCell&, const StudyCellResult&)> save = {};
 };
 
 struct StudyProgress {

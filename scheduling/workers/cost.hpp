@@ -19,8 +19,8 @@
 // The minimum charge is a nanosecond.
 //
 // The state at rest is cheaper if the session requests it as such (PlanningOptions::rest_first): it is in
-// equilibrium, so it takes no iteration, only one factorisation for its stiffness. `recorded` charges the
-// time measured for it. The other models charge a fourth of seconds(), that is one of about four Newton
+// equilibrium, so it takes no iteration, only one factorisation for its stiffness. For this state `recorded`
+// charges its measured time. The other models charge a quarter of seconds(): one of about four Newton
 // iterations per state. Measured iterations of full Newton to 1e-6: 3.0 on average from a parent 6 mm away,
 // 4.7 from 12 mm, 5.6 from 24 mm, 7.4 from rest (liver phantom, 48 random positions of its box; St.
 // Venant-Kirchhoff 6.2 to 10).

@@ -18,7 +18,7 @@ struct WorkerOptions {
   // Virtual clock only.
   CostSpec cost = {};  // of a solve: constant:0.01
   double latency = 0;  // of a message to or from a worker [s]
-  // Cost of a neighbour solved with a state's factorisation, over the cost of that state. Measured: 0.4 to
+  // Cost of a neighbour solved with a state's factorisation, divided by the cost of that state. Measured: 0.4 to
   // 0.6 on bodies of 1.7 and 8 thousand tetrahedra.
   double batch_share = 0.5;
 };

@@ -30,8 +30,8 @@ struct SolveOptions {
   int max_iterations = 60;   // Newton iterations in all
   double max_step = 0;       // continuation step [m]; 0: the whole way at once, halved where it fails
   bool want_displacements = false;
-  bool keep_factor =
-      false;  // reuses a factor while it contracts; K and du/dx are then corrected to about 1e-5
+  // Reuses a factor while it contracts; K and du/dx are then corrected to about 1e-5.
+  bool keep_factor = false;
 };
 
 struct SolveOutcome {
@@ -77,9 +77,8 @@ class Solver {
   // From a known equilibrium in one step, or smaller ones if that fails. Checks `stop` between iterations.
   SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
                     std::stop_token stop = {});
-  // States near a known equilibrium, eight at once with one factor there (that of the last solve, if it ended
-  // there):
-  // much faster than single solves. A state is solved by from() if its iteration does not contract, if its K
+  // Solves states near a known equilibrium, eight at a time, with one factor computed there. If the last solve
+  // ended there, its factor is used. This is much faster than single solves. A state is solved by from() if its iteration does not contract, if its K
   // does not settle, or if its force differs from the one that the stiffnesses predict. Outcomes in the order
   // of xs; states that were not solved because of `stop` are cancelled.
   std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs,

@@ -1,12 +1,10 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
 // 1. The coarse lattice (2h) outward from rest. Each state is predicted to second order from its parent and
-// corrected by
-//    Newton, which reuses a factor while it contracts.
+//    corrected by Newton, which reuses a factor while it contracts.
 // 2. The fine states of each coarse cell (seven of its eight). They are predicted from the coarse corners
-// around them by
-//    u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite value of error O(h^4), and solved together
-//    with one factor.
+//    around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite value of error O(h^4), and
+//    solved together with one factor.
 // A state whose iteration does not contract, or that does not fit the states around it, is solved along its
 // straight path from rest (sweep_rays.cpp), which defines the reference branch. A state's value depends on
 // the body, the lattice and its position alone: not on the number of threads, and not on what a resumed file
