@@ -55,6 +55,12 @@ install(EXPORT forefeel NAMESPACE forefeel:: FILE forefeelTargets.cmake DESTINAT
 install(FILES ${PROJECT_BINARY_DIR}/forefeelConfig.cmake ${PROJECT_BINARY_DIR}/forefeelConfigVersion.cmake
         DESTINATION ${config_folder})
 install(CODE "set(SOURCE \"${PROJECT_SOURCE_DIR}\")\nset(FOLDER \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/forefeel\")\ninclude(\"${package_folder}/install_headers.cmake\")")
+if(TARGET forefeel_python)
+  # Debian's Python looks here; for another prefix set PYTHONPATH.
+  install(TARGETS forefeel_python LIBRARY DESTINATION lib/python3/dist-packages/forefeel)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/apps/python/forefeel DESTINATION lib/python3/dist-packages
+          FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
+endif()
 install(FILES ${manual_folder}/forefeel.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${manual_folder}/forefeel.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME forefeel)

@@ -50,6 +50,12 @@ std::string Arguments::text(const std::string& key, std::string fallback) {
   return has(key) ? values_.at(key) : std::move(fallback);
 }
 
+std::vector<std::string> Arguments::keys() const {
+  std::vector<std::string> all;
+  for (const auto& [key, value] : values_) all.push_back(key);
+  return all;
+}
+
 void Arguments::expect_all_read() const {
   for (const auto& [key, value] : values_) {
     if (read_.contains(key)) continue;

@@ -48,6 +48,7 @@ class Arguments {
                 double low = -std::numeric_limits<double>::infinity(),
                 double high = std::numeric_limits<double>::infinity());
   std::string text(const std::string& key, std::string fallback);
+  std::vector<std::string> keys() const;  // that the user wrote, sorted
   void expect_all_read() const;
 
  private:

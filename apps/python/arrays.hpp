@@ -1,0 +1,51 @@
+#pragma once
+// NumPy arrays from and to the library's types. Arrays are C-ordered; lengths [m], forces [N], stiffness [N/m].
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+#include "geometry/states/state.hpp"
+
+namespace forefeel::python {
+
+namespace py = pybind11;
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// One row of a structured array of states; the fields of State (geometry/states/state.hpp).
+struct StateRow {
+  double at[3], force[3], stiffness[3][3];
+  double energy, spacing, residual, seconds, min_jacobian;
+  std::int32_t iterations;
+  std::uint8_t status;  // index in status_names
+  bool multivalued;
+};
+void register_state_dtype();
+
+// n rows of zeros. The bytes between the fields are zero too, so that equal rows are equal as bytes.
+template <class Row>
+py::array_t<Row> zero_rows(std::size_t n) {
+  py::array_t<Row> rows(static_cast<py::ssize_t>(n));
+  std::memset(static_cast<void*>(rows.mutable_data()), 0, n * sizeof(Row));
+  return rows;
+}
+
+// (n, 3), or (3,) for one point. InputError names the argument if the shape differs or a value is not finite.
+std::vector<Vec3> points_of(const Doubles& array, const char* argument);
+py::array_t<double> array_of(std::span<const Vec3> points);  // (n, 3)
+
+py::array_t<StateRow> array_of(std::span<const State> states);
+// Usable and failed states as they are. Displacements are not part of the array.
+std::vector<State> states_of(const py::array_t<StateRow>& rows);
+// Measured states. forces: (n, 3); stiffness: (n, 3, 3), or none.
+std::vector<State> states_of(const Doubles& positions, const Doubles& forces,
+                             const std::optional<Doubles>& stiffness);
+
+}  // namespace forefeel::python

@@ -1,0 +1,56 @@
+#include <pybind11/stl.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "apps/commands/commands.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/python/bindings.hpp"
+#include "apps/python/python_parts.hpp"
+
+namespace forefeel::python {
+
+namespace py = pybind11;
+namespace {
+
+// The exit code of `forefeel WORDS`. Its errors are exceptions.
+int run_command(const std::vector<std::string>& words) {
+  const py::gil_scoped_release released;
+  std::vector<const char*> argv{"forefeel"};
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  const int argc = static_cast<int>(argv.size());
+  remember_command(argc, argv.data());
+  CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
+  for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_classify,
+                         add_evaluate, add_session, add_study, add_reproduce, add_bench})
+    add(line);
+  try {
+    return line.run(argc, argv.data());
+  } catch (const Interrupted&) {
+    return 1;
+  }
+}
+
+// factory(**settings) makes a policy for each session; settings are texts, as after the name in a study.
+void add_policy(const std::string& name, const py::function& factory) {
+  const auto held = std::make_shared<py::function>(factory);
+  forefeel::register_policy(name, [held](FactoryContext& with) {
+    const py::gil_scoped_acquire locked;
+    py::dict settings;
+    for (const std::string& key : with.arguments.keys())
+      settings[py::str(key)] = with.arguments.text(key, "");
+    return unique_policy_of((*held)(**settings));
+  });
+}
+
+}  // namespace
+
+void bind_command(py::module_& module) {
+  module.def("_command", &run_command, py::arg("words"));
+  module.def("register_policy", &add_policy, py::arg("name"), py::arg("factory"));
+  module.attr("version") = py::str(version_text());
+}
+
+}  // namespace forefeel::python

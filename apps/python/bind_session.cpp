@@ -1,0 +1,265 @@
+#include <fmt/format.h>
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/console/summary_json.hpp"
+#include "apps/python/bindings.hpp"
+#include "apps/python/python_parts.hpp"
+#include "apps/python/scene_object.hpp"
+#include "apps/scene_input/scene_session.hpp"
+#include "apps/scene_input/spec_text.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/record/run_files.hpp"
+#include "scheduling/record/summary.hpp"
+#include "scheduling/session/session.hpp"
+
+namespace forefeel::python {
+namespace {
+
+struct FrameRow {
+  double t, at[3], rendered[3], sent[3], undamped[3];
+  std::uint8_t label;
+  std::uint32_t model, known;
+  double switch_change, switch_bound, motion_change, undamped_jump;
+  bool took_model, sampled, first_visit;
+  double reference[3], error, approximation, switching, staleness, cost_us, lateness_us;
+};
+
+struct DispatchRow {
+  std::uint32_t id;
+  double at[3];
+  std::uint8_t label, status;
+  double priority, requested, started, finished, known, first_used;
+  std::int32_t worker;
+  std::int64_t parent;
+};
+
+struct SwitchRow {
+  double t;
+  std::uint32_t model;
+  std::uint8_t cause, label;
+  std::uint32_t n, replaced;
+  double jump_undamped, fit_us;
+};
+
+void put(const Vec3& v, double (&to)[3]) {
+  std::copy_n(v.data(), 3, to);
+}
+
+py::array_t<FrameRow> frames_of(const SessionResult& result) {
+  py::array_t<FrameRow> rows = zero_rows<FrameRow>(result.frames.size());
+  FrameRow* to = rows.mutable_data();
+  for (const FrameRecord& f : result.frames) {
+    FrameRow& row = *to++;
+    row.t = f.t;
+    put(f.at, row.at), put(f.force, row.rendered), put(f.sent, row.sent), put(f.undamped, row.undamped);
+    row.label = static_cast<std::uint8_t>(f.label), row.model = f.model, row.known = f.known;
+    row.switch_change = f.step.change, row.switch_bound = f.step.bound;
+    row.motion_change = f.step.motion_change, row.undamped_jump = f.step.undamped_jump;
+    row.took_model = f.step.took_model, row.sampled = f.judged.sampled,
+    row.first_visit = f.judged.first_visit;
+    put(f.judged.reference, row.reference);
+    row.error = f.judged.error, row.approximation = f.judged.approximation;
+    row.switching = f.judged.switching, row.staleness = f.judged.staleness;
+    row.cost_us = f.timing.cost_us, row.lateness_us = f.timing.lateness_us;
+  }
+  return rows;
+}
+
+py::array_t<DispatchRow> dispatches_of(const SessionResult& result) {
+  py::array_t<DispatchRow> rows = zero_rows<DispatchRow>(result.dispatch.size());
+  DispatchRow* to = rows.mutable_data();
+  for (const DispatchRecord& d : result.dispatch) {
+    DispatchRow& row = *to++;
+    row.id = d.id;
+    put(d.at, row.at);
+    row.label = static_cast<std::uint8_t>(d.label), row.status = static_cast<std::uint8_t>(d.status);
+    row.priority = d.priority, row.requested = d.requested, row.started = d.started;
+    row.finished = d.finished, row.known = d.known, row.first_used = d.first_used;
+    row.worker = d.worker, row.parent = d.parent;
+  }
+  return rows;
+}
+
+py::array_t<SwitchRow> switches_of(const SessionResult& result) {
+  py::array_t<SwitchRow> rows = zero_rows<SwitchRow>(result.switches.size());
+  SwitchRow* to = rows.mutable_data();
+  for (const SwitchRecord& s : result.switches) {
+    SwitchRow& row = *to++;
+    row.t = s.t, row.model = s.model, row.n = s.n, row.replaced = s.replaced;
+    row.cause = static_cast<std::uint8_t>(s.cause), row.label = static_cast<std::uint8_t>(s.label);
+    row.jump_undamped = s.jump_undamped, row.fit_us = s.fit_us;
+  }
+  return rows;
+}
+
+struct Run {
+  SessionResult result;
+  SessionOptions options;
+  SessionSummary summary;
+};
+
+template <class T>
+std::optional<T> taken(py::dict& given, const char* key) {
+  if (!given.contains(key)) return std::nullopt;
+  const py::object value = given.attr("pop")(key);
+  if (value.is_none()) return std::nullopt;
+  return py::cast<T>(value);
+}
+
+template <class T>
+T one_of(const std::string& given, const char* argument, std::initializer_list<T> values) {
+  std::string names;
+  for (const T value : values) {
+    if (given == name(value)) return value;
+    names += (names.empty() ? "" : ", ") + std::string(name(value));
+  }
+  throw InputError(argument, fmt::format("is '{:.40}', expected {}", given, names));
+}
+
+// The options of `forefeel session`, by the same names; a part may also be a Python object.
+class Arguments {
+ public:
+  Arguments(const Scene& scene, const py::dict& given, std::shared_ptr<Failure> failure)
+      : scene_(scene), given_(given.attr("copy")()), failure_(std::move(failure)) {}
+
+  void read(SessionInput& input, SessionOptions& options) {
+    options = scene_.session;
+    options.model.fit = scene_.model;
+    input = session_input(scene_);
+    if (const auto clock = taken<std::string>(given_, "clock")) {
+      if (*clock != "real" && *clock != "virtual")
+        throw InputError("clock", fmt::format("is '{:.40}', expected real or virtual", *clock));
+      options.clock.kind = *clock == "real" ? Clock::real : Clock::virtual_time;
+    }
+    const bool own_motion = read_device(input, options);
+    read_parts(input, options);
+    read_numbers(options);
+    const auto seconds = taken<double>(given_, "seconds");
+    options.clock.seconds = seconds.value_or(options.clock.seconds);
+    if (!seconds) options.clock.length = own_motion ? RunLength::motion : RunLength::shorter;
+    if (const auto states = taken<py::array_t<StateRow>>(given_, "states")) input.known = states_of(*states);
+    for (const auto& [key, value] : given_)
+      throw py::type_error(fmt::format("run_session() has no option '{:.40}'", py::cast<std::string>(key)));
+  }
+
+ private:
+  bool read_device(SessionInput& input, SessionOptions& options) {
+    if (const auto replay = taken<std::string>(given_, "replay")) {
+      options.motion.replay = *replay;
+      return true;
+    }
+    const auto device = taken<py::object>(given_, "device");
+    if (!device || py::isinstance<py::str>(*device)) {
+      options.motion.device =
+          device ? device_from_text(py::cast<std::string>(*device)) : forefeel::device_of(scene_);
+      return device.has_value();
+    }
+    if (options.clock.kind == Clock::real)
+      throw InputError("device", "a Python device would stop the real-time loop, expected clock=\"virtual\"");
+    input.parts.device = python::device_of(*device, failure_);
+    return true;
+  }
+
+  void read_parts(SessionInput& input, SessionOptions& options) {
+    if (const auto policy = taken<py::object>(given_, "policy")) {
+      if (py::isinstance<py::str>(*policy))
+        options.planning.policy = part_from_text("policy", py::cast<std::string>(*policy));
+      else
+        input.parts.policy = policy_of(*policy, failure_);
+    }
+    if (const auto predictor = taken<py::object>(given_, "predictor")) {
+      if (py::isinstance<py::str>(*predictor))
+        options.motion.predictor = part_from_text("predictor", py::cast<std::string>(*predictor));
+      else
+        input.parts.predictor = predictor_of(*predictor, failure_);
+    }
+    const auto cost = taken<std::string>(given_, "cost");
+    options.workers.cost = cost ? cost_from_text(*cost) : cost_of(scene_);
+    if (const auto rule = taken<std::string>(given_, "switch"))
+      options.switching.rule =
+          one_of(*rule, "switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
+    if (const auto select = taken<std::string>(given_, "select"))
+      options.model.fit.select = one_of(*select, "select", {Select::label, Select::nearest});
+  }
+
+  void read_numbers(SessionOptions& options) {
+    options.workers.count = taken<int>(given_, "workers").value_or(options.workers.count);
+    options.workers.latency = taken<double>(given_, "latency").value_or(options.workers.latency);
+    options.workers.threads = taken<int>(given_, "threads").value_or(0);
+    options.seed = taken<std::uint64_t>(given_, "seed").value_or(options.seed);
+    if (const auto arrivals = taken<std::string>(given_, "arrivals")) options.planning.arrivals = *arrivals;
+  }
+
+  const Scene& scene_;
+  py::dict given_;
+  std::shared_ptr<Failure> failure_;
+};
+
+std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>& progress,
+                         const py::dict& given) {
+  const auto failure = std::make_shared<Failure>();
+  auto made = std::make_unique<Run>();
+  SessionInput input;
+  Arguments(*scene.scene, given, failure).read(input, made->options);
+  {
+    const py::gil_scoped_release released;
+    SessionPlan plan = make_plan(input, made->options);
+    plan.options.stop.interrupted = &failure->raised();
+    const auto show = [&](const SessionProgress& p) {
+      const py::gil_scoped_acquire locked;
+      try {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (progress && p.seconds > 0) progress(p.t / p.seconds);
+      } catch (...) {
+        failure->keep(std::current_exception());
+      }
+    };
+    made->result = run_session(plan, {.progress = show});
+    made->options = plan.options;
+    made->options.stop = {};
+    made->summary = summarise(made->result, plan.input, plan.options);
+  }
+  failure->throw_again();
+  return made;
+}
+
+}  // namespace
+
+void bind_session(py::module_& module) {
+  bind_parts(module);
+  PYBIND11_NUMPY_DTYPE(FrameRow, t, at, rendered, sent, undamped, label, model, known, switch_change,
+                       switch_bound, motion_change, undamped_jump, took_model, sampled, first_visit,
+                       reference, error, approximation, switching, staleness, cost_us, lateness_us);
+  PYBIND11_NUMPY_DTYPE(DispatchRow, id, at, label, status, priority, requested, started, finished, known,
+                       first_used, worker, parent);
+  PYBIND11_NUMPY_DTYPE(SwitchRow, t, model, cause, label, n, replaced, jump_undamped, fit_us);
+  py::list statuses, causes;
+  for (int i = 0; i <= static_cast<int>(DispatchStatus::withdrawn); ++i)
+    statuses.append(std::string(name(static_cast<DispatchStatus>(i))));
+  for (int i = 0; i <= static_cast<int>(SwitchCause::travel); ++i)
+    causes.append(std::string(name(static_cast<SwitchCause>(i))));
+  module.attr("dispatch_status_names") = py::tuple(statuses);
+  module.attr("switch_cause_names") = py::tuple(causes);
+  py::class_<Run>(module, "Run")
+      .def_property_readonly("frames", [](const Run& self) { return frames_of(self.result); })
+      .def_property_readonly("dispatches", [](const Run& self) { return dispatches_of(self.result); })
+      .def_property_readonly("switches", [](const Run& self) { return switches_of(self.result); })
+      .def_property_readonly("states", [](const Run& self) { return array_of(self.result.states); })
+      .def_property_readonly("interrupted", [](const Run& self) { return self.result.interrupted(); })
+      .def_property_readonly("_summary", [](const Run& self) { return to_json(self.summary).dump(); })
+      .def(
+          "write",
+          [](const Run& self, const std::filesystem::path& folder) {
+            const py::gil_scoped_release released;
+            prepare_run_folder(folder);
+            write_run_files(folder, self.result, self.options);
+          },
+          py::arg("folder"));
+  module.def("_run_session", &run, py::arg("scene"), py::arg("progress"), py::arg("options"));
+}
+
+}  // namespace forefeel::python

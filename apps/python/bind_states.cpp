@@ -1,0 +1,242 @@
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "apps/python/bindings.hpp"
+#include "apps/python/space.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/coverage/estimate_spacing.hpp"
+#include "geometry/states/state_file.hpp"
+
+namespace forefeel::python {
+
+PySpace space_of(std::vector<State> states, std::optional<double> spacing,
+                 const CoverageOptions& thresholds) {
+  std::vector<std::int64_t> rows(states.size());
+  std::iota(rows.begin(), rows.end(), std::int64_t{0});
+  std::erase_if(rows, [&](std::int64_t i) { return !states[static_cast<std::size_t>(i)].usable(); });
+  std::erase_if(states, [](const State& s) { return !s.usable(); });
+  if (states.empty()) throw InputError("states", "hold no usable state, expected at least one");
+  StateSpaceOptions options;
+  options.spacing = spacing ? *spacing : estimate_spacing(states);
+  if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
+    if (spacing) throw InputError("spacing", fmt::format("is {} m, expected a positive number", *spacing));
+    options.spacing = StateSpaceOptions{}.spacing;  // a single position has no spacing
+  }
+  options.coverage = thresholds;
+  options.box = {states.front().at, states.front().at};
+  for (const State& s : states) {
+    options.box.low = options.box.low.cwiseMin(s.at);
+    options.box.high = options.box.high.cwiseMax(s.at);
+  }
+  const auto space = std::make_shared<StateSpace>(options);
+  std::vector<std::int64_t> inserted;  // repeated positions are left out
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (space->insert(std::move(states[i])).is_new) inserted.push_back(rows[i]);
+  return {space, std::move(inserted)};
+}
+
+namespace {
+
+constexpr double largest_spacing = 1e6;  // [m]; squares of larger values may overflow
+
+std::optional<double> checked(std::optional<double> spacing) {
+  if (spacing && !(*spacing > 0 && *spacing <= largest_spacing))
+    throw InputError("spacing",
+                     fmt::format("is {} m, expected a number in (0, {:.0e}]", *spacing, largest_spacing));
+  return spacing;
+}
+
+// Applies `each(i)` to all points, in parallel and without the interpreter's lock.
+template <class Each>
+void for_all(std::size_t n, const Each& each) {
+  const py::gil_scoped_release released;
+#pragma omp parallel for schedule(dynamic, 256)
+  for (std::size_t i = 0; i < n; ++i) each(i);
+}
+
+py::array_t<std::uint8_t> labels(const StateSpace& space, const std::vector<Vec3>& points) {
+  py::array_t<std::uint8_t> out(static_cast<py::ssize_t>(points.size()));
+  std::uint8_t* to = out.mutable_data();
+  const py::gil_scoped_release released;
+#pragma omp parallel
+  {
+    PathWalk walk;
+#pragma omp for schedule(static)
+    for (std::size_t i = 0; i < points.size(); ++i)
+      to[i] = static_cast<std::uint8_t>(space.label(points[i], walk));
+  }
+  return out;
+}
+
+py::array_t<double> measure(const StateSpace& space, const std::vector<Vec3>& points,
+                            double Coverage::*field) {
+  py::array_t<double> out(static_cast<py::ssize_t>(points.size()));
+  double* to = out.mutable_data();
+  for_all(points.size(), [&](std::size_t i) { to[i] = space.coverage(points[i]).*field; });
+  return out;
+}
+
+py::tuple nearest(const PySpace& self, const std::vector<Vec3>& points, std::size_t n) {
+  const StateSpace& space = *self.space;
+  n = std::min(n, space.size());
+  const auto rows = static_cast<py::ssize_t>(points.size()), columns = static_cast<py::ssize_t>(n);
+  py::array_t<std::int64_t> ids({rows, columns});
+  py::array_t<double> distances({rows, columns});
+  std::int64_t* id = ids.mutable_data();
+  double* distance = distances.mutable_data();
+  for_all(points.size(), [&](std::size_t i) {
+    std::vector<StateId> found;
+    space.nearest(points[i], n, found);
+    for (std::size_t k = 0; k < n; ++k) {
+      id[i * n + k] = self.row(found[k]);
+      distance[i * n + k] = (space[found[k]].at - points[i]).norm();
+    }
+  });
+  return py::make_tuple(ids, distances);
+}
+
+py::array_t<StateRow> states_in(const StateSpace& space) {
+  std::vector<State> states;
+  for (std::uint32_t i = 0; i < space.size(); ++i) states.push_back(space[StateId{i}]);
+  return array_of(states);
+}
+
+py::array_t<double> box_of(const Box& box) {
+  const Vec3 corners[] = {box.low, box.high};
+  return array_of(corners);
+}
+
+py::dict read_states(const std::filesystem::path& file) {
+  LoadedStates loaded;
+  {
+    const py::gil_scoped_release released;
+    loaded = load_states(file);
+  }
+  py::dict out;
+  out["states"] = array_of(loaded.states);
+  out["spacing"] = loaded.header.spacing;
+  out["box"] = box_of(loaded.header.box);
+  out["identity"] =
+      std::map<std::string, std::string>(loaded.header.identity.begin(), loaded.header.identity.end());
+  out["notes"] = loaded.header.notes;
+  out["damaged"] = loaded.damaged;
+  return out;
+}
+
+void write_states(const std::filesystem::path& file, const py::array_t<StateRow>& rows, double spacing) {
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
+  std::error_code error;
+  if (std::filesystem::exists(file, error))
+    throw InputError(file.string(), "exists already, expected a new name");
+  const std::vector<State> states = states_of(rows);
+  const py::gil_scoped_release released;
+  StateFileHeader header;
+  header.spacing = spacing;
+  if (!states.empty()) header.box = {states.front().at, states.front().at};
+  for (const State& s : states) {
+    header.box.low = header.box.low.cwiseMin(s.at);
+    header.box.high = header.box.high.cwiseMax(s.at);
+  }
+  header.notes["source"] = "import from Python";
+  StateFile::open_or_create(file, header).replace(header, states);
+}
+
+}  // namespace
+
+void bind_states(py::module_& module) {
+  module.attr("status_names") = [] {
+    py::list names;
+    for (int i = 0; i <= static_cast<int>(SolveStatus::measured); ++i)
+      names.append(std::string(name(static_cast<SolveStatus>(i))));
+    return py::tuple(names);
+  }();
+  module.attr("label_names") = py::make_tuple("safe", "sparse", "gap", "blank");
+  module.attr("state_dtype") = py::dtype::of<StateRow>();
+  module.def("read_states", &read_states, py::arg("file"));
+  module.def("write_states", &write_states, py::arg("file"), py::arg("states"), py::arg("spacing"));
+  module.def(
+      "measured",
+      [](const Doubles& positions, const Doubles& forces, const std::optional<Doubles>& stiffness) {
+        return array_of(states_of(positions, forces, stiffness));
+      },
+      py::arg("positions"), py::arg("forces"), py::arg("stiffness") = py::none());
+
+  py::class_<CoverageOptions>(module, "Thresholds")
+      .def(py::init<>())
+      .def_readwrite("safe_spread", &CoverageOptions::safe_spread)
+      .def_readwrite("safe_cone_radius", &CoverageOptions::safe_cone_radius)
+      .def_readwrite("safe_angle_deg", &CoverageOptions::safe_angle_deg)
+      .def_readwrite("sparse_distance", &CoverageOptions::sparse_distance)
+      .def_readwrite("gap_cone_radius", &CoverageOptions::gap_cone_radius)
+      .def_readwrite("gap_angle_deg", &CoverageOptions::gap_angle_deg);
+
+  py::class_<PySpace>(module, "StateSpace")
+      .def(py::init([](const py::array_t<StateRow>& rows, std::optional<double> spacing,
+                       const CoverageOptions& thresholds) {
+             std::vector<State> states = states_of(rows);
+             const py::gil_scoped_release released;
+             return space_of(std::move(states), checked(spacing), thresholds);
+           }),
+           py::arg("states"), py::arg("spacing") = py::none(), py::arg("thresholds") = CoverageOptions{})
+      .def("__len__", [](const PySpace& self) { return self.space->size(); })
+      .def_property_readonly("spacing", [](const PySpace& self) { return self.space->options().spacing; })
+      .def_property_readonly("box", [](const PySpace& self) { return box_of(self.space->options().box); })
+      .def_property_readonly("states", [](const PySpace& self) { return states_in(*self.space); })
+      .def_property_readonly("rows",
+                             [](const PySpace& self) {
+                               py::array_t<std::int64_t> rows(static_cast<py::ssize_t>(self.space->size()));
+                               for (std::uint32_t i = 0; i < self.space->size(); ++i)
+                                 rows.mutable_data()[i] = self.row(StateId{i});
+                               return rows;
+                             })
+      .def(
+          "label",
+          [](const PySpace& self, const Doubles& at) { return labels(*self.space, points_of(at, "points")); },
+          py::arg("points"))
+      .def(
+          "spread",
+          [](const PySpace& self, const Doubles& at) {
+            return measure(*self.space, points_of(at, "points"), &Coverage::spread);
+          },
+          py::arg("points"))
+      .def(
+          "distance",
+          [](const PySpace& self, const Doubles& at) {
+            return measure(*self.space, points_of(at, "points"), &Coverage::delta);
+          },
+          py::arg("points"))
+      .def(
+          "nearest",
+          [](const PySpace& self, const Doubles& at, std::size_t n) {
+            return nearest(self, points_of(at, "points"), n);
+          },
+          py::arg("points"), py::arg("n") = 1);
+
+  module.def(
+      "classify",
+      [](const Doubles& positions, const Doubles& points, std::optional<double> spacing) {
+        std::vector<State> states;
+        for (const Vec3& at : points_of(positions, "positions")) {
+          State& s = states.emplace_back();
+          s.at = at;
+          s.force = Vec3::Zero();
+        }
+        const std::vector<Vec3> at = points_of(points, "points");
+        PySpace made;
+        {
+          const py::gil_scoped_release released;
+          made = space_of(std::move(states), checked(spacing));
+        }
+        return labels(*made.space, at);
+      },
+      py::arg("positions"), py::arg("points"), py::arg("spacing") = py::none());
+}
+
+}  // namespace forefeel::python

@@ -1,0 +1,63 @@
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+class InputError(ValueError): ...
+
+class Thresholds:
+    safe_spread: float
+    safe_cone_radius: float
+    safe_angle_deg: float
+    sparse_distance: float
+    gap_cone_radius: float
+    gap_angle_deg: float
+
+class Model:
+    kernel: str
+    degree: int
+    is_tangent: bool
+    force_bound: float
+    trust_distance: float
+    hold_distance: float
+    states: NDArray[np.int64]
+    def force(self, points: ArrayLike) -> NDArray[np.float64]: ...
+    def jacobian(self, points: ArrayLike) -> NDArray[np.float64]: ...
+
+class PlannerView:
+    now: float
+    hip: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    predicted: NDArray[Any]
+    solve_seconds: float
+    workers: int
+    pending: NDArray[np.float64]
+    spacing: float
+    space: StateSpace
+
+class StateSpace:
+    spacing: float
+    box: NDArray[np.float64]
+    states: NDArray[Any]
+    rows: NDArray[np.int64]
+    def __init__(self, states: NDArray[Any], spacing: float | None = ..., thresholds: Thresholds = ...) -> None: ...
+    def __len__(self) -> int: ...
+    def label(self, points: ArrayLike) -> NDArray[np.uint8]: ...
+    def spread(self, points: ArrayLike) -> NDArray[np.float64]: ...
+    def distance(self, points: ArrayLike) -> NDArray[np.float64]: ...
+    def nearest(self, points: ArrayLike, n: int = ...) -> tuple[NDArray[np.int64], NDArray[np.float64]]: ...
+
+state_dtype: np.dtype[Any]
+candidate_dtype: np.dtype[Any]
+status_names: tuple[str, ...]
+label_names: tuple[str, ...]
+dispatch_status_names: tuple[str, ...]
+switch_cause_names: tuple[str, ...]
+
+def classify(positions: ArrayLike, points: ArrayLike, spacing: float | None = ...) -> NDArray[np.uint8]: ...
+def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffness: ArrayLike | None = ...,
+             **options: Any) -> NDArray[np.float64]: ...
+def evaluate_in(space: StateSpace, points: ArrayLike, **options: Any) -> NDArray[np.float64]: ...
+def estimated_errors(space: StateSpace, points: ArrayLike, floor: float = ...) -> NDArray[np.float64]: ...
+def model_at(space: StateSpace, hip: ArrayLike, **options: Any) -> Model: ...
+def measured(positions: ArrayLike, forces: ArrayLike, stiffness: ArrayLike | None = ...) -> NDArray[Any]: ...

@@ -1,0 +1,113 @@
+"""Where to solve or measure next: ask and tell."""
+
+import numpy as np
+
+from . import _core
+
+
+class Placement:
+    """Places states in a box one after the other, for a solver or a measurement of the user's own.
+
+        placement = Placement(low, high, spacing)
+        while len(placement) < 50:
+            for x in placement.ask(4):
+                placement.tell(x, *my_solver(x))
+
+    The first positions are rest (where the box holds it) and the corners at 3/4 of the box. Then each next position
+    is the candidate of the largest estimated error, relative to max(|force|, floor). With stiffness the estimate is
+    that of `forefeel generate --error`. Without, it is the squared distance to the nearest state times the
+    disagreement of two models, one with half of the other's neighbours; expect little more than from a lattice then.
+
+    low, high  (3,): corners of the box [m]
+    spacing    finest distance of states; candidates are its lattice [m]
+    floor      force below which errors count in newtons [N]
+    """
+
+    def __init__(self, low, high, spacing, floor=0.05):
+        self.low, self.high = np.asarray(low, float), np.asarray(high, float)
+        self.spacing, self.floor = float(spacing), float(floor)
+        if not (np.all(self.low < self.high) and self.spacing > 0):
+            raise _core.InputError("Placement: expected low < high and spacing > 0")
+        axes = [np.arange(np.ceil(l / spacing), np.floor(h / spacing) + 1) * spacing
+                for l, h in zip(self.low, self.high)]
+        self.candidates = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        if len(self.candidates) == 0:
+            raise _core.InputError("Placement: the box holds no position of the lattice, expected a smaller spacing")
+        self._at, self._force, self._stiffness = [], [], []
+        self._open = []  # asked, not told yet
+
+    def __len__(self):
+        return len(self._at)
+
+    @property
+    def states(self):
+        """Structured array of the states told so far."""
+        if not self._at:
+            return np.empty(0, _core.state_dtype)
+        stiffness = np.array([np.full((3, 3), np.nan) if k is None else k for k in self._stiffness])
+        return _core.measured(np.array(self._at), np.array(self._force), stiffness)
+
+    def tell(self, at, force, stiffness=None):
+        """The force (3,) [N] at a position (3,) [m], and its stiffness (3, 3) [N/m] with K = -df/dx if known."""
+        at, force = np.asarray(at, float).reshape(3), np.asarray(force, float).reshape(3)
+        if not (np.all(np.isfinite(at)) and np.all(np.isfinite(force))):
+            raise _core.InputError("Placement.tell: expected finite numbers")
+        self._at.append(at)
+        self._force.append(force)
+        self._stiffness.append(None if stiffness is None else np.asarray(stiffness, float).reshape(3, 3))
+        self._open = [x for x in self._open if not np.array_equal(x, at)]
+
+    def ask(self, n=1):
+        """The next n positions (n, 3) [m]; fewer if the lattice is full. Positions that were asked and not told yet
+        are not asked again."""
+        chosen = []
+        for _ in range(n):
+            x = self._next()
+            if x is None:
+                break
+            chosen.append(x)
+            self._open.append(x)
+        return np.array(chosen).reshape(-1, 3)
+
+    def _next(self):
+        taken = np.array(self._at + self._open).reshape(-1, 3)
+        if len(taken) == 0:
+            gaps = np.full(len(self.candidates), np.inf)
+        else:
+            from_each = self.candidates[:, None, :] - taken[None, :, :]
+            gaps = np.sqrt((from_each ** 2).sum(axis=-1)).min(axis=1)
+        if gaps.max() <= 1e-9 * self.spacing:
+            return None
+        for start in self._starts():
+            if len(taken) == 0 or np.linalg.norm(taken - start, axis=1).min() > 1e-9 * self.spacing:
+                return start
+        doubt = self._doubt() * (gaps > 1e-9 * self.spacing)
+        # An asked position will be known soon: its surroundings need less.
+        if self._open:
+            near = np.linalg.norm(self.candidates[:, None] - np.array(self._open)[None], axis=-1).min(axis=1)
+            doubt = doubt * np.minimum(1, near / (2 * self.spacing))
+        # gaps break ties, and decide where the models agree to rounding
+        return self.candidates[np.lexsort((-gaps, -doubt))[0]].copy()
+
+    def _starts(self):
+        middle, half = (self.low + self.high) / 2, (self.high - self.low) / 2
+        inside = np.all((self.low <= 0) & (self.high >= 0))
+        wanted = [np.zeros(3) if inside else middle]
+        wanted += [middle + 0.75 * half * np.array(s) for s in
+                   ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1), (-1, -1, -1), (-1, 1, 1), (1, -1, 1), (1, 1, -1))]
+        return [self.candidates[((self.candidates - w) ** 2).sum(axis=1).argmin()] for w in wanted]
+
+    def _doubt(self):
+        states = self.states
+        if len(states) == 0:
+            return np.ones(len(self.candidates))
+        space = _core.StateSpace(states, self.spacing)
+        if all(k is not None for k in self._stiffness):
+            return np.minimum(_core.estimated_errors(space, self.candidates, self.floor), 1e9)
+        n = max(4, min(len(states), 24))
+        fine = _core.evaluate_in(space, self.candidates, neighbours=n, select="nearest")
+        coarse = _core.evaluate_in(space, self.candidates, neighbours=max(2, n // 2), select="nearest")
+        size = np.maximum(np.linalg.norm(fine, axis=1), self.floor)
+        disagreement = np.linalg.norm(fine - coarse, axis=1) / size
+        gaps = space.distance(self.candidates)
+        return gaps ** 2 * (disagreement + 0.1 * np.median(disagreement))

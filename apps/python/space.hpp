@@ -1,0 +1,24 @@
+#pragma once
+// A state space as Python sees it: shared, and read only once it is made.
+
+#include <memory>
+
+#include "apps/python/arrays.hpp"
+#include "geometry/coverage/state_space.hpp"
+
+namespace forefeel::python {
+
+struct PySpace {
+  std::shared_ptr<const StateSpace> space;
+  // Row of the caller's array for each state id. Empty: the ids themselves.
+  std::vector<std::int64_t> rows = {};
+
+  std::int64_t row(StateId id) const { return rows.empty() ? std::int64_t{id.value} : rows[id.value]; }
+};
+
+// Usable states only, in the order of the rows; the first of repeated positions is kept. spacing [m]: nullopt takes
+// the median distance of the states.
+PySpace space_of(std::vector<State> states, std::optional<double> spacing,
+                 const CoverageOptions& thresholds = {});
+
+}  // namespace forefeel::python

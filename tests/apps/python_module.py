@@ -1,0 +1,212 @@
+"""Checks the package forefeel against the command and against SciPy. Usage: python_module.py COMMAND SCENE"""
+
+import csv
+import json
+import subprocess
+import sys
+import unittest
+
+import numpy as np
+
+import forefeel as ff
+
+COMMAND, SCENE = sys.argv[1], sys.argv[2]
+
+
+def run(*arguments):
+    done = subprocess.run([COMMAND, *arguments], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def save(file, header, *columns):
+    with open(file, "w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(header.split(","))
+        writer.writerows([[repr(float(v)) for v in row] for row in np.column_stack(columns)])
+
+
+def cloud(n, seed):
+    return np.random.default_rng(seed).uniform(-0.03, 0.03, (n, 3))
+
+
+def field(x):  # a stiffening field [N]
+    x = np.asarray(x)
+    return -300 * x - 2e5 * x * (x ** 2).sum(axis=-1, keepdims=True)
+
+
+def stiffness(x):  # K = -df/dx [N/m]
+    return 300 * np.eye(3) + 2e5 * (x @ x * np.eye(3) + 2 * np.outer(x, x))
+
+
+class LikeTheCommand(unittest.TestCase):
+    def test_classify(self):
+        states, points = cloud(400, 1), cloud(500, 2) * 2
+        save("states.csv", "x,y,z,fx,fy,fz", states, field(states))
+        save("points.csv", "x,y,z", points)
+        said = json.loads(run("classify", "states.csv", "--points", "points.csv", "--spacing", "0.006", "--json"))
+        labels = ff.classify(states, points, spacing=0.006)
+        self.assertEqual(labels.dtype, np.uint8)
+        self.assertEqual([ff.label_names[k] for k in labels], said["labels"])
+        space = ff.StateSpace(states, spacing=0.006)
+        self.assertEqual(space.label(points).tolist(), labels.tolist())
+        known = np.array([np.inf if v is None else v for v in said["spread"]])
+        np.testing.assert_allclose(space.spread(points), known, rtol=1e-12)  # rounding: another order of states
+        self.assertTrue(np.array_equal(space.distance(points), np.array(said["delta"])))
+
+    def test_evaluate(self):
+        states, points = cloud(300, 3), cloud(100, 4)
+        save("f.csv", "x,y,z,fx,fy,fz", states, field(states))
+        save("q.csv", "x,y,z", points)
+        for options in ({"kernel": "cubic", "neighbours": 60}, {"kernel": "linear", "neighbours": 30, "ridge": 0.01},
+                        {"kernel": "quintic", "neighbours": 50, "select": "nearest"}, {"method": "offline-rbf"}):
+            flags = [text for key, value in options.items() for text in ("--" + key, str(value))]
+            if "method" not in options:
+                flags += ["--method", "rbf"]
+            said = json.loads(run("evaluate", "f.csv", "--points", "q.csv", "--json", *flags))
+            forces = ff.evaluate(states, field(states), points, **{"method": "rbf", **options})
+            self.assertTrue(np.array_equal(forces, np.array(said["forces"])), options)
+
+    def test_states_and_solves(self):
+        scene = ff.Scene(SCENE)
+        states = scene.generate()
+        ff.write_states("lattice.states", states, scene.spacing)
+        again = ff.read_states("lattice.states")
+        self.assertEqual(len(again), len(states))
+        for field in ("at", "force", "stiffness", "energy", "status"):
+            self.assertTrue(np.array_equal(again.array[field], states.array[field], equal_nan=True), field)
+        at = states.array["at"][-1]
+        said = json.loads(run("solve", SCENE, "--at=" + ",".join(map(repr, at.tolist())), "--json"))
+        one = scene.solve(at)
+        self.assertEqual(one["force"][0].tolist(), said["states"][0]["force"])
+
+    def test_session(self):
+        flags = ["--clock", "virtual", "--seconds", "0.5", "--policy", "nearest", "--cost", "constant:0.02",
+                 "--device", "path:circle,speed=0.04"]
+        run("session", SCENE, *flags, "-o", "run")
+        table = ff.read_run("run")
+        made = ff.Scene(SCENE).session(clock="virtual", seconds=0.5, policy="nearest", cost="constant:0.02",
+                                       device="path:circle,speed=0.04")
+        sent = np.stack([table["frames"][k] for k in ("fx", "fy", "fz")], axis=1)
+        count = len(made.frames)
+        self.assertTrue(np.array_equal(made.frames["sent"], sent[:count]))
+        self.assertEqual(made.summary["error"], table["summary"]["error"])
+        self.assertEqual(len(made.dispatches), len(table["dispatches"]["id"]))
+
+
+class Nearest:
+    """The built-in policy's rule is not used; this one is nearest to where the HIP will be."""
+
+    def __init__(self):
+        self.calls = 0
+
+    def prioritise(self, candidates, view):
+        self.calls += 1
+        ahead = view.predicted["at"][len(view.predicted) // 2]
+        return view.spacing / (view.spacing + np.linalg.norm(candidates["at"] - ahead, axis=1))
+
+
+class Written(unittest.TestCase):
+    OPTIONS = dict(clock="virtual", seconds=0.5, cost="constant:0.02")
+
+    def test_policy_repeats(self):
+        scene = ff.Scene(SCENE)
+        runs = [scene.session(policy=Nearest(), device="path:circle,speed=0.04", **self.OPTIONS) for _ in range(2)]
+        self.assertGreater(len(runs[0].dispatches), 5)
+        self.assertEqual(runs[0].frames.tobytes(), runs[1].frames.tobytes())
+        self.assertEqual(runs[0].dispatches.tobytes(), runs[1].dispatches.tobytes())
+
+    def test_policy_decides(self):
+        class Corner:
+            def prioritise(self, candidates, view):
+                return 1 + candidates["at"].sum(axis=1) / np.abs(candidates["at"]).sum(axis=1).max()
+
+        made = ff.Scene(SCENE).session(policy=Corner(), workers=1, **self.OPTIONS)
+        first = made.dispatches["at"][1:6].sum(axis=1)  # the first is rest
+        self.assertGreater(first.mean(), made.dispatches["at"].sum(axis=1).mean() + 0.001)
+
+    def test_device_and_predictor(self):
+        class Press:
+            duration = 0.4
+
+            def position(self, t, force):
+                return (0, 0, -0.004 * np.sin(np.pi * t / 0.4) ** 2)
+
+        class Still:
+            def observe(self, t, at, velocity):
+                self.at = at.copy()
+
+            def predict(self, horizon):
+                return self.at, 0.001
+
+        made = ff.Scene(SCENE).session(device=Press(), predictor=Still(), clock="virtual", cost="constant:0.02")
+        self.assertEqual(made.frames["t"][-1], 0.4)
+        self.assertAlmostEqual(made.frames["at"][:, 2].min(), -0.004, delta=1e-4)
+
+    def test_study_with_a_policy_of_ones_own(self):
+        ff.register_policy("python-nearest", Nearest)
+        with open("study.toml", "w") as out:
+            out.write(f'''scene = "{SCENE}"
+seeds = [1, 2]
+[session]
+seconds = 0.3
+cost = "constant:0.02"
+[vary]
+policy = ["nearest", "python-nearest"]
+''')
+        result = ff.study("study.toml", "study")
+        self.assertEqual(list(result["cells"]["policy"]), ["nearest"] * 2 + ["python-nearest"] * 2)
+        self.assertTrue((result["cells"]["states.solved"] > 0).all())
+
+    def test_errors_come_back(self):
+        class Wrong:
+            def prioritise(self, candidates, view):
+                raise KeyError("mine")
+
+        with self.assertRaises(KeyError):
+            ff.Scene(SCENE).session(policy=Wrong(), **self.OPTIONS)
+
+        class Negative:
+            def prioritise(self, candidates, view):
+                return -np.ones(len(candidates))
+
+        with self.assertRaisesRegex(ff.InputError, "expected finite numbers"):
+            ff.Scene(SCENE).session(policy=Negative(), **self.OPTIONS)
+        with self.assertRaisesRegex(ff.InputError, r"shape \(5, 2\), expected \(n, 3\)"):
+            ff.classify(np.zeros((5, 2)), np.zeros((1, 3)))
+        with self.assertRaises(TypeError):
+            ff.evaluate(cloud(5, 0), cloud(5, 0), cloud(1, 0), nosuch=1)
+        with self.assertRaises(ff.InputError):
+            ff.Scene("missing.toml")
+
+    def test_ask_and_tell(self):
+        placement = ff.Placement([-0.03] * 3, [0.03] * 3, 0.006)
+        while len(placement) < 60:
+            for x in placement.ask(4):
+                placement.tell(x, field(x), stiffness(x))
+        points = cloud(400, 5) * 0.9
+        truth = field(points)
+        told = placement.states
+        self.assertEqual(len(np.unique(told["at"], axis=0)), len(told))
+        ours = ff.evaluate(told["at"], told["force"], points, told["stiffness"])
+        lattice = placement.candidates[np.random.default_rng(0).choice(len(placement.candidates), 60, replace=False)]
+        drawn = ff.evaluate(lattice, field(lattice), points, np.array([stiffness(x) for x in lattice]))
+
+        def error(forces):
+            size = np.maximum(np.linalg.norm(truth, axis=1), placement.floor)
+            return np.quantile(np.linalg.norm(forces - truth, axis=1) / size, 0.95)
+
+        self.assertLess(error(ours), 0.7 * error(drawn))
+
+    def test_smooth_like_scipy(self):
+        from scipy.interpolate import RBFInterpolator
+        states, points = cloud(200, 6), cloud(50, 7)
+        theirs = RBFInterpolator(states, field(states), kernel="cubic", degree=1)(points)
+        ours = ff.evaluate(states, field(states), points, method="offline-rbf", kernel="cubic")
+        inside = ff.StateSpace(states, spacing=0.02).label(points) == ff.SAFE
+        self.assertGreater(inside.sum(), 10)
+        self.assertLess(np.abs(ours - theirs)[inside].max(), 1e-9)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0]])
