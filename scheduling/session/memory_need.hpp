@@ -1,7 +1,7 @@
 #pragma once
 // How much memory a session will take, estimated before anything of it is allocated.
 
-#include "scheduling/session/session_plan.hpp"
+#include "scheduling/session/planned_session.hpp"
 
 namespace forefeel {
 

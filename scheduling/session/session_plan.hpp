@@ -1,37 +1,16 @@
 #pragma once
 // Everything that is fixed before the first frame of a session. It is checked and made once.
 
-#include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "scheduling/judge/session_judge.hpp"
-#include "scheduling/plan/planner.hpp"
-#include "scheduling/render/render_loop.hpp"
-#include "scheduling/session/arrivals.hpp"
-#include "scheduling/session/session_input.hpp"
-#include "scheduling/session/session_options.hpp"
+#include "scheduling/session/planned_session.hpp"
 
 namespace forefeel {
-
-// Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share one device.
-// Do not run two copies at once; the device restarts its motion when asked for an earlier time.
-struct SessionPlan {
-  SessionInput input;
-  SessionOptions options;  // clock.seconds has been set according to clock.length
-  std::shared_ptr<Device> device;
-  std::size_t frames = 0;
-  std::vector<Vec3> motion = {};       // by frame [m], for policies that read it; else empty
-  std::vector<Arrival> arrivals = {};  // by increasing time
-  bool given_arrivals = false;         // states become known at these times, and nothing is dispatched
-  bool replay_of_arrivals = false;     // the replayed run had given arrivals
-  RenderOptions render = {};           // with the lower force limit of device and options
-  ModelRecipe model = {};
-  int batch = 1;  // states of one job
-  // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
-  double guess_softness = unknown;
+int batch = 1;  // states of one job
+// Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
+double guess_softness = unknown;
 };
 
 // Makes the plan and reads the files of motion and arrivals, once. Throws InputError for anything that cannot

@@ -2,32 +2,16 @@
 // All states of the lattice {k h}^3 inside a box, each on the reference branch (straight continuation from
 // rest).
 
-#include <cstddef>
 #include <functional>
 #include <memory>
-#include <stop_token>
 #include <vector>
 
-#include "geometry/common/types.hpp"
 #include "geometry/states/state.hpp"
 #include "solver/body/body.hpp"
+#include "solver/lattice/generate_options.hpp"
 
 namespace forefeel {
 
-struct GenerateOptions {
-  double spacing = 0.006;
-  Box box;
-  int threads = 0;          // 0: all
-  double tolerance = 1e-6;  // force, relative
-  bool want_displacements = false;
-  std::stop_token stop;
-};
-struct GenerateReport {
-  std::size_t solved = 0, failed = 0, resumed = 0;
-  std::size_t inverted = 0;  // of the solved: with inverted elements (state_outcome.hpp)
-  double seconds = 0;
-  int threads = 0;
-};
 // Solves every lattice point of the box that `known` does not hold, outward from rest. Failed states in
 // `known` are not retried. sink(state) receives each new state, failed ones included; progress(done, total)
 // reports. Both are called from one thread at a time.

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "solver/lattice/generate.hpp"
+#include "solver/lattice/generate_options.hpp"
 #include "solver/lattice/sweep.hpp"
 
 namespace forefeel {
