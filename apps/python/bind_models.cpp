@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
+#include "approx/evaluate/evaluate.hpp"
 #include "approx/judge/leave_one_out.hpp"
-#include "approx/predecessors/methods.hpp"
 #include "approx/select/updater.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/space.hpp"
@@ -15,16 +15,6 @@
 
 namespace forefeel::python {
 namespace {
-
-// The options of `forefeel evaluate`, by the same names.
-struct EvaluateOptions {
-  std::string method = "rbf";
-  std::optional<std::string> kernel, data;
-  std::optional<std::size_t> neighbours;
-  std::string select = "label";
-  std::variant<double, std::string> ridge = 0.0;
-  std::optional<double> spacing;
-};
 
 template <class Choice>
 Choice chosen(const std::string& text, const char* argument, std::initializer_list<Choice> all) {
@@ -36,86 +26,115 @@ Choice chosen(const std::string& text, const char* argument, std::initializer_li
   throw InputError(argument, fmt::format("is '{:.40}', expected {}", text, names));
 }
 
-ModelOptions model_options(const EvaluateOptions& given, const StateSpace& space) {
-  bool stiffness = false;
-  for (std::uint32_t i = 0; i < space.size() && !stiffness; ++i)
-    stiffness = space[StateId{i}].has_stiffness();
-  const bool offline = given.method == "offline-rbf";
-  ModelOptions options;
-  options.kernel = given.kernel
-                       ? chosen(*given.kernel, "kernel", {Kernel::linear, Kernel::cubic, Kernel::quintic})
-                   : stiffness && !offline ? Kernel::quintic
-                                           : Kernel::cubic;
-  options.data = given.data ? chosen(*given.data, "data", {Data::force, Data::force_and_stiffness})
-                 : stiffness && !offline && options.kernel != Kernel::linear ? Data::force_and_stiffness
-                                                                             : Data::force;
-  if (options.data == Data::force_and_stiffness && !stiffness)
-    throw InputError("data", "no state has a stiffness, expected stiffness, or data=\"force\"");
-  options.neighbours = given.neighbours.value_or(options.data == Data::force ? 100 : 25);
-  if (options.neighbours < 1 || options.neighbours > 100'000)
-    throw InputError("neighbours", fmt::format("is {}, expected 1 to 100000", options.neighbours));
-  options.neighbours = std::min(options.neighbours, space.size());
-  options.select = chosen(given.select, "select", {Select::label, Select::nearest});
+Method method_of(const std::string& text) {
+  std::string names = "auto";
+  for (const Method method : all_methods()) {
+    if (name(method) == text) return method;
+    names += ", " + std::string(name(method));
+  }
+  throw InputError("method", fmt::format("is '{:.40}', expected {}", text, names));
+}
+
+void set_ridge(EvaluateOptions& options, const py::handle& value) {
+  if (py::isinstance<py::str>(value)) {
+    if (py::cast<std::string>(value) != "auto")
+      throw InputError("ridge", fmt::format("is '{:.40}', expected a number >= 0 or \"auto\"",
+                                            py::cast<std::string>(value)));
+    options.choose_ridge = options.choose != true;
+    return;
+  }
+  options.ridge = py::cast<double>(value);
+  if (!(*options.ridge >= 0) || !std::isfinite(*options.ridge))
+    throw InputError("ridge", fmt::format("is {}, expected a number >= 0 or \"auto\"", *options.ridge));
+}
+
+void set_option(EvaluateOptions& options, const std::string& key, const py::handle& value) {
+  if (key == "method") {
+    const auto method = py::cast<std::string>(value);
+    options.choose = method == "auto";
+    if (method != "auto") options.method = method_of(method);
+  } else if (key == "kernel") {
+    options.kernel =
+        chosen(py::cast<std::string>(value), "kernel", {Kernel::linear, Kernel::cubic, Kernel::quintic});
+  } else if (key == "data") {
+    options.data = chosen(py::cast<std::string>(value), "data", {Data::force, Data::force_and_stiffness});
+  } else if (key == "neighbours") {
+    const auto n = py::cast<std::int64_t>(value);
+    if (n < 1 || n > 100'000) throw InputError("neighbours", fmt::format("is {}, expected 1 to 100000", n));
+    options.neighbours = static_cast<std::size_t>(n);
+  } else if (key == "select") {
+    options.select = chosen(py::cast<std::string>(value), "select", {Select::label, Select::nearest});
+  } else if (key == "ridge") {
+    set_ridge(options, value);
+  } else if (key == "spacing") {
+    options.spacing = py::cast<double>(value);
+    if (!(options.spacing > 0) || !std::isfinite(options.spacing))
+      throw InputError("spacing", fmt::format("is {} m, expected a positive number", options.spacing));
+  } else {
+    throw py::type_error(fmt::format(
+        "unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge or spacing", key));
+  }
+}
+
+// The options of `forefeel evaluate`, by the same names. None stands for an option that is not given.
+EvaluateOptions options_of(const py::kwargs& given) {
+  EvaluateOptions options;
+  if (given.contains("method") && !given["method"].is_none()) set_option(options, "method", given["method"]);
+  for (const auto& [key, value] : given)
+    if (!value.is_none()) set_option(options, py::cast<std::string>(key), value);
   return options;
 }
 
-void set_ridge(ModelOptions& options, const EvaluateOptions& given, const StateSpace& space) {
-  if (const double* value = std::get_if<double>(&given.ridge)) {
-    if (!(*value >= 0) || !std::isfinite(*value))
-      throw InputError("ridge", fmt::format("is {}, expected a number >= 0 or \"auto\"", *value));
-    options.ridge = *value;
-  } else if (std::get<std::string>(given.ridge) == "auto") {
-    options.ridge = choose_ridge(space, options).ridge;
-  } else {
-    throw InputError("ridge", fmt::format("is '{:.40}', expected a number >= 0 or \"auto\"",
-                                          std::get<std::string>(given.ridge)));
-  }
-}
-
-// Each point has the model of its own neighbours, so the result does not depend on the order of the points.
-std::vector<Vec3> forces_at(const StateSpace& space, const ModelOptions& options,
-                            const std::vector<Vec3>& points) {
-  std::vector<Vec3> forces(points.size());
-#pragma omp parallel
-  {
-    ModelUpdater updater(space, options);
-    Model model;
-    model.reserve(options);
-#pragma omp for schedule(dynamic, 16)
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      updater.forget();
-      updater.update(points[i], model);
-      forces[i] = model.force(points[i]);
-    }
-  }
-  return forces;
-}
-
-std::vector<Vec3> forces_of_method(Method method, const StateSpace& space, const EvaluateOptions& given,
-                                   const ModelOptions& model, const std::vector<Vec3>& points) {
+std::vector<State> states_in(const StateSpace& space) {
   std::vector<State> states;
   for (std::uint32_t i = 0; i < space.size(); ++i) states.push_back(space[StateId{i}]);
-  MethodOptions options;
-  options.model = model;
-  options.spacing = space.options().spacing;
-  if (method == Method::rbf_network)
-    options.centres = RbfNetwork::centres_of(states.size(), given.neighbours.value_or(0));
-  const Approximation field(method, states, options);
-  std::vector<Vec3> forces(points.size());
-#pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < points.size(); ++i) forces[i] = field.force(points[i]);
-  return forces;
+  return states;
 }
 
-std::vector<Vec3> evaluate(const StateSpace& space, const std::vector<Vec3>& points,
-                           const EvaluateOptions& given) {
-  const Method method = chosen(given.method, "method",
-                               {Method::rbf, Method::trilinear, Method::tricubic, Method::deflection,
-                                Method::two_force, Method::offline_rbf, Method::rbf_network});
-  ModelOptions options = model_options(given, space);
-  set_ridge(options, given, space);
-  return method == Method::rbf ? forces_at(space, options, points)
-                               : forces_of_method(method, space, given, options, points);
+// The settings in use, and the error to expect where they were chosen.
+py::dict description(const Evaluation& made) {
+  py::dict out;
+  const ModelOptions& model = made.options.model;
+  out["method"] = made.chosen ? std::string("auto") : std::string(name(made.method));
+  out["kernel"] = std::string(name(model.kernel));
+  out["data"] = std::string(name(model.data));
+  out["neighbours"] = model.neighbours;
+  out["ridge"] = model.ridge;
+  out["spacing"] = made.options.spacing;
+  out["averaged"] = made.repeated.averaged;
+  if (!made.chosen) return out;
+  py::dict error;
+  error["p50"] = made.chosen->p50, error["p95"] = made.chosen->p95;
+  out["expected_error"] = error;
+  return out;
+}
+
+py::tuple forces_from(const std::vector<State>& states, const std::vector<Vec3>& points,
+                      const EvaluateOptions& options) {
+  Evaluation made;
+  {
+    const py::gil_scoped_release released;
+    made = forefeel::evaluate(states, points, options);
+  }
+  return py::make_tuple(array_of(std::span<const Vec3>(made.made.forces)), description(made));
+}
+
+// The options of one model; `auto` is not for a single model.
+ModelOptions model_options(const EvaluateOptions& given, const StateSpace& space) {
+  if (given.choose == true || given.method.value_or(Method::rbf) != Method::rbf)
+    throw InputError("method", "expected rbf: model_at() makes one model");
+  const bool stiffness = std::ranges::any_of(states_in(space), &State::has_stiffness);
+  ModelOptions options;
+  options.kernel = given.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
+  options.data = given.data.value_or(stiffness && options.kernel != Kernel::linear ? Data::force_and_stiffness
+                                                                                   : Data::force);
+  if (options.data == Data::force_and_stiffness && !stiffness)
+    throw InputError("data", "no state has a stiffness, expected stiffness, or data=\"force\"");
+  options.neighbours =
+      std::min(given.neighbours.value_or(options.data == Data::force ? 100 : 25), space.size());
+  options.select = given.select.value_or(Select::label);
+  options.ridge = given.ridge.value_or(0);
+  return options;
 }
 
 py::array_t<double> jacobians(const Model& model, const std::vector<Vec3>& points) {
@@ -143,33 +162,6 @@ py::array_t<double> forces(const Model& model, const std::vector<Vec3>& points) 
     std::copy_n(force.data(), 3, to + 3 * i);
   }
   return out;
-}
-
-EvaluateOptions options_of(const py::kwargs& given) {
-  EvaluateOptions options;
-  for (const auto& [key, value] : given) {
-    const std::string name = py::cast<std::string>(key);
-    if (name == "method")
-      options.method = py::cast<std::string>(value);
-    else if (name == "kernel")
-      options.kernel = py::cast<std::optional<std::string>>(value);
-    else if (name == "data")
-      options.data = py::cast<std::optional<std::string>>(value);
-    else if (name == "neighbours")
-      options.neighbours = py::cast<std::optional<std::size_t>>(value);
-    else if (name == "select")
-      options.select = py::cast<std::string>(value);
-    else if (name == "ridge")
-      options.ridge = py::cast<std::variant<double, std::string>>(value);
-    else if (name == "spacing")
-      options.spacing = py::cast<std::optional<double>>(value);
-    else
-      throw py::type_error(
-          fmt::format("evaluate() has no option '{:.40}', expected method, kernel, data, neighbours, select, "
-                      "ridge or spacing",
-                      name));
-  }
-  return options;
 }
 
 }  // namespace
@@ -205,7 +197,7 @@ void bind_models(py::module_& module) {
         const EvaluateOptions wanted = options_of(given);
         ModelOptions options = model_options(wanted, *space.space);
         const py::gil_scoped_release released;
-        set_ridge(options, wanted, *space.space);
+        if (wanted.choose_ridge) options.ridge = choose_ridge(*space.space, options).ridge;
         ModelUpdater updater(*space.space, options);
         return std::make_shared<Model>(updater.model_at(at.front()));
       },
@@ -215,16 +207,8 @@ void bind_models(py::module_& module) {
       "evaluate",
       [](const Doubles& positions, const Doubles& forces, const Doubles& points,
          const std::optional<Doubles>& stiffness, const py::kwargs& given) {
-        const EvaluateOptions options = options_of(given);
-        std::vector<State> states = states_of(positions, forces, stiffness);
-        const std::vector<Vec3> at = points_of(points, "points");
-        std::vector<Vec3> found;
-        {
-          const py::gil_scoped_release released;
-          const PySpace space = space_of(std::move(states), options.spacing);
-          found = evaluate(*space.space, at, options);
-        }
-        return array_of(std::span<const Vec3>(found));
+        return forces_from(states_of(positions, forces, stiffness), points_of(points, "points"),
+                           options_of(given));
       },
       py::arg("positions"), py::arg("forces"), py::arg("points"), py::arg("stiffness") = py::none());
 
@@ -246,14 +230,9 @@ void bind_models(py::module_& module) {
   module.def(
       "evaluate_in",
       [](const PySpace& space, const Doubles& points, const py::kwargs& given) {
-        const EvaluateOptions options = options_of(given);
-        const std::vector<Vec3> at = points_of(points, "points");
-        std::vector<Vec3> found;
-        {
-          const py::gil_scoped_release released;
-          found = evaluate(*space.space, at, options);
-        }
-        return array_of(std::span<const Vec3>(found));
+        EvaluateOptions options = options_of(given);
+        if (std::isnan(options.spacing)) options.spacing = space.space->options().spacing;
+        return forces_from(states_in(*space.space), points_of(points, "points"), options);
       },
       py::arg("space"), py::arg("points"));
 }

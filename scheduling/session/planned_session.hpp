@@ -29,5 +29,9 @@ struct SessionPlan {
   bool replay_of_arrivals = false;     // the replayed run had given arrivals
   RenderOptions render = {};           // with the lower force limit of device and options
   ModelRecipe model = {};
+  int batch = 1;  // states of one job
+  // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
+  double guess_softness = unknown;
+};
 
 }  // namespace forefeel

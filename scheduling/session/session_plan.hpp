@@ -8,10 +8,6 @@
 #include "scheduling/session/planned_session.hpp"
 
 namespace forefeel {
-int batch = 1;  // states of one job
-// Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
-double guess_softness = unknown;
-};
 
 // Makes the plan and reads the files of motion and arrivals, once. Throws InputError for anything that cannot
 // run: unknown names, a bad trace, no workers … Solves and writes nothing.

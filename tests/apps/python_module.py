@@ -67,6 +67,17 @@ class LikeTheCommand(unittest.TestCase):
             forces = ff.evaluate(states, field(states), points, **{"method": "rbf", **options})
             self.assertTrue(np.array_equal(forces, np.array(said["forces"])), options)
 
+    def test_chosen_model(self):
+        states, points = cloud(120, 8), cloud(30, 9)
+        noisy = field(states) + np.random.default_rng(10).normal(0, 0.05, states.shape)
+        save("n.csv", "x,y,z,fx,fy,fz", states, noisy)
+        save("q.csv", "x,y,z", points)
+        said = json.loads(run("evaluate", "n.csv", "--points", "q.csv", "--json"))
+        forces, used = ff.evaluation(states, noisy, points)
+        self.assertTrue(np.array_equal(forces, np.array(said["forces"])))
+        self.assertEqual(used["kernel"], said["chosen"]["kernel"])
+        self.assertEqual(used["expected_error"]["p95"], said["expected_error"]["p95"])
+
     def test_states_and_solves(self):
         scene = ff.Scene(SCENE)
         states = scene.generate()

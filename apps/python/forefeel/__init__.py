@@ -29,9 +29,9 @@ from .placement import Placement
 SAFE, SPARSE, GAP, BLANK = range(4)
 
 __all__ = ["BLANK", "GAP", "InputError", "Model", "Placement", "PlannerView", "Run", "SAFE", "SPARSE", "Scene",
-           "StateSpace", "States", "Thresholds", "candidate_dtype", "classify", "dispatch_status_names", "evaluate",
-           "label_names", "measured", "command", "read_run", "read_states", "read_table", "state_dtype", "register_policy", "status_names", "study",
-           "switch_cause_names", "write_states"]
+           "StateSpace", "States", "Thresholds", "candidate_dtype", "classify", "command", "dispatch_status_names",
+           "evaluate", "evaluation", "label_names", "measured", "read_run", "read_states", "read_table",
+           "register_policy", "state_dtype", "status_names", "study", "switch_cause_names", "write_states"]
 
 
 class States:
@@ -109,7 +109,15 @@ def evaluate(positions, forces, points, stiffness=None, **options):
 
     forces (n, 3) [N]; stiffness (n, 3, 3) [N/m] with K = -df/dx, or None. Options as of `forefeel evaluate`:
     method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m]. Same forces as the command.
+    States without stiffness have method="auto" if nothing is given: it chooses kernel, neighbours and ridge by
+    leaving out groups of neighbouring states; evaluation() says what it chose.
     """
+    return _core.evaluate(positions, forces, points, stiffness, **options)[0]
+
+
+def evaluation(positions, forces, points, stiffness=None, **options):
+    """evaluate(), and a dict of what was used: method, kernel, data, neighbours, ridge, spacing [m], averaged (states
+    that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N]."""
     return _core.evaluate(positions, forces, points, stiffness, **options)
 
 
@@ -165,7 +173,7 @@ class StateSpace:
 
     def evaluate(self, points, **options):
         """Forces (m, 3) [N]; each point has the model of its own neighbours. Options as of evaluate()."""
-        return _core.evaluate_in(self._space, points, **options)
+        return _core.evaluate_in(self._space, points, **options)[0]
 
     def model_at(self, hip, **options):
         """The Model around a HIP position (3,) [m]; evaluate it anywhere near."""

@@ -105,8 +105,9 @@ class Placement:
         if all(k is not None for k in self._stiffness):
             return np.minimum(_core.estimated_errors(space, self.candidates, self.floor), 1e9)
         n = max(4, min(len(states), 24))
-        fine = _core.evaluate_in(space, self.candidates, neighbours=n, select="nearest")
-        coarse = _core.evaluate_in(space, self.candidates, neighbours=max(2, n // 2), select="nearest")
+        fine = _core.evaluate_in(space, self.candidates, method="rbf", neighbours=n, select="nearest")[0]
+        coarse = _core.evaluate_in(space, self.candidates, method="rbf", neighbours=max(2, n // 2),
+                                   select="nearest")[0]
         size = np.maximum(np.linalg.norm(fine, axis=1), self.floor)
         disagreement = np.linalg.norm(fine - coarse, axis=1) / size
         gaps = space.distance(self.candidates)
