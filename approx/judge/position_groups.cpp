@@ -10,7 +10,7 @@ namespace forefeel {
 namespace {
 
 constexpr double least_jump = 1.5;       // of edge lengths, between clusters and within them
-constexpr std::size_t compact_size = 8;  // positions of a compact group
+constexpr std::size_t compact_size = 4;  // positions of a compact group
 
 struct Edge {
   double length;

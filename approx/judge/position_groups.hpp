@@ -4,7 +4,7 @@
 //   natural   Positions come in clusters (a probe pressed to ten depths at each of 70 places): the edges of
 //             the minimum spanning tree, sorted by length, jump by a factor of at least 1.5. The groups are
 //             the clusters that remain without the longer edges
-//   compact   Otherwise: boxes of about eight neighbouring positions, by halving the longest side
+//   compact   Otherwise: boxes of two to four neighbouring positions, by halving the longest side
 
 #include <cstddef>
 #include <cstdint>

@@ -156,7 +156,7 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
   const std::string extension = std::filesystem::path(arguments.output).extension();
   if (arguments.list || (result.points.size() <= most_listed && extension != ".csv"))
     list_points(result.points, result.found, globals);
-  else
+  else if (!result.points.empty())
     count_points(result.found, globals);
   print_summary(result.set, result.seconds, globals);
   if (!arguments.output.empty() && extension != ".vtu")  // a .vtu names its three files itself

@@ -193,6 +193,11 @@ std::string at_most_90(const std::string& text) {
 
 int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.calibrate.empty()) {
+    if (arguments.foreign)
+      throw InputError(
+          "--foreign",
+          "would compare states of one body with solves of another; expected states of the scene's "
+          "body, or evaluate --method auto, which expects an error from the states alone");
     if (!arguments.diff.empty() || !arguments.points.empty() || !arguments.line.empty() || arguments.grid)
       throw InputError("--calibrate", "goes with STATES, --set, --seed and -o DIR/ alone");
     return calibrate_labels(globals, arguments.calibrate, arguments.states, arguments.output);

@@ -103,9 +103,9 @@ std::vector<Vec3> read_points(const std::string& file) {
 
 // The states, and whether they were taken as those of another body; nothing without a scene.
 struct KnownStates {
-  std::vector<State> states;
+  std::vector<State> states = {};
   double spacing = unknown;  // [m]
-  std::optional<Belonging> belonging;
+  std::optional<Belonging> belonging = {};
 };
 
 KnownStates read_known(const Globals& globals, const EvaluateArguments& arguments) {

@@ -196,7 +196,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
     return 1;
   }
   if (result.inverted > 0)
-    warn(globals, fmt::format("{} states have inverted elements: no body takes that shape, and they do not "
+    warn(globals, fmt::format("states with inverted elements: {}. No body takes such a shape; they do not "
                               "count as solved",
                               result.inverted));
   if (result.failed == 0) return held ? 0 : 1;

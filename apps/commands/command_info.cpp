@@ -59,7 +59,8 @@ int info_states(const Globals& globals, const std::string& file) {
   const LoadedStates loaded = load_states(file);
   if (loaded.damaged > 0) warn(globals, damage_in_words(file, loaded.damaged));
   const StateSetSummary sum = summarise(loaded.states);
-  if (sum.at_one_position.contradicting > 0) warn(globals, contradictions_in_words(file, sum.at_one_position));
+  if (sum.at_one_position.contradicting > 0)
+    warn(globals, contradictions_in_words(file, sum.at_one_position));
   if (globals.json) print_json(states_json(sum, loaded.header, file));
   answer(globals,
          fmt::format(

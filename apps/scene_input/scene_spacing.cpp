@@ -101,7 +101,9 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   if (read_kept(file, choice)) return choice;
   AutoSpacingOptions watched = options;
   watched.interrupted = &interrupt_flag();
-  Progress progress({.quiet = quiet}, "spacing \"auto\"");
+  Globals globals;
+  globals.quiet = quiet;
+  Progress progress(globals, "spacing \"auto\"");
   watched.progress = [&](const AutoSpacingProgress& p) {
     progress.show(fmt::format("try {} of at most {}, {:.3g} mm: {} of {} {}", p.trial, p.trials,
                               1e3 * p.spacing, p.done, p.total, p.checking ? "tight solves" : "states"));

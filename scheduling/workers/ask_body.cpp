@@ -9,7 +9,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_asked = 8, most_told = 3;
+constexpr std::size_t most_asked = 8, most_told = 2;
 constexpr double agreement = 0.01;
 
 auto place(const State& s) {

@@ -124,7 +124,9 @@ TEST_CASE("the chosen model is no worse than the best of SciPy's kernels, and it
     const double p95 = quantile_of(errors(found, given), 0.95), best = best_of_scipy(given);
     CAPTURE(name, p95, best, forefeel::name(found.options.model.kernel), found.options.model.neighbours,
             found.options.model.ridge, found.chosen->p95);
-    CHECK(p95 <= 1.001 * best);  // SciPy's own kernel without smoothing is the best where there is no noise
+    // Without noise the best is SciPy's quintic kernel, which is ours too; but outside the hull of the states
+    // our force turns into its tangent.
+    CHECK(p95 <= 1.01 * best);
     CHECK(found.chosen->p50 < found.chosen->p95);
     CHECK(found.chosen->p95 > 0.4 * p95);  // scattered positions lie closer than the groups left out
     if (name.starts_with("probed")) CHECK(found.chosen->p95 < 2.5 * p95);
@@ -144,7 +146,7 @@ TEST_CASE("probes to ten depths are groups of their own; a lattice falls into co
   CHECK_FALSE(blocks.natural);
   std::vector<std::size_t> size(blocks.count, 0);
   for (const std::uint32_t group : blocks.of) ++size.at(group);
-  for (const std::size_t n : size) CHECK((n >= 4 && n <= 8));
+  for (const std::size_t n : size) CHECK((n >= 2 && n <= 4));
   const std::vector<std::uint32_t> part = spread_over_parts(at, probes, 8);
   CHECK(std::set(part.begin(), part.end()).size() == 8);
   for (const std::uint32_t p : {0u, 7u}) CHECK(std::ranges::count(part, p) >= 6);

@@ -13,13 +13,13 @@ using namespace forefeel::test;
 
 namespace {
 
-// A beam whose law knows no barrier against inversion, pressed together by more than half its length.
+// A beam whose law has no barrier against inversion, pressed together.
 std::string soft_scene() {
   return R"([body]
 phantom = "beam"
 elements = 240
 [material]
-law = "stable-neo-hookean"
+law = "st-venant-kirchhoff"
 young = 5000.0
 poisson = 0.3
 [state_space]
@@ -74,7 +74,8 @@ TEST_CASE("a session whose motion starts pressed in and leaves the box says so i
             "\n";
   shop.write("pressed.csv", rows);
   const std::string command =
-      "session beam.toml --clock virtual --cost constant:0.05 --device trace:pressed.csv -o run";
+      "session beam.toml --clock virtual --cost constant:0.05 --device trace:pressed.csv -o run --set "
+      "material.young=2e6";
   const Workshop::Outcome run = shop.forefeel(command);
   INFO(run.out << run.err);
   REQUIRE(run.code == 0);
@@ -83,7 +84,7 @@ TEST_CASE("a session whose motion starts pressed in and leaves the box says so i
   const auto summary = nlohmann::json::parse(file_text(shop, "run/summary.json"));
   REQUIRE(summary["attention"].size() >= 2);
   CHECK(summary["start"]["reference"].get<double>() > 0.05);
-  CHECK(summary["start"]["rendered"] == 0);
+  CHECK(summary["start"]["rendered"] < 0.002);  // it fades in from zero
   CHECK(summary["time_outside"].get<double>() == Approx(0.5).margin(0.02));
   const std::string report = file_text(shop, "run/report.html");
   const std::size_t said = report.find("starts pressed in"), tiles = report.find("class=\"tile\"");
