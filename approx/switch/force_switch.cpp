@@ -63,6 +63,7 @@ Vec3 ForceSwitch::carried(const Vec3& old, const Vec3& now, double travel) noexc
   if (options_.rule == SwitchRule::none) return old;
   const double beyond = travel - options_.jump_speed * options_.frame;
   if (beyond > 0) offset_ *= std::exp(-beyond / options_.jump_length);
+  if (largest_ == 0) largest_ = old.norm();  // rendered before the first step
   if (const double size = now.norm(); size > largest_) largest_ = size;
   const Vec3 force = old + offset_;
   const double size = force.norm();

@@ -27,6 +27,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/common/result_folder.hpp"
 
 namespace forefeel {
 
@@ -251,7 +252,7 @@ int bench_approx(const Globals& globals, const std::string& scene, const std::st
     if (!std::filesystem::is_directory(folder, failed))
       throw InputError(folder, there ? "is a file, expected a folder for approx.csv and approx.svg"
                                      : "cannot be made, expected a folder for approx.csv and approx.svg");
-    check_writable(std::filesystem::path(folder) / "approx.csv");
+    claim_folder(folder, {"approx.csv", "approx.svg"});
   }
   Json document;
   {

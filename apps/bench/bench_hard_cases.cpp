@@ -15,11 +15,13 @@
 #include "apps/bench/bench_hard_cases.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/result_folder.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -188,6 +190,7 @@ void write_report(const std::filesystem::path& folder, const std::vector<HardCas
   std::filesystem::create_directories(folder, failed);
   if (failed || !std::filesystem::is_directory(folder))
     throw InputError({.file = folder.string()}, "cannot be made, expected a folder to write the report to");
+  claim_folder(folder, {"hard_cases.csv", "hard_cases.html"});
   OutputFile table(folder / "hard_cases.csv"), page(folder / "hard_cases.html");
   std::string head, rows;
   for (const char* column : columns) {
@@ -213,7 +216,7 @@ void write_report(const std::filesystem::path& folder, const std::vector<HardCas
           "tells whether a way along the axes, one after the other, ends in another stable "
           "equilibrium; unknown where that way does not arrive. Least J is the least det F over "
           "the elements.</p>\n<table><tr>{}</tr>\n{}</table>\n<p>{}</p>",
-          html_escaped(summary), head, rows, html_escaped(provenance("").dump()))));
+          html_escaped(summary), head, rows, html_escaped(json_text(provenance(""))))));
   table.commit();
   page.commit();
 }

@@ -11,14 +11,15 @@
 #include "apps/classify/calibrate_labels.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/laboratory/laboratory.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/given_states.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/result_folder.hpp"
 #include "scheduling/calibration/calibration.hpp"
-#include "scheduling/record/run_files.hpp"
 
 namespace forefeel {
 namespace {
@@ -215,7 +216,8 @@ int calibrate_labels(const Globals& globals, const std::string& scene, const std
   std::optional<Progress> progress(std::in_place, globals, "calibrate");
   double spacing = unknown;
   const std::vector<State> pool = pool_of(laboratory, states, *progress, spacing);
-  if (!output.empty()) prepare_run_folder(output);
+  if (!output.empty())
+    claim_folder(output, {"calibration.csv", "ranks.csv", "samples.csv", "report.html", "summary.json"});
   const std::vector<State> truth = truth_of(laboratory, globals.seed, *progress);
   const Scene& s = laboratory.scene();
   CalibrationOptions options{.space = s.space,
@@ -235,7 +237,7 @@ int calibrate_labels(const Globals& globals, const std::string& scene, const std
     const fs::path folder = output;
     write_tables(found, folder);
     write_page(found, options, laboratory, folder);
-    write_text(folder / "summary.json", document.dump(2) + "\n");
+    write_text(folder / "summary.json", json_text(document, 2) + "\n");
   }
   if (globals.json) print_json(document);
   tell(globals, found, options);

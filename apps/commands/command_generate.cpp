@@ -13,13 +13,16 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/generate_error.hpp"
+#include "apps/commands/generate_memory.hpp"
 #include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "geometry/states/state_file.hpp"
@@ -71,11 +74,11 @@ nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene)
 
 void tell(const Globals& globals, const GenerateResult& result, const std::string& output) {
   say(globals,
-      fmt::format("{}: {} states{}, {} solved in {:.2f} s ({:.0f} states/s, {} {}), {} there before, {} failed",
-                  output, result.usable, inverted_in_words(result.inverted),
-                  result.report.solved - result.report.inverted, result.report.seconds,
-                  result.states_per_second(), result.report.threads, result.ranks ? "ranks" : "threads",
-                  result.report.resumed, result.failed));
+      fmt::format(
+          "{}: {} states{}, {} solved in {:.2f} s ({:.0f} states/s, {} {}), {} there before, {} failed",
+          output, result.usable, inverted_in_words(result.inverted),
+          result.report.solved - result.report.inverted, result.report.seconds, result.states_per_second(),
+          result.report.threads, result.ranks ? "ranks" : "threads", result.report.resumed, result.failed));
 }
 
 StateFileHeader header_of(const Scene& scene) {
@@ -85,7 +88,7 @@ StateFileHeader header_of(const Scene& scene) {
   header.box = scene.space.box;
   header.notes["scene"] = scene.file.string();
   if (scene.chosen_spacing) header.notes["spacing"] = in_words(*scene.chosen_spacing);
-  header.notes["provenance"] = provenance(scene.hash).dump();
+  header.notes["provenance"] = json_text(provenance(scene.hash));
   return header;
 }
 
@@ -115,24 +118,28 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   options.stop = stop.get_token();
 
   GenerateResult result;
-  const InterruptWatch watch;
+  // From the first state on. Before, while the lattice is planned, a signal ends the program: nothing is lost.
+  std::optional<InterruptWatch> watch;
+  const auto raised = [&] { return watch && watch->raised(); };
+  if (ranks) watch.emplace();
   StateWriter writer(std::move(file));
   Progress progress(globals, "generate");
   const auto start = std::chrono::steady_clock::now();
   std::size_t fresh = 0;
   const auto keep = [&](State state) {
+    if (!watch) watch.emplace();
     ++fresh;
     writer.push(std::move(state));
   };
   const auto show = [&](std::size_t done, std::size_t total) {
-    if (watch.raised()) stop.request_stop();
+    if (raised()) stop.request_stop();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     progress.show(static_cast<double>(done) / static_cast<double>(total),
                   fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, known.size(),
                               seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
   };
   const auto tick = [&] {
-    if (watch.raised()) stop.request_stop();
+    if (raised()) stop.request_stop();
   };
   if (ranks && !is_linear(*scene.body)) {
     const RankedGenerateReport report = generate_with_ranks(*ranks, scene.body, options, known, keep, show,
@@ -145,7 +152,7 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
     if (ranks) result.ranks = FarmReport{};
   }
   writer.flush();
-  result.interrupted = watch.raised();
+  result.interrupted = raised();
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(known, &State::usable));
   result.usable = usable + result.report.solved;
   result.inverted =
@@ -171,6 +178,8 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
         fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
                     "state_space.spacing",
                     scene.space.spacing));
+  else
+    check_memory_of_lattice(scene, available_memory());
   return scene;
 }
 

@@ -11,6 +11,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/values.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/mesh_file.hpp"
@@ -24,7 +25,7 @@ namespace {
 struct MeshArguments {
   std::string input, output, phantom;
   std::optional<long long> elements;
-  std::optional<double> length;
+  std::optional<double> length, time_limit;
 };
 
 struct MadeMesh {
@@ -54,7 +55,8 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
   TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)),
                                 .length = arguments.length,
-                                .name = name};
+                                .name = name,
+                                .time_limit = arguments.time_limit};
   made.mesh = tetrahedralise(surface, options, &made.report);
   made.hausdorff = made.report.hausdorff;
   if (made.report.repair.wrapped)
@@ -171,6 +173,10 @@ void add_mesh(CommandLine& line) {
   sub.option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2").required().shows("OUT.msh");
   sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 %").shows("N");
   sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
+  sub.option("--time-limit", arguments->time_limit,
+             "Time for the surface, all tries together [s] [120; for above 600000 elements N/5000]")
+      .check(above_zero)
+      .shows("S");
   sub.option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab").shows("NAME");
 }
 

@@ -13,12 +13,13 @@
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/page.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/record/run_files.hpp"
+#include "geometry/common/result_folder.hpp"
 
 namespace forefeel {
 
@@ -124,7 +125,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
     if (folder.empty()) throw InputError("--output", "is empty, expected a folder for the files of the run");
     check_speed(laboratory, options);
   }
-  prepare_run_folder(folder);
+  claim_folder(folder, {"*.csv", "*.svg", "*.toml", "report.html", "summary.json"});
   nlohmann::ordered_json document;
   document["scene"] = laboratory.name();
   document["experiments"] = nlohmann::ordered_json::object();
@@ -145,7 +146,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
     all_met = all_met && found.unmet.empty();
   }
   document["provenance"] = provenance(laboratory.scene().hash);
-  write_text(folder / "summary.json", document.dump(2) + "\n");
+  write_text(folder / "summary.json", json_text(document, 2) + "\n");
   if (globals.json) print_json(document);
   say(globals, fmt::format("report: {}", (folder / "report.html").string()));
   return all_met ? 0 : 1;

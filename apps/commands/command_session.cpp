@@ -19,12 +19,14 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/scene_input/given_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/result_folder.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/attention.hpp"
@@ -227,7 +229,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const SessionOptions& options = plan.options;
   const SessionInput& input = plan.input;
   keep_replayed(options, run);
-  prepare_run_folder(run);
+  claim_folder(run,
+               {"frames.csv", "dispatch.csv", "switches.csv", "states.csv", "summary.json", "report.html"});
   set_aside_states_of_last_run(globals, given, run);
   warn_of_replay(globals, scene, given);
   for (const std::string& warning : scene.warnings) warn(globals, warning);
@@ -260,7 +263,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   nlohmann::ordered_json document = document_of(summary, predictions.report(), result, plan, scene);
   salvage.attempt("summary.json", [&] {
     OutputFile file(run / "summary.json");
-    file.write(document.dump(2) + "\n");
+    file.write(json_text(document, 2) + "\n");
     file.commit();
   });
   salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });

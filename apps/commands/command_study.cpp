@@ -16,6 +16,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/console/values.hpp"
@@ -27,6 +28,7 @@
 #include "apps/study/study_table.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/result_folder.hpp"
 #include "geometry/common/sha256.hpp"
 #include "scheduling/ranks/study_ranks.hpp"
 #include "scheduling/record/run_files.hpp"
@@ -97,21 +99,21 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   const SessionInput& input = plan.inputs[cell.input];
   cell.options.workers.threads = globals.threads;
   const SessionOptions options = with_load_found(cell, input).options;
+  const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
+  claim_folder(folder,
+               {"frames.csv", "dispatch.csv", "switches.csv", "summary.json", "report.html", "gantt.svg"});
   Progress progress(globals, "session");
   const SessionResult result =
       run_session(input, options, {.progress = [&](const SessionProgress& p) {
                     progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
                   }});
-  const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
-  fs::create_directories(folder);
   write_run_files(folder, result, options);
   const double limit = make_plan(input, options).render.safety.force_limit;
   SessionSummary summary = summarise(result, input, options);
   summary.safety.force_limit = limit;
   nlohmann::ordered_json document = to_json(summary);
   document["provenance"] = provenance(scene.hash);
-  write_whole(folder / "summary.json",
-              document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_whole(folder / "summary.json", json_text(document, 2) + "\n");
   write_report(folder, summary, document, scene,
                begin_pictures(result, begin_slices(result, scene.space), limit));
   const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
@@ -203,9 +205,9 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw InputError(arguments.output, "is a file, expected a folder for the results");
   if (const auto change = change_since(folder, planned)) warn(globals, *change);
-  fs::create_directories(folder);
+  claim_folder(folder, {"study.json", "cells.csv", "report.html"});
   check_writable(folder / "cells.csv");
-  write_whole(folder / "study.json", manifest(planned).dump(1) + "\n");
+  write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
   if (ranks) ranks->begin(identity_of(plan));
   StudyResult result = run_study_in(folder, plan, globals, ranks);
   if (result.interrupted) {
@@ -253,8 +255,10 @@ int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
     if (arguments.gantt > 0)
       throw InputError("--mpi", "has no use with --gantt, which runs one cell; expected one of the two");
     if (globals.threads > 1)
-      throw InputError("--threads", fmt::format("is {}, but with --mpi each rank runs one cell at a time, expected "
-                                                "more ranks instead", globals.threads));
+      throw InputError("--threads",
+                       fmt::format("is {}, but with --mpi each rank runs one cell at a time, expected "
+                                   "more ranks instead",
+                                   globals.threads));
     return run_command(globals, arguments, &ranks);
   };
   const auto load = [&](const RankContext& rank) {
@@ -288,8 +292,9 @@ void add_study(CommandLine& line) {
              "Only draw the dispatch Gantt of this cell: a row of cells.csv, counted from 1")
       .check(above_zero)
       .shows("CELL");
-  add_mpi_options(sub, arguments->mpi,
-                  "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");
+  add_mpi_options(
+      sub, arguments->mpi,
+      "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");
 }
 
 }  // namespace forefeel

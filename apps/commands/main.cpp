@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <string_view>
 
 #include "approx/loops/instruction_set.hpp"
@@ -34,12 +36,23 @@ bool watches(int argc, char** argv) {
                                          [&](const char* name) { return argv[1] == std::string_view(name); });
 }
 
+bool has_word(int argc, char** argv, std::string_view wanted) {
+  return std::any_of(argv, argv + argc, [&](const char* word) { return word == wanted; });
+}
+
 int tell_interrupted(const char* text, int argc, char** argv) {
-  if (std::any_of(argv, argv + argc, [](const char* word) { return word == std::string_view("--json"); }))
-    std::cout << "{\n  \"interrupted\": true\n}\n";
+  if (has_word(argc, argv, "--json")) std::cout << "{\n  \"interrupted\": true\n}\n";
   flush_warnings();
   std::cerr << "forefeel: " << text << '\n';
   return 1;
+}
+
+// What was printed must have arrived: a full disk behind `> file` is found here.
+int printed(int code) {
+  std::cout.flush();
+  if (std::cout.good() && std::fflush(stdout) == 0) return code;
+  std::cerr << "forefeel: stdout: cannot be written, so the results are incomplete (is the disk full?)\n";
+  return code == 0 ? 1 : code;
 }
 
 int complain(const std::string& text, int code) {
@@ -53,9 +66,11 @@ int complain(const std::string& text, int code) {
 int main(int argc, char** argv) {
   using namespace forefeel;
   write_errors_without_signals();
-  if (watches(argc, argv)) watch_from_the_start();
+  // Under MPI rank 0 ends the others.
+  if (watches(argc, argv))
+    watch_from_the_start({.leave = !has_word(argc, argv, "--mpi"), .json = has_word(argc, argv, "--json")});
   try {
-    return run(argc, argv);
+    return printed(run(argc, argv));
   } catch (const Interrupted& wish) {
     return tell_interrupted(wish.what(), argc, argv);
   } catch (const InputError& error) {

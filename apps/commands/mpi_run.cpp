@@ -23,8 +23,10 @@ int serve(std::optional<MpiGroup>& group, const RankedCommand& command) {
 }
 
 // MPI cannot end in order while a rank hangs. Without a code, an error is still to be reported.
-void end_with_hanging(const Globals& globals, MpiGroup& group, const RankPool& pool, std::optional<int> code) {
-  warn(globals, fmt::format("{} of {} ranks hang or are gone; mpirun ends them", pool.lost(), pool.ranks() + 1));
+void end_with_hanging(const Globals& globals, MpiGroup& group, const RankPool& pool,
+                      std::optional<int> code) {
+  warn(globals,
+       fmt::format("{} of {} ranks hang or are gone; mpirun ends them", pool.lost(), pool.ranks() + 1));
   if (!code) return group.abandon();
   flush_warnings();
   std::cout.flush();
@@ -56,7 +58,13 @@ int run_ranked(const Globals& globals, const MpiArguments& arguments, const Rank
     failure = std::current_exception();
   }
   pool.stop();
-  if (!pool.all_left()) end_with_hanging(globals, *group, pool, failure ? std::nullopt : std::optional(code));
+  if (!pool.all_left())
+    end_with_hanging(globals, *group, pool, failure ? std::nullopt : std::optional(code));
+  else
+    group->end_within(arguments.patience + 5, [code] {  // everything is written and said
+      std::cerr << "forefeel: warning: a rank hangs at the end of MPI; mpirun ends it\n";
+      std::_Exit(code);
+    });
   if (failure) std::rethrow_exception(failure);
   return code;
 }

@@ -15,7 +15,11 @@ void write_errors_without_signals();
 
 // Starts to record signals, as an InterruptWatch does. main calls it before commands that create their
 // InterruptWatch later.
-void watch_from_the_start();
+struct EarlyInterrupt {
+  bool leave = true;  // a signal that nobody heeds within half a second before then ends the program with 1
+  bool json = false;  // and prints {"interrupted": true}
+};
+void watch_from_the_start(const EarlyInterrupt& early);
 // Interrupted before anything could be saved. main prints the text and exits with 1.
 class Interrupted : public std::runtime_error {
  public:

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/console.hpp"
+#include "apps/console/json_text.hpp"
 
 namespace forefeel {
 
@@ -17,10 +18,13 @@ nlohmann::ordered_json vector3(const Eigen::Ref<const Eigen::Vector3d>& value) {
   return nlohmann::ordered_json::array({number(value.x()), number(value.y()), number(value.z())});
 }
 
+std::string json_text(const nlohmann::ordered_json& document, int indent) {
+  return document.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 void print_json(const nlohmann::ordered_json& document) {
   flush_warnings();
-  std::cout << document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n'
-            << std::flush;
+  std::cout << json_text(document, 2) << '\n' << std::flush;
 }
 
 }  // namespace forefeel

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
@@ -302,12 +303,7 @@ void write_coverage_png(const std::filesystem::path& file, const CoveragePicture
   if (!have_gnuplot())
     throw InputError({.file = file.string()}, "a PNG needs gnuplot, which is missing; expected .svg");
   check_writable(file);
-  std::filesystem::path temporary = file;
-  temporary += ".part";
-  std::string script = fmt::format(
-      "set terminal pngcairo size 1280,600 noenhanced font 'sans,10'\nset output '{}'\n"
-      "set multiplot\nset size ratio -1\nset tics out nomirror\n",
-      temporary.string());
+  std::string script = "set multiplot\nset size ratio -1\nset tics out nomirror\n";
   bool too_many = false;
   for (int i = 0; i < 3; ++i) {
     const Slice slice = cut(picture, 2 - i);
@@ -328,15 +324,13 @@ void write_coverage_png(const std::filesystem::path& file, const CoveragePicture
   script += fmt::format("set label \"{}\" at 0.45,0.9\n", states_line(picture, too_many));
   if (!picture.body.empty()) script += "set label \"red: body at rest\" at 0.45,0.68\n";
   script += png_swatches() + "plot $swatches using 1:2:3:4:5 with rgbimage notitle\nunset multiplot\n";
-  FILE* pipe = popen("gnuplot", "w");
-  const bool written = pipe && std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
-  if (!pipe || pclose(pipe) != 0 || !written || !std::filesystem::exists(temporary)) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
+  const std::optional<std::string> picture_bytes = draw_png(1280, 600, script);
+  if (!picture_bytes)
     throw InputError({.file = file.string()},
                      "gnuplot could not draw it, expected a gnuplot with pngcairo, or .svg");
-  }
-  std::filesystem::rename(temporary, file);
+  OutputFile out(file);
+  out.write(*picture_bytes);
+  out.commit();
 }
 
 }  // namespace forefeel

@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -21,13 +24,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder under the system's temporary folder; removed at the end.
+constexpr std::string_view folder_prefix = "forefeel-plot-";
+
+// Removes the folders of processes that ended without doing so.
+void sweep_folders(const fs::path& above) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(above, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(folder_prefix)) continue;
+    int process = 0;
+    const char* const end = name.data() + name.size();
+    const auto [rest, bad] = std::from_chars(name.data() + folder_prefix.size(), end, process);
+    if (bad != std::errc{} || process <= 0 || rest == end || *rest != '-') continue;
+    if (kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), error);
+  }
+}
+
+// A folder under the system's temporary folder; removed at the end, or by a later process.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::error_code error;
-    std::string pattern = (fs::temp_directory_path(error) / "forefeel-plot-XXXXXX").string();
-    if (!error && mkdtemp(pattern.data())) path_ = pattern;
+    const fs::path above = fs::temp_directory_path(error);
+    if (error) return;
+    sweep_folders(above);
+    std::string pattern = (above / fmt::format("{}{}-XXXXXX", folder_prefix, getpid())).string();
+    if (mkdtemp(pattern.data())) path_ = pattern;
   }
   ~TemporaryFolder() {
     std::error_code error;
@@ -97,29 +119,43 @@ bool have_gnuplot() {
   return have;
 }
 
-std::optional<std::string> draw_svg(const std::string& name, int width, int height,
-                                    const std::string& script) {
+namespace {
+
+// What gnuplot writes for this terminal and script; nothing if it is missing or fails.
+std::optional<std::string> drawn(const std::string& terminal, const std::string& script) {
   const TemporaryFolder folder;
   if (folder.path().empty() || !have_gnuplot()) return {};
-  const fs::path script_file = folder.path() / "plot.gp", picture = folder.path() / "plot.svg";
-  std::ofstream(script_file)
-      << fmt::format(
-             "set terminal svg size {},{} dynamic font 'Helvetica,Arial,sans-serif,13' linewidth 1\n"
-             "set output '{}'\nset encoding utf8\n",
-             width, height, picture.string())
-      << script << "\nunset output\n";
+  const fs::path script_file = folder.path() / "plot.gp", picture = folder.path() / "picture";
+  std::ofstream(script_file) << fmt::format("set terminal {}\nset output '{}'\nset encoding utf8\n", terminal,
+                                            picture.string())
+                             << script << "\nunset output\n";
   if (run_gnuplot(script_file.string()) != 0) return {};
-  std::ifstream in(picture);
-  std::ostringstream text;
-  text << in.rdbuf();
-  std::string svg = text.str();
-  const std::size_t begin = svg.find("<svg");
+  std::ifstream in(picture, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return bytes.str();
+}
+
+}  // namespace
+
+std::optional<std::string> draw_svg(const std::string& name, int width, int height,
+                                    const std::string& script) {
+  const auto picture = drawn(
+      fmt::format("svg size {},{} dynamic font 'Helvetica,Arial,sans-serif,13' linewidth 1", width, height),
+      script);
+  const std::size_t begin = picture ? picture->find("<svg") : std::string::npos;
   if (begin == std::string::npos) return {};
-  svg.erase(0, begin);
+  std::string svg = picture->substr(begin);
   replace_all(svg, "<title>Gnuplot</title>", "");
   for (const std::string id : {"gpPt", "gpDot", "gnuplot_plot_", "gridicon", "textoutline"})
     replace_all(svg, id, name + "_" + id);
   return svg;
+}
+
+std::optional<std::string> draw_png(int width, int height, const std::string& script) {
+  const auto picture =
+      drawn(fmt::format("pngcairo size {},{} noenhanced font 'sans,10'", width, height), script);
+  return picture && picture->starts_with("\x89PNG") ? picture : std::nullopt;
 }
 
 std::string data_block(const std::string& name, const std::string& lines) {

@@ -26,6 +26,9 @@ bool have_gnuplot();
 std::optional<std::string> draw_svg(const std::string& name, int width, int height,
                                     const std::string& script);
 
+// The same as PNG bytes. Nothing if gnuplot is missing, fails, or has no pngcairo.
+std::optional<std::string> draw_png(int width, int height, const std::string& script);
+
 // A data block: "$name << EOD", the lines, "EOD".
 std::string data_block(const std::string& name, const std::string& lines);
 

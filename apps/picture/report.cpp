@@ -1,4 +1,5 @@
 #include "apps/picture/report.hpp"
+#include "apps/console/json_text.hpp"
 
 #include <fmt/format.h>
 
@@ -134,7 +135,7 @@ std::string printed(const Json& value) {
     for (const Json& element : value) text += (text.empty() ? "" : ", ") + printed(element);
     return text;
   }
-  return escaped(value.dump());
+  return escaped(json_text(value));
 }
 
 void rows_of(const Json& value, const std::string& path, std::string& html) {

@@ -27,6 +27,21 @@ void check_positions(const StateSpaceOptions& space, const InputPlace& place) {
                                         most_positions));
 }
 
+constexpr double farthest = 100;  // longest sides of the body from rest: no force is meant there
+
+// A spacing or a box in another unit, or with a mistyped exponent.
+void check_reach(const SceneTable& table, const StateSpaceOptions& space, double side) {
+  const double most = farthest * side;
+  if (space.spacing > most)
+    throw table.wrong("spacing",
+                      fmt::format("at most {:.3g} m, {:g} times the body's longest side", most, farthest));
+  if (!(space.box.low.cwiseAbs().maxCoeff() <= most && space.box.high.cwiseAbs().maxCoeff() <= most))
+    throw InputError(table.where("box"),
+                     fmt::format("reaches farther than {:.3g} m from rest, {:g} times the "
+                                 "body's longest side; expected a box in metres",
+                                 most, farthest));
+}
+
 void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scene) {
   if ((scene.space.box.size().array() <= 0).any())
     throw InputError(table.where("spacing"),
@@ -65,6 +80,7 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
     scene.space.spacing =
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
   scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
+  check_reach(table, scene.space, longest_side(mesh));
   if (automatic) choose_spacing_of(table, use, scene);
   if (!automatic || use.spacing) check_positions(scene.space, table.where("spacing"));
   scene.displacements = table.boolean("displacements").value_or(false);

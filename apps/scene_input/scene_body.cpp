@@ -11,6 +11,7 @@
 #include "apps/scene_input/phantom_cache.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "solver/body/material_limits.hpp"
 
 namespace forefeel {
 namespace {
@@ -57,8 +58,10 @@ Material read_material(const SceneTable& table, bool defaults) {
       if (!table.has(key)) throw table.wrong(key, key == "law" ? "a material law" : "a number");
   Material material;
   material.law = table.word("law", words).value_or(material.law);
-  material.young =
-      table.number("young", {0, 1e300, true, false, "a number above 0 [Pa]"}).value_or(material.young);
+  material.young = table
+                       .number("young", {softest_young, stiffest_young, false, false,
+                                         "a number above 0, from 1e-3 to 1e15 [Pa]"})
+                       .value_or(material.young);
   material.poisson =
       table.number("poisson", {-1, 0.5, true, true, "a number between -1 and 0.5, both excluded"})
           .value_or(material.poisson);

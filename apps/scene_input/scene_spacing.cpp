@@ -9,6 +9,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/sha256.hpp"
@@ -51,7 +52,7 @@ Json to_file(const SpacingChoice& c) {
 }
 
 std::string sum_of(const Json& kept) {
-  return Sha256().add(kept.dump()).hex();
+  return Sha256().add(json_text(kept)).hex();
 }
 
 // False if the file is missing, incomplete or of another form. If its checksum does not match, a warning says
@@ -131,7 +132,7 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
     Json kept = to_file(choice);
     kept["sha256"] = sum_of(kept);
     OutputFile out(file);
-    out.write(kept.dump(2) + "\n");
+    out.write(json_text(kept, 2) + "\n");
     out.commit();
   } catch (const InputError&) {  // it is computed again next time
   }

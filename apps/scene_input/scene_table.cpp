@@ -13,6 +13,7 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene_input/scene_keys.hpp"
+#include "geometry/common/scanner.hpp"
 
 namespace forefeel {
 namespace {
@@ -240,9 +241,10 @@ std::string read_text(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!fs::is_regular_file(file) || !in)
     throw InputError({.file = file.string()}, "cannot be read, expected a scene (TOML)");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  if (fs::file_size(file) > 16'000'000)
+    throw InputError({.file = file.string()}, "is above 16 MB, expected a scene (TOML)");
+  in.close();
+  return fs::file_size(file) == 0 ? std::string() : read_text_file(file);
 }
 
 toml::table parse_scene(const fs::path& file) {

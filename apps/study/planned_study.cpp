@@ -12,6 +12,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene_session.hpp"
+#include "geometry/common/scanner.hpp"
 #include "geometry/common/sha256.hpp"
 #include "scheduling/motion/trace.hpp"
 
@@ -21,13 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int format_version = 2;  // of a cell's record; raised when the content of the record changes
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 // The file of a trace, by the rules of the device; empty for other devices.
 fs::path trace_file(const DeviceSpec& device, const fs::path& folder) {
@@ -173,8 +167,8 @@ std::string cell_key(const std::string& content, const StudyCell& cell, const Se
   hash.add(fmt::format("{}\n{}\n{}\n{}\n", to_text(options.motion.device), to_text(options.workers.cost),
                        options.seed, options.clock.seconds));
   if (const fs::path trace = trace_file(options.motion.device, input.files.scene); !trace.empty())
-    hash.add(contents(trace));
-  if (options.planning.arrivals) hash.add(contents(*options.planning.arrivals));
+    hash.add(read_text_file(trace));
+  if (options.planning.arrivals) hash.add(read_text_file(*options.planning.arrivals));
   if (const auto& s = sustained)
     hash.add(fmt::format("sustained {} {} {} {} {}\n", s->travel, s->share, s->tolerance, s->low, s->high));
   return hash.hex();

@@ -1,4 +1,5 @@
 #include "apps/study/study_folder.hpp"
+#include "apps/console/json_text.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -47,7 +48,7 @@ void write_record(const fs::path& folder, const StudyCell& cell, const StudyCell
                                 {"cost", to_text(cell.options.workers.cost)}};
   for (const Column& column : result.columns()) record["columns"][column.name] = to_json(column.value);
   OutputFile out(record_file(folder, cell));
-  out.write(record.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  out.write(json_text(record, 1) + "\n");
   out.commit();
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
 #include "apps/console/summary_json.hpp"
 #include "scheduling/record/attention.hpp"
 
@@ -26,7 +27,7 @@ std::string quoted(const std::string& text) {
 std::string shown(const ColumnValue& value) {
   if (std::holds_alternative<std::monostate>(value)) return "";
   const auto* text = std::get_if<std::string>(&value);
-  return text ? quoted(*text) : to_json(value).dump();
+  return text ? quoted(*text) : json_text(to_json(value));
 }
 
 std::vector<std::string> result_keys(const Study& study, const std::vector<StudyCellResult>& cells) {

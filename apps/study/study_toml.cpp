@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/scanner.hpp"
 
 namespace forefeel::study_toml {
 
@@ -17,9 +18,10 @@ std::string read_text(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || !fs::is_regular_file(file))
     throw InputError({.file = file.string()}, "cannot be read, expected a study (TOML)");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  if (fs::file_size(file) > 16'000'000)
+    throw InputError({.file = file.string()}, "is above 16 MB, expected a study (TOML)");
+  in.close();
+  return fs::file_size(file) == 0 ? std::string() : read_text_file(file);
 }
 
 toml::table parse(const std::string& text, const fs::path& file) {

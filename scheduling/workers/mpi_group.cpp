@@ -22,6 +22,7 @@ Transport& MpiGroup::transport() {
   std::abort();
 }
 void MpiGroup::abandon() {}
+void MpiGroup::end_within(double, const std::function<void()>&) {}
 void MpiGroup::end_all(int exit_code) {
   std::exit(exit_code);
 }
@@ -30,6 +31,7 @@ void MpiGroup::end_all(int exit_code) {
 
 #else
 
+#include <atomic>
 #include <boost/mpi.hpp>
 #include <chrono>
 #include <deque>
@@ -136,6 +138,19 @@ MpiGroup::MpiGroup() : impl_(std::make_unique<Impl>()) {
 
 MpiGroup::~MpiGroup() {
   while (impl_ && impl_->transport.sends()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void MpiGroup::end_within(double seconds, const std::function<void()>& expired) {
+  const auto ended = std::make_shared<std::atomic<bool>>(false);
+  std::thread([ended, seconds, expired] {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    while (!*ended && std::chrono::steady_clock::now() < until)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (!*ended) expired();
+  }).detach();
+  while (impl_->transport.sends()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  impl_.reset();
+  *ended = true;
 }
 
 int MpiGroup::rank() const {

@@ -2,6 +2,7 @@
 // This process as a rank of an MPI run: `mpirun -n 5 forefeel … --mpi`. What the ranks say to each other is in
 // rank_protocol.hpp. Without Boost.MPI, built() returns false and no other function may be called.
 
+#include <functional>
 #include <memory>
 
 #include "scheduling/workers/transport.hpp"
@@ -23,6 +24,9 @@ class MpiGroup {
   // The end of this object will not wait for ranks that hang. If this process then ends with an error, mpirun ends
   // the others.
   void abandon();
+  // Ends MPI in order, as the destructor does. Where that takes longer, because a rank hangs in it, calls `expired`
+  // from another thread; it must end the process.
+  void end_within(double seconds, const std::function<void()>& expired);
   // Ends all ranks at once, also those that hang; mpirun ends with that code.
   [[noreturn]] void end_all(int exit_code);
 

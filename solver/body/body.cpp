@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
+#include "solver/body/material_limits.hpp"
 
 namespace forefeel {
 namespace {
@@ -21,9 +22,10 @@ void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const
 }
 
 void check_material(const Material& material, const std::string& file) {
-  if (!(material.young > 0) || !std::isfinite(material.young))
+  if (!(material.young >= softest_young && material.young <= stiffest_young))
     throw InputError({.file = file, .key = "material.young"},
-                     fmt::format("{} Pa, expected more than 0", material.young));
+                     fmt::format("{} Pa, expected more than 0, from {:g} to {:g}", material.young,
+                                 softest_young, stiffest_young));
   if (!(material.poisson > -1 && material.poisson < 0.5))
     throw InputError({.file = file, .key = "material.poisson"},
                      fmt::format("{}, expected more than -1 and less than 0.5", material.poisson));

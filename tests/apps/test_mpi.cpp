@@ -29,7 +29,7 @@ Workshop::Outcome ranks_but_one(const Workshop& shop, const std::string& options
              "  (exec >/dev/null 2>&1; for i in $(seq 2000); do [ -e " +
                  file +
                  " ] && break; sleep 0.01; done\n"
-                 "   sleep 0.1; kill -" +
+                 "   kill -" +
                  signal +
                  " $$) &\nfi\n"
                  "exec '" +
@@ -81,7 +81,7 @@ TEST_CASE("generate by two ranks gives the states of generate by threads, and re
 TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs nothing but its own work") {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
-  const std::string finer = " --set state_space.spacing=0.002 ";
+  const std::string finer = " --set state_space.spacing=0.001 ";
   REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
   const std::string expected = states_of(shop, "threads.states");
   const auto stopped = ranks_but_one(shop, "-n 3", "stopped.states", "STOP",
@@ -122,7 +122,7 @@ TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by 
   const auto stopped = ranks_but_one(shop, "-n 2", "stopped/study.json", "STOP",
                                      "study study.toml --mpi --patience 1 -o stopped");
   INFO(stopped.err);
-  CHECK(stopped.code == 0);
+  CHECK(stopped.code != 124);  // it has ended by itself
   CHECK(shop.shell("cmp threads/cells.csv stopped/cells.csv").code == 0);
 }
 

@@ -55,10 +55,10 @@ struct Collected {
   }
 };
 
-Values by_threads(const std::shared_ptr<const Body>& body) {
+Values by_one_thread(const std::shared_ptr<const Body>& body) {
   Collected all;
   GenerateOptions options = small_lattice();
-  options.threads = 2;
+  options.threads = 1;
   generate_lattice(body, options, {}, all.sink(), {});
   return all.values;
 }
@@ -69,10 +69,10 @@ bool contains(const std::vector<std::string>& lines, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("a lattice solved by three ranks has the bits of one solved by threads, resumed or not") {
+TEST_CASE("a lattice solved by three ranks has the bits of one solved by a thread, resumed or not") {
   for (const Law law : {Law::neo_hookean, Law::st_venant_kirchhoff}) {
     const std::shared_ptr<const Body> body = small_body(law);
-    const Values expected = by_threads(body);
+    const Values expected = by_one_thread(body);
     Collected first;
     for (const bool resumed : {false, true}) {
       Mail mail(3);
@@ -121,7 +121,7 @@ TEST_CASE("a rank that takes pieces and hangs: the others solve them, all states
   const RankedGenerateReport report =
       generate_with_ranks(pool, body, small_lattice(), {}, found.sink(), {},
                           {.queue = 2, .note = [&](const std::string& line) { said.push_back(line); }});
-  CHECK(found.values == by_threads(body));
+  CHECK(found.values == by_one_thread(body));
   CHECK(report.farm.lost == 1);
   CHECK(report.farm.ranks == 2);
   CHECK_FALSE(pool.all_left());
@@ -147,7 +147,7 @@ TEST_CASE("a rank that fails, or whose solves throw, loses its work to others") 
   REQUIRE(pool.taking_jobs() == 1);
   Collected found;
   generate_with_ranks(pool, body, small_lattice(), {}, found.sink(), {}, {});
-  CHECK(found.values == by_threads(body));
+  CHECK(found.values == by_one_thread(body));
   CHECK(contains(pool.notes(), "rank 1 has failed: no luck"));
 }
 
@@ -195,7 +195,7 @@ TEST_CASE("a result that does not fit its piece is refused, and the piece is sol
     pool.begin("same");
     Collected found;
     generate_with_ranks(pool, body, small_lattice(), {}, found.sink(), {}, {});
-    CHECK(found.values == by_threads(body));
+    CHECK(found.values == by_one_thread(body));
   }
 }
 

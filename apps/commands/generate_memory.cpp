@@ -1,0 +1,32 @@
+#include "apps/commands/generate_memory.hpp"
+
+#include <fmt/format.h>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
+#include "geometry/states/state.hpp"
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+
+double bytes_of_lattice(const Scene& scene) {
+  const double positions = ((scene.space.box.size() / scene.space.spacing).array().floor() + 1).prod();
+  constexpr double of_index = 48;  // in a set
+  const double of_position = sizeof(State) + 3 * of_index;
+  if (is_linear(*scene.body)) return positions * of_position;
+  const double unknowns = 3 * static_cast<double>(scene.body->mesh.nodes.size());
+  const double of_coarse = sizeof(State) + of_index + 4 * sizeof(double) * unknowns;
+  return positions * (of_position + of_coarse / 8);
+}
+
+void check_memory_of_lattice(const Scene& scene, double bytes_left) {
+  const double bytes = bytes_of_lattice(scene);
+  if (bytes <= bytes_left) return;
+  throw InputError(
+      scene.box_place,
+      fmt::format("a lattice of {:g} m in it would take {} of memory, but {} are left; expected a "
+                  "larger spacing, or a smaller box",
+                  scene.space.spacing, bytes_in_words(bytes), bytes_in_words(bytes_left)));
+}
+
+}  // namespace forefeel

@@ -1,0 +1,148 @@
+// What goes in and out beside the data: a full disk behind stdout, names that are not UTF-8, floods, links,
+// folders of others, signals before the work begins.
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+
+namespace forefeel::test {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const char* const states_csv =
+    "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,-1,0,0\n0,0.01,0,0,-1,0\n0,0,0.01,0,0,-1\n";
+
+}  // namespace
+
+TEST_CASE("a full disk behind stdout is an error of every command", "[streams]") {
+  const Workshop shop;
+  shop.write("s.csv", states_csv);
+  shop.write("q.csv", "x,y,z\n0.001,0,0\n");
+  shop.write("beam.toml", beam_scene());
+  for (const char* arguments :
+       {"--help", "--version", "info s.csv", "info s.csv --json", "evaluate s.csv --points q.csv",
+        "evaluate s.csv --points q.csv --json", "classify s.csv --spacing 0.01 --json",
+        "import s.csv -o s.states --spacing 0.01", "export s.csv -o t.csv",
+        "mesh --phantom slab --elements 150 -o a.msh", "solve beam.toml --at=0,0,0.001"}) {
+    const auto outcome = shop.shell("'" + executable() + "' " + arguments + " > /dev/full");
+    INFO(arguments << "\n" << outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK_THAT(outcome.err, Catch::Contains("stdout: cannot be written"));
+  }
+  const auto bad = shop.shell("'" + executable() + "' info absent > /dev/full");
+  CHECK(bad.code == 2);
+}
+
+TEST_CASE("a path that is not UTF-8 is written into JSON with replacement characters", "[streams]") {
+  const Workshop shop;
+  shop.write("s\xff\xfe.csv", states_csv);
+  shop.write("beam\xff.toml", beam_scene());
+  if (!fs::exists(shop.path() / "s\xff\xfe.csv")) return skip("this file system has no such names");
+  for (const char* arguments :
+       {"info s\xff\xfe.csv --json", "import s\xff\xfe.csv -o \xff.states --spacing 0.01 --json",
+        "export s\xff\xfe.csv -o \xff.csv --json", "info \xff.states --json",
+        "solve beam\xff.toml --at=0,0,0.001 --json -o \xff-solved.csv",
+        "generate beam\xff.toml -o beam\xff.states --json --set state_space.spacing=0.008",
+        "session beam\xff.toml -o run\xff --clock virtual --seconds 0.05 --json"}) {
+    const auto outcome = shop.forefeel(arguments);
+    INFO(arguments << "\n" << outcome.err);
+    CHECK(outcome.code == 0);
+    CHECK(outcome.json().is_object());
+  }
+}
+
+TEST_CASE("an error quotes the beginning of a flood, not all of it", "[streams]") {
+  const Workshop shop;
+  const std::string flood(100'000, 'x');
+  shop.write("flood.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0," + flood + "\n");
+  shop.write("flood.toml", "[body]\nphantom = \"" + flood + "\"\n");
+  shop.write("flood.obj", "v 0 0 " + flood + "\n");
+  for (const std::string& arguments :
+       {std::string("info flood.csv"), std::string("solve flood.toml --at=0,0,0"),
+        std::string("info flood.obj"), "solve beam.toml --at=" + flood, flood, "info --" + flood,
+        "session beam.toml --set " + flood + "=1 -o run", "info " + flood}) {
+    const auto outcome = shop.forefeel(arguments);
+    INFO(arguments.substr(0, 60) << "\n" << outcome.err.substr(0, 3000));
+    CHECK(outcome.code == 2);
+    CHECK(outcome.error_lines() == 1);
+    CHECK(outcome.err.size() < 1600);
+  }
+}
+
+TEST_CASE("-o keeps a symbolic link and a mode", "[streams]") {
+  const Workshop shop;
+  shop.write("s.csv", states_csv);
+  shop.write("secret.csv", "mine\n");
+  REQUIRE(shop.shell("chmod 600 secret.csv && ln -s secret.csv link.csv").code == 0);
+  REQUIRE(shop.forefeel("export s.csv -o link.csv").code == 0);
+  CHECK(shop.shell("test -L link.csv && stat -c %a secret.csv && head -c 5 secret.csv").out == "600\nx,y,z");
+}
+
+TEST_CASE("a picture that is cut leaves nothing behind, and the target of a link is drawn", "[streams]") {
+  if (!has_command("gnuplot")) return skip("gnuplot is not installed");
+  const Workshop shop;
+  shop.write("s.csv", states_csv);
+  REQUIRE(shop.forefeel("classify s.csv --spacing 0.01 -o c.png --quiet").code == 0);
+  CHECK(shop.shell("head -c 4 c.png | tail -c 3").out == "PNG");
+  // A leftover of a process that is gone is removed with the next picture.
+  const int gone = std::stoi(shop.shell("sh -c 'echo $$'").out);
+  const fs::path left = fs::temp_directory_path() / ("forefeel-plot-" + std::to_string(gone) + "-abcdef");
+  fs::create_directories(left);
+  REQUIRE(shop.forefeel("classify s.csv --spacing 0.01 -o c.png --quiet").code == 0);
+  CHECK_FALSE(fs::exists(left));
+  CHECK(shop.files() == "c.png\ns.csv\n");
+}
+
+TEST_CASE("folders with files of somebody else are refused, and those files stay", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  shop.write("study.toml", "scene = \"beam.toml\"\nseeds = [1]\n[vary]\npolicy = [\"fifo\"]\n");
+  for (const char* file : {"states.csv", "report.html", "summary.json"}) {
+    shop.write(std::string("run/") + file, "mine");
+    check_refused(shop, "session beam.toml -o run --clock virtual --seconds 0.05",
+                  {"run/" + std::string(file), "not made by forefeel"});
+    fs::remove(shop.path() / "run" / file);
+  }
+  for (const char* file : {"cells.csv", "report.html"}) {
+    shop.write(std::string("out/") + file, "mine");
+    check_refused(shop, "study study.toml -o out", {"out/" + std::string(file), "not made by forefeel"});
+    fs::remove(shop.path() / "out" / file);
+  }
+  shop.write("run/notes.txt", "mine");
+  REQUIRE(shop.forefeel("session beam.toml -o run --clock virtual --seconds 0.05 --quiet").code == 0);
+  REQUIRE(shop.forefeel("session beam.toml -o run --clock virtual --seconds 0.05 --quiet").code == 0);
+}
+
+TEST_CASE("a cut frames.csv is not replayed", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("session beam.toml -o run --clock virtual --seconds 0.05 --quiet").code == 0);
+  // Within z of the last row: as many bytes stay as cannot be told from a shorter number.
+  REQUIRE(shop.shell("n=$(head -n -1 run/frames.csv | wc -c); cp run/frames.csv whole.csv; "
+                     "head -c $((n + 12)) whole.csv > run/frames.csv")
+              .code == 0);
+  check_refused(shop, "session beam.toml -o again --replay run --clock virtual --seconds 0.05",
+                {"run/frames.csv:51", "cut short"});
+  REQUIRE(shop.shell("cp whole.csv run/frames.csv; truncate -s -3 run/dispatch.csv").code == 0);
+  check_refused(shop, "session beam.toml -o again --replay run --clock virtual --seconds 0.05",
+                {"run/dispatch.csv", "cut short"});
+}
+
+TEST_CASE("spacings and moduli that no body has are refused", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  for (const char* set :
+       {"state_space.spacing=1e300", "state_space.spacing=20", "material.young=1e-300", "material.young=1e-4",
+        "material.young=1e16", "'state_space.box=[[-1e9,-1e9,-1e9],[1e9,1e9,1e9]]'"})
+    check_refused(shop, std::string("solve beam.toml --at=0,0,0.001 --set ") + set, {"expected"});
+}
+
+}  // namespace forefeel::test

@@ -1,0 +1,73 @@
+// Meshes, surfaces and state files.
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/meshing/surface.hpp"
+#include "geometry/states/state_file.hpp"
+#include "tests/fuzz/targets.hpp"
+#include "tests/geometry/state_samples.hpp"
+#include "tests/support/mesh_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace forefeel::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> mesh_extensions{".msh", ".vtk", ".vtu", ".mesh"},
+    surface_extensions{".obj", ".off", ".stl", ".ply"};
+
+void read_any_mesh(std::string_view input) {
+  const NamedInput named = named_input(input, mesh_extensions);
+  TetMesh mesh = read_mesh(file_of("mesh" + std::string(named.extension), named.content));
+  check_and_orient(mesh, "mesh");
+  surface_nodes(mesh);
+  mesh_quality(mesh);
+}
+
+void read_any_surface(std::string_view input) {
+  const NamedInput named = named_input(input, surface_extensions);
+  const Surface surface = read_surface(file_of("surface" + std::string(named.extension), named.content));
+  for (const Triangle& triangle : surface.triangles)
+    for (const NodeIndex node : triangle)
+      if (node < 0 || static_cast<std::size_t>(node) >= surface.nodes.size())
+        throw std::logic_error("a triangle names a vertex that is not there");
+}
+
+void read_state_file(std::string_view input) {
+  const fs::path file = file_of("s.states", input);
+  for (const char* end : {"-wal", "-shm", "-journal"}) fs::remove(file.string() + end);
+  for (const State& state : load_states(file).states)
+    if (!state.at.allFinite()) throw std::logic_error("a state without a position");
+}
+
+std::vector<std::string> seeds_of(const std::map<std::string, std::string>& files) {
+  std::vector<std::string> seeds;
+  for (const auto& [name, content] : files) seeds.push_back(named_seed(fs::path(name).extension(), content));
+  return seeds;
+}
+
+std::string bytes_of_states(int count) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "s.states";
+  { StateFile::open_or_create(file, test::header()).append(test::states(count)); }
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return bytes.str();
+}
+
+}  // namespace
+
+std::vector<Target> geometry_targets() {
+  return {{"mesh", read_any_mesh, [] { return seeds_of(test::sample_mesh_files()); }},
+          {"surface", read_any_surface, [] { return seeds_of(test::surface_files(test::unit_cube())); }},
+          {"states", read_state_file, [] {
+             return std::vector{bytes_of_states(0), bytes_of_states(3), bytes_of_states(60)};
+           }}};
+}
+
+}  // namespace forefeel::fuzz

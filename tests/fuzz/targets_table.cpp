@@ -1,0 +1,84 @@
+// Tables: states, points, traces, arrivals, and what a run has written.
+
+#include <stdexcept>
+
+#include "geometry/common/csv_text.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/states/state_file.hpp"
+#include "scheduling/log/dispatch_file.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/trace.hpp"
+#include "scheduling/session/arrivals.hpp"
+#include "tests/fuzz/targets.hpp"
+
+namespace forefeel::fuzz {
+namespace {
+
+void read_states_table(std::string_view input) {
+  for (const State& state : load_states(file_of("s.csv", input)).states)
+    if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
+      throw std::logic_error("a state that is not finite");
+}
+
+void read_points_table(std::string_view input) {
+  for (const Vec3& point : read_points_csv(file_of("q.csv", input)))
+    if (!point.allFinite()) throw std::logic_error("a point that is not finite");
+}
+
+void read_any_trace(std::string_view input) {
+  const std::filesystem::path file = file_of("trace.csv", input);
+  try {
+    read_arrivals(file, 1);
+  } catch (const InputError&) {
+  }
+  Trace trace = read_trace(file);
+  for (std::size_t i = 1; i < trace.times.size(); ++i)
+    if (!(trace.times[i] > trace.times[i - 1])) throw std::logic_error("times that do not grow");
+  const double end = trace.times.back();
+  const auto device = make_trace_device(std::move(trace));
+  for (const double t : {-1.0, 0.0, 0.5 * end, end, 2 * end}) device->position(t, Vec3::Zero());
+}
+
+// frames.csv, a line "---", dispatch.csv: the files of a run that is replayed.
+void read_run(std::string_view input) {
+  constexpr std::string_view rule = "---\n";
+  const std::size_t cut = input.find(rule);
+  const std::filesystem::path frames = file_of("frames.csv", input.substr(0, cut));
+  file_of("dispatch.csv", cut == std::string_view::npos ? "" : input.substr(cut + rule.size()));
+  try {
+    CsvText::read(frames, "a file of a run");
+  } catch (const InputError&) {
+  }
+  read_replay(frames.parent_path(), 1);
+}
+
+}  // namespace
+
+std::vector<Target> table_targets() {
+  using Seeds = std::vector<std::string>;
+  return {
+      {"states-csv", read_states_table,
+       [] {
+         return Seeds{"x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,-1,2e-3,.5\n",
+                      "# measured\r\n fx ,fy,fz,x,y,z,h,energy,status\r\n1,2,3,4,5,6,0.1,,converged\r\n"
+                      "1,2,nan,4,5,6,0.1,0.2,diverged\r\n",
+                      "x,y,z,fx,fy,fz,k11,k12,k13,k21,k22,k23,k31,k32,k33,converged\n"
+                      "0,0,0,1,1,1,9,8,7,6,5,4,3,2,1,true\n0,0,1,1,1,1,,,,,,,,,,0\n"};
+       }},
+      {"points-csv", read_points_table,
+       [] {
+         return Seeds{"x,y,z\n0.001,0,-2e-3\n", "1,2,3\n4,5,6\n", "\xef\xbb\xbfz,note,y,x\n1,\"a b\",2,3\n"};
+       }},
+      {"trace", read_any_trace,
+       [] {
+         return Seeds{"t,x,y,z\n0,0,0,0\n0.1,0.01,0,0\n0.3,0.02,1e-3,-0.01\n", "0,0,0,0\n1,0,0,0.02\n"};
+       }},
+      {"run", read_run, [] {
+         return Seeds{
+             "t,x,y,z,fx,fy,fz,label,model,known\n0,0,0,0,0,0,0,blank,0,0\n0.001,1e-5,0,0,0.1,0,0,safe,1,2\n"
+             "---\nid,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent,known\n"
+             "0,0.006,0,0,safe,1,0,0,0.01,0.02,solved,0,,0.01\n"};
+       }}};
+}
+
+}  // namespace forefeel::fuzz
