@@ -177,11 +177,9 @@ void describe_choice(nlohmann::ordered_json& document, const Evaluation& result)
   document["expected_error"] = nullptr;
   if (!result.chosen) return;
   const ModelOptions& model = result.options.model;
-  document["chosen"] = {{"kernel", name(model.kernel)},
-                        {"neighbours", model.neighbours},
-                        {"ridge", model.ridge},
-                        {"select", name(model.select)},
-                        {"data", name(model.data)}};
+  document["chosen"] = {{"kernel", name(model.kernel)}, {"neighbours", model.neighbours},
+                        {"ridge", model.ridge},         {"all_states", result.chosen->all},
+                        {"select", name(model.select)}, {"data", name(model.data)}};
   document["expected_error"] = {{"p50", number(result.chosen->p50)},
                                 {"p95", number(result.chosen->p95)},
                                 {"positions", result.chosen->positions},
@@ -227,8 +225,11 @@ std::string in_words(const Evaluation& result) {
   std::string how;
   if (result.method == Method::rbf || result.method == Method::offline_rbf)
     how = fmt::format(", {} on {}", name(model.kernel), name(model.data));
-  if (result.method == Method::rbf) how += fmt::format(", {} neighbours", model.neighbours);
-  if (result.chosen) how += fmt::format(" by rule {}, ridge {:g}", name(model.select), model.ridge);
+  const bool all = result.chosen && result.chosen->all;
+  if (result.method == Method::rbf && !all) how += fmt::format(", {} neighbours", model.neighbours);
+  if (all) how += ", one model of all states";
+  if (result.chosen && !all) how += fmt::format(" by rule {}", name(model.select));
+  if (result.chosen) how += fmt::format(", ridge {:g}", model.ridge);
   if (result.method == Method::rbf_network) how = fmt::format(", {} centres", result.options.centres);
   if (made.stepped_down > 0)
     how += fmt::format(

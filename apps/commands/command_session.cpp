@@ -122,9 +122,11 @@ void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) 
   for (const std::string& line : attention(s)) say(globals, "attention: " + line);
   say(globals,
       fmt::format(
-          "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved, {} used",
+          "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved{}, {} used",
           s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual", s.deadline.missed,
-          s.states.start, s.states.solved, s.states.used));
+          s.states.start, s.states.solved,
+          s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
+          s.states.used));
   say(globals,
       fmt::format("time in safe {}, sparse {}, gap {}, blank {}; outside the box {}",
                   share(s.time_in[Label::safe]), share(s.time_in[Label::sparse]),

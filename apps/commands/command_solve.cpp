@@ -42,29 +42,65 @@ std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
   return points;
 }
 
+// The share of all solves that is done. Half of a state's share is its straight path, half the second path,
+// which has up to three legs.
+class Tally {
+ public:
+  Tally(const Globals& globals, std::size_t states) : progress_(globals, "solve"), parts_(states, 0.0) {
+    show();
+  }
+
+  void straight(std::size_t i, double share) { set(i, 0.5 * share); }
+  void second(std::size_t i, int leg, double share) { set(i, 0.5 + (leg + share) / 6); }
+  void done(std::size_t i) {
+    ++done_;
+    set(i, 1);
+  }
+
+ private:
+  void set(std::size_t i, double part) {
+    const std::lock_guard lock(mutex_);
+    sum_ += part - parts_[i];
+    parts_[i] = part;
+    show();
+  }
+  void show() {
+    progress_.show(sum_ / static_cast<double>(parts_.size()),
+                   fmt::format("{} of {} states", done_.load(), parts_.size()));
+  }
+
+  Progress progress_;
+  std::mutex mutex_;
+  std::vector<double> parts_;
+  std::atomic<std::size_t> done_ = 0;
+  double sum_ = 0;
+};
+
 std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points,
                                     const Globals& globals) {
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   std::vector<SolveOutcome> outcomes(points.size());
-  std::atomic<std::size_t> done = 0;
-  Progress progress(globals, "solve");
-  progress.show(fmt::format("0 of {} states", points.size()));
+  Tally tally(globals, points.size());
 #pragma omp parallel num_threads( \
     static_cast <int>(std::min <std::size_t>(points.size(), static_cast <std::size_t>(threads))))
   {
     Solver solver(scene.body);
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < points.size(); ++i) {
+      solver.watch([&tally, i](double share) { tally.straight(i, share); });
       outcomes[i] =
           solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
       State& state = outcomes[i].state;
+      int leg = 0;
+      solver.watch([&tally, &leg, i](double share) {
+        tally.second(i, leg, share);
+        leg += share >= 1;
+      });
       state.multivalued = second_way_differs(solver, state, scene.space.spacing);
       if (state.multivalued)
         outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
-      const std::size_t count = ++done;
-#pragma omp critical(forefeel_solve)
-      progress.show(static_cast<double>(count) / static_cast<double>(points.size()),
-                    fmt::format("{} of {} states", count, points.size()));
+      solver.watch({});
+      tally.done(i);
     }
   }
   return outcomes;

@@ -97,7 +97,8 @@ void run_on_ranks(RankPool& ranks, const StudyPlan& plan, const std::vector<std:
 
 }  // namespace
 
-StudyResult run_study_in(const fs::path& folder, const StudyPlan& plan, const Globals& globals, RankPool* ranks) {
+StudyResult run_study_in(const fs::path& folder, const StudyPlan& plan, const Globals& globals,
+                         RankPool* ranks) {
   std::error_code error;
   fs::create_directories(folder / "cells", error);
   const FolderLock lock(folder);

@@ -34,7 +34,9 @@ class StateSpace {
     StateId id;           // of the new state, or of the known one
     bool is_new = false;  // false: a state lies within merge_distance; the known one is kept
   };
-  Insertion insert(State state);  // the state must be usable()
+  // InputError for a state that is not usable(), or whose position or force is not finite; nothing is inserted
+  // then. A force that is not known at all (three NaN) is taken: the space then only answers where states are.
+  Insertion insert(State state);
 
   Coverage coverage(const Vec3& q) const;            // label and measures at q
   Label label(const Vec3& q) const;                  // the same label, cheaper

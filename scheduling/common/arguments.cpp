@@ -56,6 +56,14 @@ std::vector<std::string> Arguments::keys() const {
   return all;
 }
 
+std::string Arguments::required_text(const std::string& key) {
+  if (!has(key) || values_.at(key).empty())
+    throw InputError(place_,
+                     fmt::format("{} is missing, expected {}", called(key),
+                                 key.empty() ? std::string("a text after the colon") : key + "=TEXT"));
+  return values_.at(key);
+}
+
 void Arguments::expect_all_read() const {
   for (const auto& [key, value] : values_) {
     if (read_.contains(key)) continue;

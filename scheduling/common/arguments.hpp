@@ -4,6 +4,7 @@
 //
 //   const double gain = arguments.number("gain", 1.0, 0.0, 10.0);   // default 1; InputError outside 0 to 10
 //   const std::string file = arguments.text("file", "default.csv");
+//   const std::string other = arguments.required_text("other");     // InputError without it
 //
 // The caller of the factory then calls expect_all_read(). It throws InputError for a setting that the factory
 // did not read; the error lists the settings that it read.
@@ -48,7 +49,8 @@ class Arguments {
                 double low = -std::numeric_limits<double>::infinity(),
                 double high = std::numeric_limits<double>::infinity());
   std::string text(const std::string& key, std::string fallback);
-  std::vector<std::string> keys() const;  // that the user wrote, sorted
+  std::vector<std::string> keys() const;              // that the user wrote, sorted
+  std::string required_text(const std::string& key);  // InputError where it is missing or empty
   void expect_all_read() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 // A haptic device, real or simulated. It gives the position of the HIP (haptic interaction point, the tip) at
-// any time, and receives the rendered force.
+// any time, and receives the force that is sent.
 //
 // To write one: derive from Device, define position() and duration(), register it under a name.
 //
@@ -49,7 +49,7 @@ struct DeviceLimits {
 class Device {
  public:
   virtual ~Device() = default;
-  // Position of the HIP at frame time t [s], relative to rest [m]. force: what the last frame rendered [N].
+  // Position of the HIP at frame time t [s], relative to rest [m]. force: what the last frame sent [N].
   // The motion starts at t = 0, at rest (x = 0). If t is smaller than in the call before, start over.
   virtual Vec3 position(double t, const Vec3& force) noexcept = 0;
   virtual double duration() const = 0;  // of the motion [s]; infinite for a motion without end

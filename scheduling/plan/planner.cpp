@@ -327,6 +327,10 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
   result.solver.seconds = std::move(costs_);
   result.solver.jobs = jobs_;
   result.notes.insert(result.notes.end(), notes_.begin(), notes_.end());
+  if (not_numbers_ > 0)
+    result.notes.push_back(
+        fmt::format("policy {} gave {} priorities that are not numbers: they counted as the lowest",
+                    setup_.policy->name(), not_numbers_));
 }
 
 }  // namespace forefeel

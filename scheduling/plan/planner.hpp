@@ -91,7 +91,8 @@ class Planner {
   bool is_idle(std::size_t worker) const;
   void predict(double now);
   PlannerView view(double now) const;
-  void rank(double now);           // priorities of the open candidates
+  void rank(double now);  // priorities of the open candidates
+  double ranked_by(double priority);
   void look(double now);           // before anything is ranked at this time
   std::size_t best() const;        // index of the open candidate to solve next
   void rank_for_many(double now);  // into the heap
@@ -137,7 +138,7 @@ class Planner {
   std::vector<Vec3> pending_;  // where states are being solved
   std::vector<DispatchRecord> dispatches_;
   StateCounts counts_;
-  std::size_t jobs_ = 0;
+  std::size_t jobs_ = 0, not_numbers_ = 0;
   std::vector<std::string> notes_;
 };
 

@@ -17,6 +17,12 @@ double finite(double priority) {
 
 }  // namespace
 
+// A priority that is no number counts as the lowest; how often is said at the end.
+double Planner::ranked_by(double priority) {
+  not_numbers_ += std::isnan(priority);
+  return finite(priority);
+}
+
 void Planner::predict(double now) {
   const bool truth = static_cast<bool>(hooks_.future);
   const double longest = truth ? std::clamp(0.3 + 3 * solve_seconds_, 0.3, 10.0)
@@ -66,7 +72,7 @@ void Planner::rank(double now) {
   const auto open = candidates_->open();
   priorities_.resize(open.size());
   setup_.policy->prioritise(open, view(now), priorities_);
-  for (double& p : priorities_) p = finite(p);
+  for (double& p : priorities_) p = ranked_by(p);
 }
 
 // Equal priorities are ordered by Candidate::order, so that the result is unique.
@@ -122,7 +128,7 @@ std::size_t Planner::best_of_many(double now, double& priority) {
     worth.resize(again.size());
     setup_.policy->prioritise(again, view(now), worth);
     for (std::size_t i = 0; i < again.size(); ++i) {
-      ranked_.push_back({finite(worth[i]), again[i], pending_.size()});
+      ranked_.push_back({ranked_by(worth[i]), again[i], pending_.size()});
       std::push_heap(ranked_.begin(), ranked_.end());
     }
   }

@@ -95,7 +95,8 @@ void ReferenceDirectory::tell(int worker, std::size_t body, const State& state) 
   const auto at = solving_[body].find(state.at);
   if (at == solving_[body].end()) return;
   for (const int other : at->second.waiting)
-    if (other > 0 && other != worker) answers_.push_back({other, with_state(begun(Reply::state, body), state)});
+    if (other > 0 && other != worker)
+      answers_.push_back({other, with_state(begun(Reply::state, body), state)});
   solving_[body].erase(at);
 }
 

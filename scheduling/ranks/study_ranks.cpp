@@ -28,12 +28,18 @@ Bytes packed(std::uint64_t cell, const StudyCellResult& row) {
 
 ColumnValue unpacked_value(Unpacker& message) {
   switch (message.number<std::uint8_t>()) {
-    case 0: return {};
-    case 1: return message.number<std::uint8_t>() != 0;
-    case 2: return message.number<std::uint64_t>();
-    case 3: return message.number<double>();
-    case 4: return message.text();
-    default: throw MalformedMessage("a column of an unknown kind");
+    case 0:
+      return {};
+    case 1:
+      return message.number<std::uint8_t>() != 0;
+    case 2:
+      return message.number<std::uint64_t>();
+    case 3:
+      return message.number<double>();
+    case 4:
+      return message.text();
+    default:
+      throw MalformedMessage("a column of an unknown kind");
   }
 }
 
@@ -50,8 +56,12 @@ StudyCellResult unpacked(std::uint64_t cell, Unpacker message) {
 
 class CellWork final : public FarmWork {
  public:
-  CellWork(const std::vector<std::size_t>& cells, const StudyRunOptions::Take& take, ReferenceDirectory directory)
-      : open_(cells.begin(), cells.end()), left_(cells.begin(), cells.end()), take_(take), directory_(std::move(directory)) {}
+  CellWork(const std::vector<std::size_t>& cells, const StudyRunOptions::Take& take,
+           ReferenceDirectory directory)
+      : open_(cells.begin(), cells.end()),
+        left_(cells.begin(), cells.end()),
+        take_(take),
+        directory_(std::move(directory)) {}
 
   std::optional<Piece> next(int) override {
     while (!open_.empty()) {
@@ -85,9 +95,13 @@ class CellWork final : public FarmWork {
 class CellHand final : public RankHand {
  public:
   CellHand(CellRunner& runner, std::atomic<bool>& interrupted, const RankContext& rank, std::size_t bodies)
-      : runner_(runner), interrupted_(interrupted), rank_(rank), on_end_(rank.ended, End{runner, interrupted}) {
+      : runner_(runner),
+        interrupted_(interrupted),
+        rank_(rank),
+        on_end_(rank.ended, End{runner, interrupted}) {
     rank_.listen([&runner, bodies](Bytes answer) {
-      take_answer(Unpacker(std::move(answer)), bodies, [&](std::size_t body) { return runner.references(body); });
+      take_answer(Unpacker(std::move(answer)), bodies,
+                  [&](std::size_t body) { return runner.references(body); });
     });
   }
   ~CellHand() override { rank_.listen(nullptr); }
@@ -120,11 +134,13 @@ class OwningCellHand final : public RankHand {
  public:
   OwningCellHand(std::shared_ptr<const StudyPlan> plan, const RankContext& rank)
       : plan_(std::move(plan)),
-        runner_(*plan_, {.threads = 1,
-                         .interrupted = &interrupted_,
-                         .hurried = &interrupted_,
-                         .read_only_cache = true,
-                         .exchange = [ask = rank.ask](std::size_t body) { return make_reference_exchange(body, ask); }}),
+        runner_(
+            *plan_,
+            {.threads = 1,
+             .interrupted = &interrupted_,
+             .hurried = &interrupted_,
+             .read_only_cache = true,
+             .exchange = [ask = rank.ask](std::size_t body) { return make_reference_exchange(body, ask); }}),
         hand_(runner_, interrupted_, rank, plan_->inputs.size()) {}
   void run(Unpacker piece, const Give& give, const std::stop_token& cancelled) override {
     hand_.run(std::move(piece), give, cancelled);
@@ -182,11 +198,13 @@ FarmReport run_cells_with_ranks(RankPool& pool, const StudyPlan& plan, const std
                            }});
   measure_costs(plan, cells, runner);
   const LoadHand own = [&](const RankContext& rank) {
-    return LoadedHand{.hand = std::make_unique<OwnCellHand>(runner, interrupted, rank, plan.inputs.size(), asking),
-                      .identity = {}};
+    return LoadedHand{
+        .hand = std::make_unique<OwnCellHand>(runner, interrupted, rank, plan.inputs.size(), asking),
+        .identity = {}};
   };
-  CellWork work(cells, take,
-                ReferenceDirectory(plan.inputs.size(), [&](std::size_t body) { return runner.references(body); }));
+  CellWork work(cells, take, ReferenceDirectory(plan.inputs.size(), [&](std::size_t body) {
+                  return runner.references(body);
+                }));
   return run_farm(pool, work, own, options.farm);
 }
 

@@ -126,8 +126,8 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
 }
 
 std::vector<Column> summary_columns(const SessionSummary& summary) {
-  const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety, loop, motion] =
-      summary;
+  const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety, loop,
+               motion] = summary;
   std::vector<Column> columns;
   columns.push_back({"clock", std::string(settings.clock == Clock::real ? "real" : "virtual")});
   columns.push_back({"seconds", column_value(run.seconds)});

@@ -1,9 +1,21 @@
 #pragma once
 // How much memory a session will take, estimated before anything of it is allocated.
 
-#include "scheduling/session/planned_session.hpp"
+#include <cstddef>
+#include <memory>
+
+#include "solver/body/body.hpp"
 
 namespace forefeel {
+
+// What a session asks for.
+struct MemoryRequest {
+  std::shared_ptr<const Body> body;
+  std::size_t frames = 0;
+  double seconds = 0;
+  int workers = 0;  // threads that solve under the real clock; simulated workers take nothing
+  int threads = 0;  // of reference solves, as given (workers/reference_service.hpp)
+};
 
 // Bytes, at most.
 struct MemoryNeed {
@@ -12,11 +24,11 @@ struct MemoryNeed {
   double references = 0;  // a solver for each thread of the reference solves
   double all() const { return frames + workers + references; }
 };
-MemoryNeed memory_need(const SessionPlan& plan);
+MemoryNeed memory_need(const MemoryRequest& asked);
 
 // Throws InputError if the session needs more than `available` [bytes]: what it would take, what there is,
 // and the key that takes the most (session.seconds, session.workers, session.threads). Also refuses more
 // worker threads than a process can well have.
-void check_memory(const SessionPlan& plan, double available);
+void check_memory(const MemoryRequest& asked, double available);
 
 }  // namespace forefeel

@@ -212,8 +212,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   LoopLink link;
   Nanoseconds start = 0;
   const auto session_time = [&start] { return static_cast<double>(monotonic() - start) / 1e9; };
-  RenderLoop loop(*plan.device, link, plan.render, plan.frames,
-                  {.now = session_time, .spare = spare_frames});
+  RenderLoop loop(*plan.device, link, plan.render, plan.frames, {.now = session_time, .spare = spare_frames});
   const LockedMemory locked(result);
   start = monotonic() + 20000000;  // threads are up by then
   const std::shared_ptr<RealWorkers> given = workers_of(plan);

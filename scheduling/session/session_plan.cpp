@@ -162,6 +162,17 @@ void take_future(SessionPlan& plan) {
     plan.motion.push_back(plan.device->position(frame_time(k, plan.options.clock.frame), Vec3::Zero()));
 }
 
+MemoryRequest memory_request(const SessionPlan& plan) {
+  const WorkerOptions& workers = plan.options.workers;
+  const bool threads = plan.options.clock.kind == Clock::real && !plan.given_arrivals &&
+                       !plan.input.parts.workers && workers.kind.name == "threads";
+  return {.body = plan.input.touched.body,
+          .frames = plan.frames,
+          .seconds = plan.options.clock.seconds,
+          .workers = threads ? workers.count : 0,
+          .threads = workers.threads};
+}
+
 // A rehearsed session is run several times with the same parts.
 void check_reusable(const SessionParts& parts) {
   if (parts.predictor || parts.virtual_workers)
@@ -200,7 +211,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   settle_length(plan.device->duration(), plan.options.clock);
   plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
   detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");
-  check_memory(plan, available_memory());
+  check_memory(memory_request(plan), available_memory());
   check_motion(plan);
   choose_model(plan);
   plan.batch = chosen.planning.batch > 0 ? chosen.planning.batch : chosen.clock.kind == Clock::real ? 8 : 1;

@@ -53,7 +53,7 @@ struct StudyResult {
 class CellRunner {
  public:
   struct Options {
-    int threads = 1;                                         // of reference solves, for each body
+    int threads = 1;  // of reference solves, for each body
     const std::atomic<bool>*interrupted = nullptr, *hurried = nullptr;
     std::function<void(const std::string&)> warn = {};
     bool read_only_cache = false;
@@ -62,7 +62,8 @@ class CellRunner {
   };
   CellRunner(const StudyPlan& plan, Options options);
   ~CellRunner();
-  StudyCellResult run(std::size_t cell, const std::function<void(double)>& show = {});  // show: the share done
+  StudyCellResult run(std::size_t cell,
+                      const std::function<void(double)>& show = {});  // show: the share done
   std::size_t body_of(std::size_t input) const;
   std::shared_ptr<ReferenceService> references(std::size_t body);
   void share_no_more();  // reference solves that others should do are done here

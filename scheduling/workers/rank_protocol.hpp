@@ -9,7 +9,19 @@
 
 namespace forefeel {
 
-enum class RankTag : int { begin = 1, job, cancel, answer, stop, ready, result, question, failure, beat, left };
+enum class RankTag : int {
+  begin = 1,
+  job,
+  cancel,
+  answer,
+  stop,
+  ready,
+  result,
+  question,
+  failure,
+  beat,
+  left
+};
 
 inline constexpr double beat_seconds = 0.5, orphaned_seconds = 120;
 

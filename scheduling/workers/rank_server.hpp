@@ -24,8 +24,8 @@ class RankHand {
 
 // What a hand may use of its rank, from any thread.
 struct RankContext {
-  std::stop_token ended = {};                // the rank must end
-  std::function<void(Bytes)> ask = {};       // a question to rank 0, which may answer, at once, later or never
+  std::stop_token ended = {};           // the rank must end
+  std::function<void(Bytes)> ask = {};  // a question to rank 0, which may answer, at once, later or never
   // Where answers go from now on: it is called by the thread that exchanges messages. Null: nowhere; none is under way
   // afterwards.
   std::function<void(std::function<void(Bytes)>)> listen = {};

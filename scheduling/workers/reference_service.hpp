@@ -68,9 +68,9 @@ class ReferenceService {
   // From now on every position that the cache does not hold is asked for before it is solved. Null: no longer; what
   // was asked for is solved here.
   void share(std::shared_ptr<ReferenceExchange> exchange);
-  void grant(const Vec3& x);           // solve it here
-  void put_off(const Vec3& x);         // it is solved elsewhere: learn() or grant() will follow
-  void learn_and_keep(const State&);   // as learn(), and it is written to the cache
+  void grant(const Vec3& x);                       // solve it here
+  void put_off(const Vec3& x);                     // it is solved elsewhere: learn() or grant() will follow
+  void learn_and_keep(const State&);               // as learn(), and it is written to the cache
   std::optional<State> find(const Vec3& x) const;  // if it is ready
 
   // If a cache was requested: why there is none, or why it is read-only.

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "solver/equilibrium/lane_solver.hpp"
@@ -26,6 +28,9 @@ class Continuation {
   // is reused while the iteration with it contracts.
   NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
                        const std::stop_token& stop, double between = 0);
+
+  // told(share of the way) after each step of advance().
+  void watch(std::function<void(double)> told) { told_ = std::move(told); }
 
   const Vec3& at() const { return at_; }
   int iterations() const { return iterations_; }  // since begin
@@ -64,6 +69,7 @@ class Continuation {
   bool has_factor_ = false;  // newton_.factor() belongs to field_ or to a field near it
   int iterations_ = 0;
   std::array<double, 2> kinks_{};  // of the last step and the one before
+  std::function<void(double)> told_;
 };
 
 namespace detail {

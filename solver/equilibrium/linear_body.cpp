@@ -43,9 +43,9 @@ LinearBasis::LinearBasis(std::shared_ptr<const Body> body, double spacing)
     : body_(std::move(body)), spacing_(spacing) {}
 
 void LinearBasis::solve() {
-  const auto d = std::make_shared<const Discretisation>(discretise(*body_));
-  NewtonSolver newton(d);
-  const LinearBody linear(*d, newton);
+  d_ = std::make_shared<const Discretisation>(discretise(*body_));
+  NewtonSolver newton(d_);
+  const LinearBody linear(*d_, newton);
   LocalField field;
   for (int axis = 0; axis < 3; ++axis) {
     const State state = linear.state(spacing_ * Vec3::Unit(axis), field);
@@ -55,13 +55,22 @@ void LinearBasis::solve() {
     }
     stiffness_.col(axis) = -state.force / spacing_;
     std::vector<double>& u = displacements_[axis];
-    u = d->to_nodes(field.u.data());
+    local_[axis] = field.u;
+    for (double& component : local_[axis]) component /= spacing_;
+    u = d_->to_nodes(field.u.data());
     u.resize(3 * body_->mesh.nodes.size());  // mid-edge nodes are not reported
     for (double& component : u) component /= spacing_;
     residual_ = std::max(residual_, state.residual);
   }
   stiffness_ = 0.5 * (stiffness_ + stiffness_.transpose()).eval();  // symmetric but for round-off
   status_ = SolveStatus::converged;
+}
+
+double LinearBasis::min_jacobian(const Vec3& x) const {
+  std::vector<double> u(local_[0].size()), gradient(u.size(), 0.0);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = x[0] * local_[0][i] + x[1] * local_[1][i] + x[2] * local_[2][i];
+  return d_->kernels->gradient(d_->view(), u.data(), gradient.data()).min_jacobian;
 }
 
 State LinearBasis::at(const Vec3& x, bool want_displacements) {
@@ -74,6 +83,7 @@ State LinearBasis::at(const Vec3& x, bool want_displacements) {
   state.stiffness = stiffness_;
   state.energy = 0.5 * x.dot(stiffness_ * x);
   state.residual = residual_;
+  state.min_jacobian = min_jacobian(x);
   state.seconds = 0;
   state.iterations = 0;
   state.parent = Vec3::Zero();

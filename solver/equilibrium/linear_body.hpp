@@ -40,12 +40,15 @@ class LinearBasis {
 
  private:
   void solve();
+  double min_jacobian(const Vec3& x) const;
   std::shared_ptr<const Body> body_;
   double spacing_;
   std::once_flag once_;
   SolveStatus status_ = SolveStatus::diverged;
   Mat3 stiffness_ = Mat3::Zero();
   std::vector<double> displacements_[3];  // du/dx_c, #V x 3 row by row
+  std::shared_ptr<const Discretisation> d_;
+  std::vector<double> local_[3];  // du/dx_c, local vectors
   double residual_ = 0;
 };
 

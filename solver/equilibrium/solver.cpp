@@ -175,6 +175,10 @@ const Body& Solver::body() const {
   return *impl_->body;
 }
 
+void Solver::watch(std::function<void(double)> told) {
+  impl_->path.watch(std::move(told));
+}
+
 std::shared_ptr<const Equilibrium> Solver::rest() const {
   auto rest = std::make_shared<Equilibrium>();
   rest->displacements.assign(3 * static_cast<std::size_t>(impl_->d->nodes), 0.0);

@@ -6,6 +6,7 @@
 // 1e-12 E L^2) with Young's modulus E and the longest side L of the mesh.
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -71,6 +72,8 @@ class Solver {
 
   const Body& body() const;
   std::shared_ptr<const Equilibrium> rest() const;
+  // told(share of the way) after each continuation step of reference() and from(); a linear body has none.
+  void watch(std::function<void(double)> told);
   // On the reference branch: from rest straight to x in equal steps of at most `spacing` [m], each solved to
   // tolerance.
   SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/states/state_message.hpp"
+#include "geometry/states/state_outcome.hpp"
 #include "solver/lattice/sweep_plan.hpp"
 
 namespace forefeel {
@@ -160,6 +161,7 @@ struct LatticePieces::Impl {
 
   void emit(State state) {
     (state.usable() ? report.solved : report.failed) += 1;
+    report.inverted += has_inverted_elements(state);
     sink(std::move(state));
     if (progress) progress(report.resumed + report.solved + report.failed, plan.positions());
   }

@@ -16,8 +16,9 @@ TEST_CASE("the Python package gives the command's numbers and runs parts written
   const Workshop shop;
   const auto scene = shop.write("beam.toml", beam_scene());
   const auto script = source_folder() / "tests" / "apps" / "python_module.py";
-  const Workshop::Outcome done = shop.shell("PYTHONPATH='" + package.string() + "' /usr/bin/python3 '" +
-                                            script.string() + "' '" + executable() + "' '" + scene.string() + "'");
+  const Workshop::Outcome done =
+      shop.shell("PYTHONPATH='" + package.string() + "' /usr/bin/python3 '" + script.string() + "' '" +
+                 executable() + "' '" + scene.string() + "'");
   INFO(done.err);
   CHECK(done.code == 0);
 }

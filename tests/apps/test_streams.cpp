@@ -145,4 +145,32 @@ TEST_CASE("spacings and moduli that no body has are refused", "[streams]") {
     check_refused(shop, std::string("solve beam.toml --at=0,0,0.001 --set ") + set, {"expected"});
 }
 
+TEST_CASE("a lattice that does not fit into the memory is refused before anything is solved", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const auto outcome =
+      shop.shell("ulimit -v 4000000; '" + executable() +
+                 "' generate beam.toml -o g.states --threads 1 --set state_space.spacing=0.0001 "
+                 "--set 'state_space.box=[[-0.012,-0.012,-0.012],[0.012,0.012,0.012]]'");
+  INFO(outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.error_lines() == 1);
+  CHECK_THAT(outcome.err, Catch::Contains("state_space.box: a lattice of 0.0001 m in it would take") &&
+                              Catch::Contains("GB of memory, but") && Catch::Contains("are left"));
+  CHECK_FALSE(fs::exists(shop.path() / "g.states"));
+}
+
+TEST_CASE("a signal ends a command that still plans", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const auto outcome = shop.shell(
+      "timeout --preserve-status -s TERM 1 '" + executable() +
+      "' generate beam.toml -o g.states --json --set material.law=linear --set state_space.spacing=0.00015 "
+      "--set 'state_space.box=[[-0.012,-0.012,-0.012],[0.012,0.012,0.012]]'");
+  INFO(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK_THAT(outcome.err, Catch::Contains("interrupted before"));
+  CHECK(outcome.json()["interrupted"] == true);
+}
+
 }  // namespace forefeel::test

@@ -104,6 +104,22 @@ TEST_CASE("a mesh of one's own", "[readme]") {
   CHECK(summary["safety"]["clamped_share"] < 0.01);
 }
 
+TEST_CASE("states of one's own", "[readme]") {
+  const Workshop shop;
+  lay_out(shop);
+  std::ostringstream forces;
+  forces << "x,y,z,fx,fy,fz\n";
+  for (int i = 0; i < 64; ++i) {
+    const double x = 0.005 * (i % 4), y = 0.005 * (i / 4 % 4), z = -0.005 * (i / 16);
+    forces << x << ',' << y << ',' << z << ',' << -20 * x << ',' << -20 * y << ',' << -100 * z + 400 * z * z
+           << '\n';
+  }
+  shop.write("my-forces.csv", forces.str());
+  shop.write("my-points.csv", "x,y,z\n0.004,0.007,-0.006\n");
+  check_runs(shop, "export PATH=\"$PWD/build/release/apps:$PATH\"\n" + block("Your own states", "sh"));
+  CHECK_THAT(shop.files(), Catch::Contains("my-coverage.svg") && Catch::Contains("my.states"));
+}
+
 TEST_CASE("what the README names exists, and it is short", "[readme]") {
   const std::string text = readme();
   CHECK(std::ranges::count(text, '\n') <= 150);
