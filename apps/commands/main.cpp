@@ -2,6 +2,8 @@
 // every exception.
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -47,10 +49,17 @@ int tell_interrupted(const char* text, int argc, char** argv) {
   return 1;
 }
 
+// A reader of a pipe that is gone wants no more: that is no failure.
+bool reader_is_gone() {
+  pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+  return poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+}
+
 // What was printed must have arrived: a full disk behind `> file` is found here.
 int printed(int code) {
   std::cout.flush();
   if (std::cout.good() && std::fflush(stdout) == 0) return code;
+  if (reader_is_gone()) return code;
   std::cerr << "forefeel: stdout: cannot be written, so the results are incomplete (is the disk full?)\n";
   return code == 0 ? 1 : code;
 }
