@@ -168,7 +168,7 @@ class RankWorkers final : public RealWorkers {
 class StateHand final : public RankHand {
  public:
   StateHand(std::shared_ptr<const Body> body, const StateSolverOptions& options)
-      : solver_(body, linear_basis(body, options.spacing), options) {
+      : solver_(std::make_shared<SolverBasis>(body), linear_basis(body, options.spacing), options) {
     solver_.prepare();
   }
 
