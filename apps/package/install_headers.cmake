@@ -2,7 +2,7 @@
 # prefix. Private are the headers that carry CGAL or SQLite along, and what the benches compare with.
 foreach(folder geometry solver approx scheduling)
   file(GLOB headers RELATIVE ${SOURCE} ${SOURCE}/${folder}/*/*.hpp)
-  list(FILTER headers EXCLUDE REGEX "_cgal\\.hpp$|/(sqlite_handle|state_rows)\\.hpp$|/baselines/|/library/")
+  list(FILTER headers EXCLUDE REGEX "_cgal\\.hpp$|/(sqlite_handle|state_rows|hostile_file)\\.hpp$|/baselines/|/library/")
   foreach(header IN LISTS headers)
     file(READ ${SOURCE}/${header} text)
     string(REGEX REPLACE "#include \"(geometry|solver|approx|scheduling)/" "#include \"forefeel/\\1/" text "${text}")

@@ -52,7 +52,8 @@ void check_headers(const Workshop& shop) {
   CHECK(shop.shell("find " + include + " -name '*_cgal.hpp' -o -path '*/baselines/*'").out.empty());
   CHECK(fs::exists(shop.path() / include / "forefeel.hpp"));
   // All headers compile with what is installed beside them.
-  ran(shop, "(cd prefix/include && find forefeel -name '*.hpp' | sed 's/.*/#include <&>/') > all.cpp");
+  ran(shop,
+      "cd prefix/include && find forefeel -name '*.hpp' | sed 's/.*/#include <&>/' | tee ../../all.cpp");
   ran(shop,
       "g++ -std=c++20 -fsyntax-only -Iprefix/include -isystem /usr/include/eigen3 -DEIGEN_DONT_PARALLELIZE "
       "all.cpp");
