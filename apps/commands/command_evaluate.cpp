@@ -277,6 +277,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
     print_json(to_json(result));
   else
     tell(globals, result, arguments.output.empty());
+  if (!arguments.output.empty()) say(globals, fmt::format("forces at the points: {}", arguments.output));
   return 0;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "scheduling/common/option_check.hpp"
 
 namespace forefeel {
@@ -17,8 +19,22 @@ void check(const ClockOptions& o) {
                 "and frame give too many frames");
 }
 
+namespace {
+
+void check_switch(const SwitchOptions& o) {
+  expect_option(std::isfinite(o.jnd_share) && o.jnd_share >= 0 && o.jnd_share <= 1, "switching.jnd_share",
+                fmt::format("is {}, expected 0 to 1", o.jnd_share));
+  expect_option(positive(o.jnd_floor), "switching.jnd_floor",
+                fmt::format("is {}, expected a force above 0 [N]", o.jnd_floor));
+  expect_option(positive(o.paper_interval), "switching.paper_interval",
+                fmt::format("is {}, expected a time above 0 [s]", o.paper_interval));
+}
+
+}  // namespace
+
 void check(const SessionOptions& options) {
   check(options.clock);
+  check_switch(options.switching);
   check(options.workers);
   check(options.planning);
   check(options.model);

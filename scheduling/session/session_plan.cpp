@@ -199,6 +199,8 @@ std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService&
 
 SessionPlan make_plan(SessionInput input, SessionOptions options) {
   detail::expect_option(input.touched.body != nullptr, "body", "there is none, expected a body to touch");
+  check(*input.touched.body, "the session's body");
+  options.switching.frame = options.clock.frame;
   check(options);
   check_known(input.known);
   SessionPlan plan{.input = std::move(input), .options = std::move(options), .device = nullptr};

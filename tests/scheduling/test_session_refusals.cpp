@@ -41,6 +41,32 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
                     Catch::Contains("state_space.box") && Catch::Contains("room"));
 }
 
+TEST_CASE("a body that cannot be solved is refused before the session begins, naming what is wrong") {
+  const auto refused = [&](auto change) {
+    SessionInput input = small_input();
+    auto body = std::make_shared<Body>(*input.touched.body);
+    change(*body);
+    input.touched.body = body;
+    try {
+      make_plan(input, virtual_options(0.1));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(refused([](Body& b) { b.clamp.clear(); }), Catch::Contains("clamp"));
+  CHECK_THAT(refused([](Body& b) { b.contact = b.clamp; }), Catch::Contains("contact"));
+  CHECK_THAT(refused([](Body& b) { b.material.poisson = 0.5; }), Catch::Contains("poisson"));
+  CHECK_THAT(refused([](Body& b) { b.material.young = -1; }), Catch::Contains("young"));
+  CHECK(refused([](Body&) {}).empty());
+}
+
+TEST_CASE("the frame of the switch is that of the session's clock") {
+  SessionOptions options = virtual_options(0.1);
+  options.clock.frame = 0.002;
+  CHECK(make_plan(small_input(), options).render.switching.frame == 0.002);
+}
+
 TEST_CASE("bad sessions are refused before anything is solved or written") {
   const test::TemporaryFolder folder;
   const auto refuse = [&](auto change) {
@@ -55,6 +81,9 @@ TEST_CASE("bad sessions are refused before anything is solved or written") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refuse([](SessionOptions& o) { o.planning.policy = "best"; });
   refuse([](SessionOptions& o) { o.workers.count = 0; });
+  refuse([](SessionOptions& o) { o.switching.jnd_share = -1; });
+  refuse([nan](SessionOptions& o) { o.switching.jnd_floor = nan; });
+  refuse([](SessionOptions& o) { o.switching.paper_interval = 0; });
   refuse([](SessionOptions& o) { o.clock.seconds = -1; });
   refuse([](SessionOptions& o) { o.clock.seconds = 0; });
   refuse([nan](SessionOptions& o) { o.clock.seconds = nan; });
