@@ -17,6 +17,7 @@
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -40,6 +41,17 @@ std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
   for (const Vec3& x : points)
     if (!x.allFinite()) throw InputError("solve", "a position is not finite, expected three finite numbers");
   return points;
+}
+
+// A position in another unit, or with a mistyped exponent.
+void check_reach(const std::vector<Vec3>& points, double side) {
+  constexpr double farthest = 100;  // longest sides of the body
+  for (const Vec3& x : points)
+    if (!(x.cwiseAbs().maxCoeff() <= farthest * side))
+      throw InputError("solve",
+                       fmt::format("the position ({:g}, {:g}, {:g}) m is farther from rest than {:.3g} m, "
+                                   "{:g} times the body's longest side; expected metres",
+                                   x[0], x[1], x[2], farthest * side, farthest));
 }
 
 // The share of all solves that is done. Half of a state's share is its straight path, half the second path,
@@ -203,6 +215,7 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   const std::vector<Vec3> points = wanted_points(arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
   const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
+  check_reach(points, longest_side(scene.body->mesh));
   for (const std::string& warning : scene.warnings) warn(globals, warning);
   if (scene.automatic_spacing)
     say(globals,

@@ -39,6 +39,7 @@ TEST_CASE("usage errors are one line", "[command-line]") {
   check_refused(shop, "--jsn", {"--jsn"});
   check_refused(shop, "solve beam.toml --att=0,0,0", {"--att", "did you mean '--at'"});
   check_refused(shop, "solve", {"SCENE"});
+  check_refused(shop, "solve beam.toml --at=0,0,1e300", {"farther from rest", "metres"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --threads -2", {"--threads"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --seed none", {"--seed"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --seed -1", {"--seed", "at least 0"});
