@@ -38,6 +38,14 @@ std::string_view kernel_of(const Model& model) {
   return model.degree() == 0 ? "linear with constant" : name(model.kernel());
 }
 
+// The model's force at one point, its limits, and the kernel after step-down.
+void add_point(const Model& model, const Vec3& x, const ModelOptions& options, EvaluatedPoints& result) {
+  result.kernels.push_back(kernel_of(model));
+  result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
+  result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
+  measure(model, x, result);
+}
+
 EvaluatedPoints evaluate_rbf(const StateSpace& space, std::span<const Vec3> points,
                              const ModelOptions& options, const ShowPoints& show) {
   ModelUpdater updater(space, options);
@@ -54,10 +62,7 @@ EvaluatedPoints evaluate_rbf(const StateSpace& space, std::span<const Vec3> poin
     if (changed) result.fit_us.push_back(1e6 * seconds);
     ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
     result.labels.push_back(report.label);
-    result.kernels.push_back(kernel_of(model));
-    result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
-    result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
-    measure(model, x, result);
+    add_point(model, x, options, result);
     if (show) show(result.forces.size());
   }
   return result;
@@ -77,10 +82,7 @@ EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& 
   result.reused = points.size() - 1;
   for (const Vec3& x : points) {
     result.labels.push_back(space.label(x));
-    result.kernels.push_back(kernel_of(model));
-    result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
-    result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
-    measure(model, x, result);
+    add_point(model, x, options, result);
     if (show) show(result.forces.size());
   }
   return result;
