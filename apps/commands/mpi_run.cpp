@@ -10,7 +10,7 @@
 
 #include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/workers/mpi_group.hpp"
+#include "scheduling/farm/mpi_group.hpp"
 
 namespace forefeel {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "apps/console/command.hpp"
 #include "apps/console/console.hpp"
-#include "scheduling/workers/rank_pool.hpp"
-#include "scheduling/workers/rank_server.hpp"
+#include "scheduling/farm/rank_pool.hpp"
+#include "scheduling/farm/rank_server.hpp"
 
 namespace forefeel {
 

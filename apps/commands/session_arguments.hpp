@@ -9,8 +9,8 @@
 #include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
+#include "scheduling/farm/rank_pool.hpp"
 #include "scheduling/session/session.hpp"
-#include "scheduling/workers/rank_pool.hpp"
 
 namespace forefeel {
 

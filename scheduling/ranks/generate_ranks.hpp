@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "scheduling/workers/farm.hpp"
+#include "scheduling/farm/farm.hpp"
 #include "solver/lattice/generate.hpp"
 
 namespace forefeel {

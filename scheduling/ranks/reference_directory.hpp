@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "scheduling/workers/farm.hpp"
+#include "scheduling/farm/farm.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {

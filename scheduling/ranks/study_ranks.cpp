@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <utility>
 
+#include "scheduling/farm/rank_listener.hpp"
 #include "scheduling/ranks/reference_directory.hpp"
-#include "scheduling/workers/rank_listener.hpp"
 
 namespace forefeel {
 namespace {

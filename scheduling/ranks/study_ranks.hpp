@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "scheduling/farm/farm.hpp"
 #include "scheduling/study/study_run.hpp"
-#include "scheduling/workers/farm.hpp"
 
 namespace forefeel {
 

@@ -12,6 +12,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -20,15 +21,6 @@ using namespace forefeel::test;
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string error_of(auto&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 void run_sql(const fs::path& file, const char* sql) {
   sqlite3* database = nullptr;

@@ -11,23 +11,16 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
+using test::error_of;
 using test::TemporaryFolder;
 
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string error_of(auto&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::string content_of(const fs::path& file) {
   std::ifstream in(file);

@@ -13,21 +13,13 @@
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 using namespace forefeel::test;
 
 namespace {
-
-std::string error_of(auto&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::string content_of(const std::filesystem::path& file) {
   std::ostringstream out;

@@ -7,22 +7,15 @@
 #include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
+using test::error_of;
 using test::TemporaryFolder;
 
 namespace {
-
-std::string error_of(auto&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::vector<State> some_states() {
   std::vector<State> all(3);

@@ -7,25 +7,13 @@
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 using namespace forefeel::test;
 
 namespace fs = std::filesystem;
-
-namespace {
-
-std::string error_of(auto&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-}  // namespace
 
 TEST_CASE("a second writer under a hard link is refused, and no state is lost") {
   const TemporaryFolder folder;

@@ -13,24 +13,17 @@
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
+using test::error_of;
 using test::TemporaryFolder;
 
 namespace {
-
-std::string error_of(auto&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 void append(Surface& to, const Surface& from, const Vec3& shift, double scale, bool inward = false) {
   const auto first = static_cast<NodeIndex>(to.nodes.size());

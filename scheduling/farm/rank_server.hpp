@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <string>
 
-#include "scheduling/workers/rank_protocol.hpp"
-#include "scheduling/workers/transport.hpp"
+#include "scheduling/farm/rank_protocol.hpp"
+#include "scheduling/farm/transport.hpp"
 
 namespace forefeel {
 

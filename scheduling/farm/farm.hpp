@@ -8,8 +8,8 @@
 #include <stop_token>
 #include <string>
 
-#include "scheduling/workers/rank_pool.hpp"
-#include "scheduling/workers/rank_server.hpp"
+#include "scheduling/farm/rank_pool.hpp"
+#include "scheduling/farm/rank_server.hpp"
 
 namespace forefeel {
 

@@ -1,4 +1,4 @@
-#include "scheduling/workers/mpi_group.hpp"
+#include "scheduling/farm/mpi_group.hpp"
 
 #ifndef FOREFEEL_MPI
 

@@ -1,4 +1,4 @@
-#include "scheduling/workers/farm.hpp"
+#include "scheduling/farm/farm.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "scheduling/workers/rank_listener.hpp"
+#include "scheduling/farm/rank_listener.hpp"
 
 namespace forefeel {
 namespace {

@@ -1,4 +1,4 @@
-#include "scheduling/workers/rank_pool.hpp"
+#include "scheduling/farm/rank_pool.hpp"
 
 #include <fmt/format.h>
 

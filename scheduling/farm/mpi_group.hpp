@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "scheduling/workers/transport.hpp"
+#include "scheduling/farm/transport.hpp"
 
 namespace forefeel {
 

@@ -1,4 +1,4 @@
-#include "scheduling/workers/rank_server.hpp"
+#include "scheduling/farm/rank_server.hpp"
 
 #include <chrono>
 #include <condition_variable>
@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "scheduling/workers/rank_listener.hpp"
+#include "scheduling/farm/rank_listener.hpp"
 
 namespace forefeel {
 namespace {

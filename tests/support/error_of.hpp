@@ -1,0 +1,21 @@
+#pragma once
+
+// The error line of refused input.
+
+#include <string>
+
+#include "geometry/common/error.hpp"
+
+namespace forefeel::test {
+
+// What the InputError thrown by `work` says; empty: nothing was refused.
+std::string error_of(auto&& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace forefeel::test
