@@ -25,8 +25,8 @@ int serve(std::optional<MpiGroup>& group, const RankedCommand& command) {
 // MPI cannot end in order while a rank hangs. Without a code, an error is still to be reported.
 void end_with_hanging(const Globals& globals, MpiGroup& group, const RankPool& pool,
                       std::optional<int> code) {
-  warn(globals,
-       fmt::format("{} of {} ranks hang or are gone; mpirun ends them", pool.lost(), pool.ranks() + 1));
+  warn(globals, fmt::format("{} of {} ranks hang or are gone; mpirun ends them, and itself with an error",
+                            pool.lost(), pool.ranks() + 1));
   if (!code) return group.abandon();
   flush_warnings();
   std::cout.flush();

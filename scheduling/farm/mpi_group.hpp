@@ -27,7 +27,8 @@ class MpiGroup {
   // Ends MPI in order, as the destructor does. Where that takes longer, because a rank hangs in it, calls `expired`
   // from another thread; it must end the process.
   void end_within(double seconds, const std::function<void()>& expired);
-  // Ends all ranks at once, also those that hang; mpirun ends with that code.
+  // Ends this process with that code at once. mpirun then ends the others, also those that hang, and itself with an
+  // error.
   [[noreturn]] void end_all(int exit_code);
 
  private:

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
 
 namespace forefeel::test {
 
