@@ -12,6 +12,7 @@
 #include "apps/classify/classify.hpp"
 #include "apps/classify/print_classified.hpp"
 #include "apps/commands/commands.hpp"
+#include "apps/commands/help_topics.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
@@ -82,7 +83,7 @@ void write_points(const std::string& file, const std::vector<Vec3>& points,
     return std::isfinite(value) ? fmt::format("{}", value) : std::string();
   };
   OutputFile out(file);
-  out.write("x,y,z,label,spread,alpha,delta,gamma_deg\n");
+  out.write(header_of(declared_coverage()) + "\n");
   for (std::size_t i = 0; i < points.size(); ++i)
     out.write(fmt::format("{},{},{},{},{},{},{},{}\n", points[i].x(), points[i].y(), points[i].z(),
                           name(found[i].label), cell(found[i].spread), cell(found[i].alpha),

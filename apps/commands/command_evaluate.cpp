@@ -14,6 +14,7 @@
 
 #include "approx/evaluate/evaluate.hpp"
 #include "apps/commands/commands.hpp"
+#include "apps/commands/help_topics.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
@@ -68,7 +69,7 @@ EvaluateOptions options_of(const EvaluateArguments& arguments) {
 
 void write_csv(const std::string& file, const std::vector<Vec3>& points, const EvaluatedPoints& result) {
   OutputFile out(file);
-  out.write("x,y,z,fx,fy,fz,label\n");
+  out.write(header_of(declared_forces()) + "\n");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 &x = points[i], &f = result.forces[i];
     out.write(

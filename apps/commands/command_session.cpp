@@ -255,7 +255,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   for (const std::string& warning : result.warnings) warn(globals, warning);
 
   const double limit = plan.render.safety.force_limit;
-  const ReportPictures pictures = begin_pictures(result, meanwhile.slices, limit);
+  const ReportPictures pictures =
+      begin_pictures(result, meanwhile.slices, view_of(scene.space, options, limit));
   Salvage salvage(result.failures);
   salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   salvage.attempt("states.csv", [&] { meanwhile.states.get(); });

@@ -18,10 +18,13 @@
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/console/suggest.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/console/values.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/report.hpp"
+#include "apps/picture/study_figures.hpp"
 #include "apps/picture/study_gantt.hpp"
 #include "apps/picture/study_report.hpp"
 #include "apps/study/study_folder.hpp"
@@ -41,6 +44,8 @@ namespace fs = std::filesystem;
 struct StudyArguments {
   std::string study, output;
   std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
+  std::string palette{usual_palette};
+  std::vector<std::string> figures;  // formats of the files of figures: svg, png, pdf
   MpiArguments mpi;
 };
 
@@ -48,6 +53,46 @@ void write_whole(const fs::path& file, const std::string& text) {
   OutputFile out(file);
   out.write(text);
   out.commit();
+}
+
+// ---- figures as files
+
+std::optional<std::string> drawn_as(const std::string& format, const Figure& figure) {
+  const auto& [name, caption, width, height, script] = figure;
+  return format == "svg"   ? draw_svg(name, width, height, script)
+         : format == "png" ? draw_png(width, height, script)
+                           : draw_pdf(width, height, script);
+}
+
+// FOLDER/NAME.FORMAT for each format that is wanted. Returns false, and a warning says so, where one is missing.
+bool write_figures(const Globals& globals, const fs::path& folder, const std::vector<std::string>& formats,
+                   const std::vector<Figure>& figures) {
+  bool whole = true;
+  for (const std::string& format : formats)
+    for (const Figure& figure : figures) {
+      const fs::path file = folder / (figure.name + "." + format);
+      if (const auto picture = drawn_as(format, figure)) {
+        write_whole(file, *picture);
+      } else {
+        warn(globals, file.string() + ": not drawn, gnuplot was not found or failed");
+        whole = false;
+      }
+    }
+  return whole;
+}
+
+// DIR/figures, made if it is missing.
+fs::path figures_in(const fs::path& folder) {
+  claim_folder(folder / "figures", {"*.pdf", "*.png", "*.svg"});
+  return folder / "figures";
+}
+
+void check_figures(const StudyArguments& arguments) {
+  palette_from_text(arguments.palette);
+  for (const std::string& format : arguments.figures)
+    if (format != "svg" && format != "png" && format != "pdf")
+      throw InputError("--figures",
+                       fmt::format("is '{}', expected svg, png, pdf, or several as pdf,png", format));
 }
 
 // ---- the study that DIR/ was started with
@@ -100,8 +145,8 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   cell.options.workers.threads = globals.threads;
   const SessionOptions options = with_load_found(cell, input).options;
   const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
-  claim_folder(folder,
-               {"frames.csv", "dispatch.csv", "switches.csv", "summary.json", "report.html", "gantt.svg"});
+  claim_folder(folder, {"frames.csv", "dispatch.csv", "switches.csv", "summary.json", "report.html",
+                        "gantt.svg", "gantt.png", "gantt.pdf"});
   Progress progress(globals, "session");
   const SessionResult result =
       run_session(input, options, {.progress = [&](const SessionProgress& p) {
@@ -114,14 +159,13 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   nlohmann::ordered_json document = to_json(summary);
   document["provenance"] = provenance(scene.hash);
   write_whole(folder / "summary.json", json_text(document, 2) + "\n");
-  write_report(folder, summary, document, scene,
-               begin_pictures(result, begin_slices(result, scene.space), limit));
+  write_report(
+      folder, summary, document, scene,
+      begin_pictures(result, begin_slices(result, scene.space), view_of(scene.space, options, limit)));
   const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
-  const auto svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
-  if (svg)
-    write_whole(folder / "gantt.svg", *svg);
-  else
-    warn(globals, "gantt.svg: gnuplot was not found or failed");
+  std::vector<std::string> formats = arguments.figures;
+  if (std::ranges::find(formats, "svg") == formats.end()) formats.emplace_back("svg");
+  const bool svg = write_figures(globals, folder, formats, {figure});
   if (globals.json) print_json(document);
   say(globals, fmt::format("{}: {} solves of {} workers in {} s",
                            (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
@@ -168,11 +212,13 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
 struct Findings {
   std::vector<StudyDevice> devices;
   std::optional<std::string> verdict;
+  std::vector<std::string> advice;
 };
 
 void tell(const Globals& globals, const Findings& found) {
   for (const std::string& line : attention(found.devices)) say(globals, "attention: " + line);
   if (found.verdict) say(globals, *found.verdict);
+  for (const std::string& line : found.advice) say(globals, line);
   say(globals, fmt::format("{}", fmt::join(device_titles(), " | ")));
   for (const StudyDevice& device : found.devices)
     say(globals, fmt::format("  {}", fmt::join(device_row(device), " | ")));
@@ -182,6 +228,7 @@ void tell(const Globals& globals, const Findings& found) {
 nlohmann::ordered_json to_json(const Findings& found) {
   return {{"attention", attention(found.devices)},
           {"verdict", found.verdict ? nlohmann::ordered_json(*found.verdict) : nlohmann::ordered_json()},
+          {"advice", found.advice},
           {"devices", devices_json(found.devices)}};
 }
 
@@ -195,6 +242,7 @@ std::string identity_of(const StudyPlan& plan) {
 int run_command(const Globals& globals, const StudyArguments& arguments, RankPool* ranks) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
+  check_figures(arguments);
   const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
   const StudyPlan& plan = planned.plan;
   for (const std::string& warning : planned.warnings) warn(globals, warning);
@@ -206,6 +254,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
     throw InputError(arguments.output, "is a file, expected a folder for the results");
   if (const auto change = change_since(folder, planned)) warn(globals, *change);
   claim_folder(folder, {"study.json", "cells.csv", "report.html"});
+  if (!arguments.figures.empty()) figures_in(folder);
   check_writable(folder / "cells.csv");
   write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
   if (ranks) ranks->begin(identity_of(plan));
@@ -229,9 +278,14 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
     compared.push_back(std::move(c));
   const Findings found{.devices = study_devices(plan, result.cells),
-                       .verdict = study_verdict(plan.study, result.cells)};
+                       .verdict = study_verdict(plan.study, result.cells),
+                       .advice = study_advice(plan.study, result.cells)};
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
-  write_whole(folder / "report.html", study_page(planned, result, ranked, compared));
+  const Palette palette = palette_from_text(arguments.palette);
+  write_whole(folder / "report.html", study_page(planned, result, ranked, compared, palette));
+  const bool drawn =
+      arguments.figures.empty() || write_figures(globals, figures_in(folder), arguments.figures,
+                                                 study_figures(plan.study, result.cells, ranked, palette));
 
   if (globals.json) {
     nlohmann::ordered_json document = counts(plan, result);
@@ -247,7 +301,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   say(globals,
       fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
                   plan.cells.size(), result.ran, result.seconds, result.resumed));
-  return 0;
+  return drawn ? 0 : 1;
 }
 
 int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
@@ -292,6 +346,14 @@ void add_study(CommandLine& line) {
              "Only draw the dispatch Gantt of this cell: a row of cells.csv, counted from 1")
       .check(above_zero)
       .shows("CELL");
+  sub.option("--figures", arguments->figures,
+             "Also write the figures as files, DIR/figures: pdf, png, svg, or several as pdf,png")
+      .takes_one()
+      .splits_at(',')
+      .shows("FORMAT");
+  sub.option("--palette", arguments->palette,
+             "Colours of the figures: " + listed(palette_names()) + ", or a list as #0072b2,#d55e00")
+      .shows_default();
   add_mpi_options(
       sub, arguments->mpi,
       "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");

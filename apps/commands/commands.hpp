@@ -19,5 +19,6 @@ void add_study(CommandLine& line);
 void add_reproduce(CommandLine& line);
 void add_bench(CommandLine& line);
 void add_cache(CommandLine& line);
+void add_help(CommandLine& line);
 
 }  // namespace forefeel

@@ -19,6 +19,26 @@ nlohmann::ordered_json to_json(const ColumnValue& value) {
       value);
 }
 
+namespace {
+
+// Keys that are no single values, or that tables of studies do not have.
+struct Extra {
+  const char *table, *key, *unit, *meaning;
+  nlohmann::ordered_json (*value)(const SessionSummary&);
+};
+using Json = nlohmann::ordered_json;
+constexpr Extra extras[] = {
+    {"safety", "force_limit", "N", "force limit of this session: that of the scene or of the device",
+     [](const SessionSummary& s) { return to_json(column_value(s.safety.force_limit)); }},
+    {nullptr, "attention", "", "list of lines: what to know before any figure",
+     [](const SessionSummary& s) { return Json(attention(s)); }},
+    {nullptr, "notes", "", "list of lines: what the system refused, what failed",
+     [](const SessionSummary& s) { return Json(s.run.notes); }},
+    {nullptr, "failures", "", "list of lines: what ended the session or cost it results",
+     [](const SessionSummary& s) { return Json(s.run.failures); }}};
+
+}  // namespace
+
 nlohmann::ordered_json to_json(const SessionSummary& summary) {
   nlohmann::ordered_json document;
   for (const Column& column : summary_columns(summary)) {
@@ -28,11 +48,20 @@ nlohmann::ordered_json to_json(const SessionSummary& summary) {
       place = &(*place)[column.name.substr(begin, dot - begin)];
     (*place)[column.name.substr(begin)] = to_json(column.value);
   }
-  document["safety"]["force_limit"] = to_json(column_value(summary.safety.force_limit));
-  document["attention"] = attention(summary);
-  document["notes"] = summary.run.notes;
-  document["failures"] = summary.run.failures;
+  for (const Extra& extra : extras) {
+    nlohmann::ordered_json* place = &document;
+    if (extra.table) place = &document[extra.table];
+    (*place)[extra.key] = extra.value(summary);
+  }
   return document;
+}
+
+std::vector<Declared> declared_summary_json() {
+  std::vector<Declared> rows = declared_summary();
+  for (const Extra& extra : extras)
+    rows.push_back(
+        {(extra.table ? extra.table + std::string(".") : "") + extra.key, extra.unit, "", extra.meaning});
+  return rows;
 }
 
 nlohmann::ordered_json to_json(std::span<const PredictorErrors> predictors) {

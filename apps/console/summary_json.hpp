@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <span>
+#include <vector>
 
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/summary_columns.hpp"
@@ -11,6 +12,7 @@ namespace forefeel {
 
 nlohmann::ordered_json to_json(const ColumnValue& value);
 nlohmann::ordered_json to_json(const SessionSummary& summary);
+std::vector<Declared> declared_summary_json();  // all these keys, for `forefeel help`
 // The key `prediction`: predictor -> rows by horizon [s], errors [m]. Null where nothing was compared.
 nlohmann::ordered_json to_json(std::span<const PredictorErrors> predictors);
 

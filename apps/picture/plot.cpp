@@ -158,6 +158,19 @@ std::optional<std::string> draw_png(int width, int height, const std::string& sc
   return picture && picture->starts_with("\x89PNG") ? picture : std::nullopt;
 }
 
+std::optional<std::string> draw_pdf(int width, int height, const std::string& script) {
+  const auto picture = drawn(
+      fmt::format("pdfcairo size {:.4f},{:.4f} font 'Helvetica,10'", width / 96.0, height / 96.0), script);
+  return picture && picture->starts_with("%PDF") ? picture : std::nullopt;
+}
+
+std::string plain_text(const std::string& text) {
+  std::string safe;
+  for (const char c : text)
+    safe += c == '\'' ? std::string("''") : c == '\n' ? std::string(" ") : std::string(1, c);
+  return safe;
+}
+
 std::string data_block(const std::string& name, const std::string& lines) {
   return "$" + name + " << EOD\n" + (lines.empty() ? "NaN NaN NaN NaN NaN\n" : lines) + "EOD\n";
 }

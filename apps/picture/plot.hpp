@@ -15,7 +15,7 @@ namespace forefeel {
 std::string_view colour(Label label);
 
 namespace ink {  // curves, by meaning
-inline constexpr std::string_view rendered = "#1b1b1b", sent = "#2a9d8f", limit = "#6a6a6a",
+inline constexpr std::string_view rendered = "#1b1b1b", sent = "#2a9d8f", limit = "#c02020",
                                   undamped = "#d1495b", reference = "#1f77b4", reference_light = "#8ec3ea",
                                   approximation = "#1f77b4", switching = "#d1495b", staleness = "#e0a021";
 }
@@ -28,6 +28,12 @@ std::optional<std::string> draw_svg(const std::string& name, int width, int heig
 
 // The same as PNG bytes. Nothing if gnuplot is missing, fails, or has no pngcairo.
 std::optional<std::string> draw_png(int width, int height, const std::string& script);
+
+// The same as a PDF page of this size in pixels of 1/96 inch.
+std::optional<std::string> draw_pdf(int width, int height, const std::string& script);
+
+// Text within single quotes of a script, on one line; "noenhanced" behind them keeps '_' and the like.
+std::string plain_text(const std::string& text);
 
 // A data block: "$name << EOD", the lines, "EOD".
 std::string data_block(const std::string& name, const std::string& lines);

@@ -8,11 +8,14 @@
 #include <future>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/report_figures.hpp"
+#include "apps/picture/run_charts.hpp"
 #include "apps/picture/slice_figure.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -45,33 +48,59 @@ std::string with_unit(double value, const std::string& unit) {
   return std::isfinite(value) ? shown(value) + " " + unit : "–";
 }
 
-std::string tile(const std::string& value, const std::string& what) {
-  return fmt::format("<div class=\"tile\"><b>{}</b><span>{}</span></div>\n", value, what);
+// How a card is coloured.
+enum class Judged { plain, good, warn, bad };
+
+std::string tile(const std::string& value, const std::string& what, Judged judged = Judged::plain) {
+  const char* const names[] = {"", " good", " warn", " bad"};
+  return fmt::format("<div class=\"tile{}\"><b>{}</b><span>{}</span></div>\n",
+                     names[static_cast<std::size_t>(judged)], value, what);
+}
+
+// Small values are good; a value that is not known is not judged.
+Judged small_is_good(double value, double warn, double bad) {
+  if (!std::isfinite(value)) return Judged::plain;
+  return value > bad ? Judged::bad : value > warn ? Judged::warn : Judged::good;
+}
+
+// Shares within the just noticeable difference; with few samples none is good.
+Judged within(const SessionSummary::Errors& errors) {
+  const Judged judged = small_is_good(1 - errors.within_jnd, 0.05, 0.2);
+  return judged == Judged::good && errors.samples < few_samples ? Judged::plain : judged;
 }
 
 std::string tiles(const SessionSummary& s) {
   std::string html = "<div class=\"tiles\">\n";
   const SessionSummary::Errors &samples = s.error.samples, &visits = s.error.first_visit;
+  const auto frames = static_cast<double>(std::max<std::size_t>(1, s.run.frames));
   html += tile(share_of_samples(samples.within_jnd, samples.samples),
-               "sampled frames within the just noticeable difference");
+               "sampled frames within the just noticeable difference", within(samples));
   html += tile(share_of_samples(visits.within_jnd, visits.samples),
-               "first visits within the just noticeable difference");
+               "first visits within the just noticeable difference", within(visits));
   html += tile(percent(samples.p95),
-               fmt::format("error of the rendered force, 95th percentile of {} samples", samples.samples));
-  html += tile(shown(s.switching.frames_over_jnd), "frames in which a switch exceeded its bound");
-  html += tile(with_unit(s.switching.max_jump, "N"), "largest change by a switch in one frame; " +
-                                                         with_unit(s.switching.max_jump_undamped, "N") +
-                                                         " undamped");
-  html += tile(percent(s.time_in[Label::safe]), "of the time in safe regions (densely known)");
+               fmt::format("error of the rendered force, 95th percentile of {} samples", samples.samples),
+               small_is_good(samples.p95, 0.07, 0.3));
+  html += tile(shown(s.switching.frames_over_jnd),
+               fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
+               small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));
+  html += tile(with_unit(s.switching.max_jump, "N"),
+               fmt::format("largest change by one of {} switches in one frame; {} undamped",
+                           s.switching.count, with_unit(s.switching.max_jump_undamped, "N")));
+  html += tile(percent(s.time_in[Label::safe]),
+               fmt::format("of {} frames in safe regions (densely known)", s.run.frames),
+               small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
   html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
   html += tile(percent(s.safety.clamped_share),
-               fmt::format("of the frames clamped at {}; {} at the slew limit",
-                           with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)));
-  html += tile(percent(s.motion.outside), "of the time outside the box of states");
+               fmt::format("of {} frames clamped at {}; {} at the slew limit", s.run.frames,
+                           with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)),
+               small_is_good(s.safety.clamped_share, 0, clamped_too_often));
+  html += tile(percent(s.motion.outside), fmt::format("of {} frames outside the box of states", s.run.frames),
+               small_is_good(s.motion.outside, 0, outside_too_often));
   if (s.settings.clock == Clock::real)
-    html += tile(shown(s.deadline.missed), "deadlines missed of " + shown(s.run.frames) +
-                                               " frames; a frame costs " +
-                                               with_unit(s.deadline.cost_us.p50, "µs"));
+    html += tile(shown(s.deadline.missed),
+                 "deadlines missed of " + shown(s.run.frames) + " frames; a frame costs " +
+                     with_unit(s.deadline.cost_us.p50, "µs"),
+                 small_is_good(static_cast<double>(s.deadline.missed) / frames, 0, 0.01));
   return html + "</div>\n";
 }
 
@@ -102,19 +131,21 @@ Picture drawn(Make make) {
 }
 
 std::string pictures(const SessionSummary& summary, const ReportPictures& drawings) {
+  std::string html =
+      drawings.moments.get() + drawings.charts.get() + "<h2>What was known where</h2>\n" + legend(summary);
   if (!have_gnuplot())
-    return "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
-  std::string html = "<h2>Force, coverage and error over time</h2>\n" + legend(summary) +
-                     drawings.time.get() + drawings.start.get();
-  html += "<h2>What was known where</h2>\n" + drawings.slices.get();
-  if (drawings.deadlines.valid()) html += "<h2>Deadlines</h2>\n" + drawings.deadlines.get();
+    return html +
+           "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
+  html += drawings.slices.get();
+  if (drawings.deadlines.valid())
+    html += fmt::format("<h2>Deadlines ({} frames)</h2>\n", summary.run.frames) + drawings.deadlines.get();
   return html;
 }
 
 std::string by_label_table(const SessionSummary& summary) {
-  std::string html =
-      "<h2>Error by label</h2>\n<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
-      "<th>max</th><th>within_jnd</th></tr>\n";
+  std::string html = fmt::format("<h2>Error by label ({} samples)</h2>\n", summary.error.samples.samples) +
+                     "<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
+                     "<th>max</th><th>within_jnd</th></tr>\n";
   const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
   for (const Label label : all_labels) {
     const SessionSummary::Errors& row = summary.error.by_label[label];
@@ -138,6 +169,10 @@ std::string printed(const Json& value) {
   return escaped(json_text(value));
 }
 
+bool is_list_of_rows(const Json& value) {
+  return value.is_array() && !value.empty() && value.front().is_object();
+}
+
 void rows_of(const Json& value, const std::string& path, std::string& html) {
   if (value.is_object()) {
     for (const auto& [key, child] : value.items())
@@ -147,23 +182,55 @@ void rows_of(const Json& value, const std::string& path, std::string& html) {
   }
 }
 
-std::string all_numbers(const Json& document) {
+// A list of objects with the same keys as a table with these columns.
+std::string rows_table(const std::string& title, const Json& rows) {
+  std::string html = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table><tr>", escaped(title));
+  for (const auto& [key, value] : rows.front().items()) html += "<th>" + escaped(key) + "</th>";
+  html += "</tr>\n";
+  for (const Json& row : rows) {
+    html += "<tr>";
+    for (const auto& [key, value] : row.items()) html += "<td class=\"n\">" + printed(value) + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+// Moves the lists of objects out of a document into tables of their own.
+std::string take_lists(const std::string& path, Json& value) {
+  std::string html;
+  std::vector<std::string> taken;
+  for (auto& [key, child] : value.items()) {
+    const std::string name = path.empty() ? key : path + "." + key;
+    if (is_list_of_rows(child)) {
+      html += rows_table(name, child);
+      taken.push_back(key);
+    } else if (child.is_object()) {
+      html += take_lists(name, child);
+      if (child.empty()) taken.push_back(key);
+    }
+  }
+  for (const std::string& key : taken) value.erase(key);
+  return html;
+}
+
+std::string all_numbers(Json document) {
   std::string html =
       "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
+  for (const char* elsewhere : {"provenance", "notes", "attention"}) document.erase(elsewhere);
+  if (document.contains("error")) document["error"].erase("by_label");  // in a table of its own
+  const std::string lists = take_lists("", document);
   std::string single;
   for (const auto& [key, value] : document.items()) {
-    if (key == "provenance" || key == "notes" || key == "attention") continue;
     if (!value.is_object()) {
       rows_of(value, key, single);
       continue;
     }
     std::string rows;
-    Json rest = value;
-    if (key == "error") rest.erase("by_label");  // shown in its own table
-    rows_of(rest, "", rows);
+    rows_of(value, "", rows);
     html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
   }
-  return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div></details>\n";
+  return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div>\n" + lists +
+         "</details>\n";
 }
 
 // What is said before anything else.
@@ -211,13 +278,28 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
   return drawn([slice = std::move(slice), space] { return slice_figure(slice, space); });
 }
 
-ReportPictures begin_pictures(const SessionResult& result, Picture slices, double force_limit) {
+RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, double force_limit) {
+  return {.box = space.box,
+          .spacing = space.spacing,
+          .force_limit = force_limit,
+          .jnd_share = options.switching.jnd_share,
+          .jnd_floor = options.switching.jnd_floor,
+          .error_floor = options.judging.error_floor};
+}
+
+ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view) {
   const std::span<const FrameRecord> frames = result.frames;
   ReportPictures drawings{.slices = std::move(slices),
-                          .time = drawn([=] { return time_figure(frames, force_limit); }),
-                          .start = drawn([=] { return start_figure(frames, force_limit); }),
-                          .deadlines = {}};
+                          .still = drawn([=] { return time_figure(frames, view.force_limit); }),
+                          .deadlines = {},
+                          .charts = {},
+                          .moments = {}};
   if (has_deadlines(frames)) drawings.deadlines = drawn([frames] { return deadline_figure(frames); });
+  drawings.charts = std::async(std::launch::async, [&result, view, still = drawings.still] {
+                      return run_charts(result, view, still.get());
+                    }).share();
+  drawings.moments =
+      std::async(std::launch::async, [&result, view] { return worst_moments(result, view); }).share();
   return drawings;
 }
 
@@ -230,7 +312,7 @@ void write_report(const std::filesystem::path& run_folder, const SessionSummary&
       s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
       name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
       scene.body->mesh.tets.size(), name(scene.body->material.law));
-  html += tiles(s) + notes(s, scene) + pictures(s, drawings) + by_label_table(s) + all_numbers(document) +
+  html += tiles(s) + pictures(s, drawings) + by_label_table(s) + notes(s, scene) + all_numbers(document) +
           provenance_section(document);
   OutputFile file(run_folder / "report.html");
   file.write(html_page("Forefeel: " + scene.file.filename().string(), html));

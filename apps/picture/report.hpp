@@ -1,27 +1,30 @@
 #pragma once
-// The report of a run: one HTML file that needs no other file (inline SVG by gnuplot).
+// The report of a run: one HTML file that needs no other file and no network.
 
 #include <filesystem>
 #include <future>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "apps/picture/run_view.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "scheduling/record/summary.hpp"
 
 namespace forefeel {
 
-using Picture = std::shared_future<std::string>;  // HTML; empty without gnuplot
+using Picture = std::shared_future<std::string>;  // HTML
 
-// Each picture is drawn on its own thread. time, start and deadlines read the frames of the result meanwhile,
-// so the result must outlive them.
+// Each is made on its own thread. All but the slices read the result meanwhile, so it must outlive them. Slices,
+// still (curves for browsers without scripts) and deadlines are drawn by gnuplot; empty without it.
 struct ReportPictures {
-  Picture slices, time, start, deadlines;  // deadlines: only with a real clock
+  Picture slices, still, deadlines;  // deadlines: only with a real clock
+  Picture charts, moments;           // curves that can be zoomed; the worst moments
 };
 // Draws what was known where, after a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
+ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view);
 // force_limit: what is sent is cut at [N].
-ReportPictures begin_pictures(const SessionResult& result, Picture slices, double force_limit);
+RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, double force_limit);
 
 // Writes run_folder/report.html. document: summary.json, printed in full at the end of the page. Without
 // gnuplot the report has no plots and says so. Throws InputError if the file cannot be written.

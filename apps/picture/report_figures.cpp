@@ -232,20 +232,6 @@ Figure time_figure(Frames frames, double force_limit) {
           960, 820, script + "unset multiplot\n"};
 }
 
-Figure start_figure(Frames frames, double force_limit) {
-  const Curves curves(frames, force_limit);
-  const double end = std::min(curves.end, 0.6);
-  return {"start",
-          "The start, with few states known: the first models fade in, and the force changes to each new "
-          "model in steps that a hand cannot feel.",
-          960, 290,
-          curves.blocks(0, end, 1500) + figure_style +
-              fmt::format("set xrange [0:{}]\nset lmargin at screen 0.075\nset rmargin at screen 0.985\n"
-                          "set xlabel 'time, s' offset 0,0.5\n",
-                          end) +
-              curves.plot(0, end)};
-}
-
 bool has_deadlines(Frames frames) {
   return std::ranges::any_of(frames, [](const FrameRecord& f) { return std::isfinite(f.timing.cost_us); });
 }

@@ -22,8 +22,6 @@ struct Figure {
 // Over one time axis: force with its limit [N], labels, number of known states, error and its parts. A limit
 // above the axis is named instead of drawn; NaN: none.
 Figure time_figure(std::span<const FrameRecord> frames, double force_limit);
-// Force over the first 0.6 s.
-Figure start_figure(std::span<const FrameRecord> frames, double force_limit);
 // Cost and wake-up lateness of the loop; only with a real clock.
 bool has_deadlines(std::span<const FrameRecord> frames);
 Figure deadline_figure(std::span<const FrameRecord> frames);

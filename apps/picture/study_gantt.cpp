@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "apps/picture/plot.hpp"
 
@@ -48,6 +50,18 @@ std::string hip_strip(const SessionResult& result) {
   return lines;
 }
 
+// Above the bars: the labels by colour, then what the heights mean.
+std::string legend() {
+  std::string keys;
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+    keys += fmt::format(", keyentry with boxes fs solid 1 border lc rgb '#6b6b6b' fc rgb '{}' title '{}'",
+                        colour(label), name(label));
+  for (const auto& [size, meaning] :
+       {std::pair(1.8, "high: used by a model"), {1.1, "half: never used"}, {0.5, "thin: cancelled"}})
+    keys += fmt::format(", keyentry with points pt 5 ps {} lc rgb '#8a8a8a' title '{}'", size, meaning);
+  return keys;
+}
+
 }  // namespace
 
 Figure gantt_figure(const SessionResult& result, double seconds, int workers) {
@@ -71,10 +85,11 @@ Figure gantt_figure(const SessionResult& result, double seconds, int workers) {
   s += fmt::format("set ytics ('HIP' {}", strip);
   const int every = std::max(1, workers / 16);
   for (int w = 0; w < workers; w += every) s += fmt::format(", '{}' {}", w + 1, w);
-  s += ")\nunset key\nplot $unused using 1:2:3:4:5:6:7 with boxxyerror lc rgb variable, "
-       "$used using 1:2:3:4:5:6:7 with boxxyerror lc rgb variable, "
-       "$preempted using 1:2:3:4:5:6:7 with boxxyerror lc rgb variable, "
-       "$hip using 1:2:3:4:5:6:7 with boxxyerror lc rgb variable\n";
+  s += ")\nset key outside top left horizontal samplen 1.5 textcolor rgb '#3a3a3a'\nplot ";
+  for (const char* group : {"unused", "used", "preempted", "hip"})
+    s += fmt::format("{}${} using 1:2:3:4:5:6:7 with boxxyerror lc rgb variable notitle",
+                     group == std::string_view("unused") ? "" : ", ", group);
+  s += legend() + "\n";
   return figure;
 }
 

@@ -3,22 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/console/provenance.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
+#include "apps/picture/study_figures.hpp"
 #include "apps/study/study_table.hpp"
 
 namespace forefeel {
 namespace {
-
-// Colours that can be told apart with every kind of colour vision (Okabe, Ito 2008, without yellow).
-constexpr const char* line_colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                        "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
 
 // Text: how intervals of shares are computed. Those of differences need no transformation.
 constexpr const char* share_intervals =
@@ -30,19 +27,15 @@ constexpr const char* share_intervals =
 
 // ---- numbers
 
-double back(const StudyMetric& metric, double value) {
-  return metric.scale * (metric.ratio ? std::exp(value) : value);
-}
-
 std::string shown(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g}", value) : "–";
 }
 
 std::string shown(const StudyMetric& metric, const ConfidenceInterval& interval, bool with_mean) {
-  std::string text = with_mean ? shown(back(metric, interval.mean)) : "";
-  if (!std::isfinite(interval.low)) return text + (with_mean ? "" : "–");
-  return text + fmt::format("{}[{}, {}]", with_mean ? " " : "", shown(back(metric, interval.low)),
-                            shown(back(metric, interval.high)));
+  std::string text = with_mean ? shown(in_unit(metric, interval.mean)) : "";
+  if (!says_something(metric, interval)) return text + (with_mean ? "" : "–");
+  return text + fmt::format("{}[{}, {}]", with_mean ? " " : "", shown(in_unit(metric, interval.low)),
+                            shown(in_unit(metric, interval.high)));
 }
 
 // A difference in the metric's unit, or a factor.
@@ -53,11 +46,12 @@ std::string shown_difference(const StudyMetric& metric, const ConfidenceInterval
                         : fmt::format("{:+.3g}", metric.scale * value);
   };
   std::string text = with_mean ? one(d.mean) : "";
-  if (!std::isfinite(d.low)) return text + (with_mean ? "" : "–");
+  if (!std::isfinite(d.low) || !(d.high > d.low)) return text + (with_mean ? "" : "–");
   return text + fmt::format("{}[{}, {}]", with_mean ? " " : "", one(d.low), one(d.high));
 }
 
 std::string verdict(const StudyMetric& metric, const Comparison& c) {
+  if (c.won == 0 && c.lost == 0) return "tie: equal in all";
   if (c.verdict() == 0) return "not shown";
   return (c.verdict() > 0) == metric.larger_is_better ? "better" : "worse";
 }
@@ -76,134 +70,113 @@ std::string head(std::initializer_list<std::string> titles) {
 
 // ---- pictures
 
-// Text as a gnuplot string in single quotes, where '_' and the like are not markup.
-std::string label_text(const std::string& text) {
-  std::string safe;
-  for (const char c : text)
-    safe += c == '\'' ? std::string("''") : c == '\n' ? std::string(" ") : std::string(1, c);
-  return safe;
-}
-
-std::string picture(const std::string& name, int width, int height, const std::string& script,
-                    const std::string& caption) {
-  const auto svg = draw_svg(name, width, height, script);
+std::string picture(const std::optional<Figure>& figure) {
+  if (!figure) return "";
+  const auto svg = draw_svg(figure->name, figure->width, figure->height, figure->script);
   if (!svg) return "<p class=\"note\">A picture is missing: gnuplot was not found or failed.</p>\n";
-  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, html_escaped(caption));
-}
-
-std::string ranking_picture(const Study& study, const AxisRanking& entry, std::size_t id) {
-  const auto& ranked = entry.ranking.ranked;
-  std::string lines, tics;
-  for (std::size_t i = 0; i < ranked.size(); ++i) {
-    const Comparison& c = ranked[i].value;
-    const double mean = back(entry.metric, c.student.mean);
-    const auto at = [&](double v) { return std::isfinite(v) ? back(entry.metric, v) : mean; };
-    const double y = static_cast<double>(ranked.size() - i);
-    lines += fmt::format("{} {} {} {} {} {}\n", mean, y, at(c.bootstrap.low), at(c.bootstrap.high),
-                         at(c.student.low), at(c.student.high));
-    tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "",
-                        label_text(study.axes[entry.axis].values[ranked[i].level].text), y);
-  }
-  std::string script = data_block("means", lines);
-  script += fmt::format(
-      "set yrange [0.4:{}]\nset ytics ({}) noenhanced nomirror\nset xtics nomirror out\nset border 3 lc rgb "
-      "'#8a8a8a'\n"
-      "set grid x lc rgb '#e4e1da'\nset xlabel '{}' noenhanced\nunset key\n{}",
-      ranked.size() + 0.6, tics, label_text(entry.metric.title),
-      entry.metric.ratio ? "set logscale x\n" : "");
-  script +=
-      "plot $means using 1:2:5:6 with xerrorbars pt 0 lw 1.2 lc rgb '#8a8a8a', "
-      "$means using 1:2:3:4 with xerrorbars pt 7 ps 0.9 lw 2.5 lc rgb '#0b4f7d'\n";
-  return picture(
-      fmt::format("rank{}", id), 960, std::clamp(110 + 34 * static_cast<int>(ranked.size()), 170, 900),
-      script,
-      std::string(
-          "Mean over traces and seeds; thick: bootstrap interval, thin: Student interval over traces") +
-          (entry.metric.share ? " on the logit scale" : "") + ", both 95 %.");
-}
-
-std::optional<std::vector<double>> numeric(const StudyAxis& axis) {
-  std::vector<double> numbers;
-  for (const StudyValue& value : axis.values) {
-    double number = 0;
-    const auto [end, error] =
-        std::from_chars(value.text.data(), value.text.data() + value.text.size(), number);
-    if (error != std::errc{} || end != value.text.data() + value.text.size()) return {};
-    numbers.push_back(number);
-  }
-  return numbers;
-}
-
-std::string curves_picture(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis) {
-  const std::optional<std::vector<double>> x = numeric(study.axes[axis]);
-  if (!x || x->size() < 2) return "";
-  const StudyMetric metric = primary_metric(study);
-  const std::size_t levels = study.axes.front().values.size();
-  std::string script, plot;
-  for (std::size_t level = 0; level < levels; ++level) {
-    std::string lines;
-    for (std::size_t v = 0; v < x->size(); ++v) {
-      const Ranking ranking = rank(observations(study, cells, 0, metric, {{axis, v}}), levels,
-                                   metric.larger_is_better, {.shares = metric.share});
-      for (const Ranked& r : ranking.ranked)
-        if (r.level == level) {
-          const auto at = [&](double value) {
-            return back(metric, std::isfinite(value) ? value : r.value.student.mean);
-          };
-          lines += fmt::format("{} {} {} {}\n", (*x)[v], at(r.value.student.mean), at(r.value.bootstrap.low),
-                               at(r.value.bootstrap.high));
-        }
-    }
-    script += data_block(fmt::format("level{}", level), lines);
-    plot += fmt::format(
-        "{}$level{} using 1:2:3:4 with yerrorbars pt 0 lc rgb '{}' notitle, $level{} using 1:2 with "
-        "linespoints pt 7 ps 0.6 lw 2 lc rgb '{}' title '{}' noenhanced",
-        level > 0 ? ", " : "plot ", level, line_colours[level % 8], level, line_colours[level % 8],
-        label_text(study.axes.front().values[level].text));
-  }
-  const bool positive = std::ranges::all_of(*x, [](double v) { return v > 0; });
-  script += fmt::format(
-      "set key outside right top\nset border 3 lc rgb '#8a8a8a'\nset tics nomirror out\nset grid lc rgb "
-      "'#e4e1da'\n"
-      "set xlabel '{}' noenhanced\nset ylabel '{}' noenhanced\n{}{}{}\n",
-      label_text(study.axes[axis].column), label_text(metric.title), positive ? "set logscale x\n" : "",
-      metric.ratio ? "set logscale y\n" : "", plot);
-  return picture(fmt::format("curves{}", axis), 960, 420, script,
-                 "Mean over traces and seeds with bootstrap intervals.");
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, html_escaped(figure->caption));
 }
 
 // ---- sections
 
-std::string ranking_section(const Study& study, const AxisRanking& entry, std::size_t id) {
-  const StudyAxis& axis = study.axes[entry.axis];
-  std::string html = fmt::format("<h2>Ranking of {}: {}</h2>\n", html_escaped(axis.column),
-                                 html_escaped(entry.metric.title));
-  if (entry.ranking.ranked.empty())
-    return html + "<p class=\"note\">No trace and seed has a result for every value.</p>\n";
-  html += ranking_picture(study, entry, id);
-  html += head(
-      {"", axis.column, "mean [bootstrap]", "[Student]", "against the first [bootstrap]", "[Student]", ""});
-  std::size_t place = 0;
-  for (const Ranked& r : entry.ranking.ranked) {
-    const bool first = place == 0;
-    html += fmt::format("<tr><td>{}</td>", ++place) + "<td>" + html_escaped(axis.values[r.level].text) +
-            "</td>" + cell(shown(entry.metric, r.value.bootstrap, true)) +
-            cell(shown(entry.metric, r.value.student, false)) +
-            cell(first ? "" : shown_difference(entry.metric, r.to_best.bootstrap, true)) +
-            cell(first ? "" : shown_difference(entry.metric, r.to_best.student, false)) +
-            cell(first ? "" : verdict(entry.metric, r.to_best)) + "</tr>\n";
+struct StudyResults {
+  const Study& study;
+  const std::vector<StudyCellResult>& cells;
+};
+
+// The verdict in words and what to do next, before any figure.
+std::string verdict_section(const StudyResults& results) {
+  const auto verdict = study_verdict(results.study, results.cells);
+  if (!verdict) return "";
+  const std::vector<std::string> advice = study_advice(results.study, results.cells);
+  const bool shown = verdict->find("the difference is shown") != std::string::npos;
+  std::string html = fmt::format("<div class=\"verdict {}\"><p><b>{}</b></p>\n", shown ? "good" : "warn",
+                                 html_escaped(*verdict));
+  if (!advice.empty()) {
+    html += "<ul>\n";
+    for (const std::string& line : advice) html += "<li>" + html_escaped(line) + "</li>\n";
+    html += "</ul>\n";
   }
-  html += "</table>\n";
+  return html + "</div>\n";
+}
+
+// What must be read beside a ranking: means over the cells of one value, in the unit of the title.
+struct Beside {
+  const char *key, *title;
+  double scale;
+};
+constexpr Beside beside[] = {{"error.first_visit.p95", "error p95, %", 100},
+                             {"safety.clamped_share", "clamped, %", 100},
+                             {"energy.generated_J", "energy given back, mJ", 1e3}};
+
+double mean_at(const StudyResults& results, std::size_t axis, std::size_t level, const std::string& key) {
+  double sum = 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < results.cells.size(); ++i) {
+    const double value = results.cells[i].number(key);
+    if (results.study.choice(results.study.combination_of(i))[axis] != level || !std::isfinite(value))
+      continue;
+    sum += value;
+    ++n;
+  }
+  return n > 0 ? sum / static_cast<double>(n) : std::nan("");
+}
+
+// Places of those that are not told apart from the first are one place: "1 =".
+std::string place_of(const std::vector<Ranked>& ranked, std::size_t i) {
+  const bool any_tie = std::ranges::any_of(ranked.begin() + 1, ranked.end(), &Ranked::tied);
+  if (i == 0 || ranked[i].tied) return any_tie ? "1 =" : "1";
+  return std::to_string(i + 1);
+}
+
+std::string ranking_table(const StudyResults& results, const AxisRanking& entry) {
+  const StudyAxis& axis = results.study.axes[entry.axis];
+  const std::vector<Ranked>& ranked = entry.ranking.ranked;
+  const StudyMetric& metric = entry.metric;
+  std::string html = "<div class=\"scroll\"><table><tr>";
+  for (const std::string& title :
+       {std::string(), axis.column, std::string("mean [bootstrap]"), std::string("[Student]"),
+        std::string("against the first [bootstrap]"), std::string("[Student]"), std::string()})
+    html += "<th>" + html_escaped(title) + "</th>";
+  for (const Beside& column : beside) html += "<th>" + html_escaped(column.title) + "</th>";
+  html += "</tr>\n";
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
+    const Ranked& r = ranked[i];
+    const bool first = i == 0;
+    html += "<tr><td>" + place_of(ranked, i) + "</td><td>" + html_escaped(axis.values[r.level].text) +
+            "</td>" + cell(shown(metric, r.value.bootstrap, true)) +
+            cell(shown(metric, r.value.student, false)) +
+            cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +
+            cell(first ? "" : shown_difference(metric, r.to_best.student, false)) +
+            cell(first ? "" : verdict(metric, r.to_best));
+    for (const Beside& column : beside)
+      html += cell(shown(column.scale * mean_at(results, entry.axis, r.level, column.key)));
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+std::string ranking_section(const StudyResults& results, const AxisRanking& entry, const Palette& palette) {
+  const StudyAxis& axis = results.study.axes[entry.axis];
+  std::string html =
+      fmt::format("<h2>Ranking of {}: {} ({} motions and seeds)</h2>\n", html_escaped(axis.column),
+                  html_escaped(entry.metric.title), entry.ranking.blocks);
+  if (entry.ranking.ranked.empty())
+    return html + "<p class=\"note\">No motion and seed has a result for every value.</p>\n";
+  html += picture(ranking_figure(results.study, entry, palette)) + ranking_table(results, entry);
   if (std::ranges::find(axis.values, std::string("clairvoyant"), &StudyValue::text) != axis.values.end())
     html +=
         "<p class=\"muted\">clairvoyant knows the motion and the costs. It simulates the session under every "
         "policy except the placebos, with the motion known and unknown, and runs the best at first visits. "
         "None of these policies therefore has a regret below zero there. Better orders of solves may exist, "
         "so the true regrets are at least those shown.</p>\n";
-  return html + fmt::format("<p class=\"muted\">{} traces and seeds{}.</p>\n", entry.ranking.blocks,
-                            entry.ranking.dropped > 0 ? fmt::format("; {} more lack a value and are left out",
-                                                                    entry.ranking.dropped)
-                                                      : "");
+  return html +
+         fmt::format(
+             "<p class=\"muted\">\"1 =\": not told apart from the first. Error, clamping and energy are "
+             "means over all cells.{}</p>\n",
+             entry.ranking.dropped > 0
+                 ? fmt::format(" {} motions and seeds lack a value and are left out.", entry.ranking.dropped)
+                 : "");
 }
 
 std::string contrast_section(const Study& study, const std::vector<Contrast>& compared) {
@@ -216,8 +189,8 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
       "<p class=\"muted\">{}; paired by trace and seed. \"Not shown\": at least one 95 % interval "
       "contains zero difference.</p>\n",
       html_escaped(metric.title));
-  html += head({axis.column, "against", "where", "difference [bootstrap]", "[Student]", "won / lost / pairs",
-                "traces", ""});
+  html += "<div class=\"scroll\">" + head({axis.column, "against", "where", "difference [bootstrap]",
+                                           "[Student]", "won / lost / pairs", "traces", ""});
   for (const Contrast& c : compared) {
     const std::string where = c.slice ? study.axes[c.slice->axis].column + " = " +
                                             study.axes[c.slice->axis].values[c.slice->value].text
@@ -232,38 +205,33 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
                      : fmt::format("{} / {} / {}", c.comparison.lost, c.comparison.won, c.comparison.pairs)) +
             cell(std::to_string(c.comparison.groups)) + cell(verdict(metric, c.comparison)));
   }
-  return html + "</table>\n";
+  return html + "</table></div>\n";
 }
 
-std::string metrics_section(const Study& study, const std::vector<StudyCellResult>& cells) {
-  if (study.axes.empty()) return "";
-  const StudyAxis& axis = study.axes.front();
-  std::string html = fmt::format("<h2>Every measure by {}</h2>\n<table><tr><th>mean over all cells</th>",
-                                 html_escaped(axis.column));
+std::string metrics_section(const StudyResults& results) {
+  if (results.study.axes.empty()) return "";
+  const StudyAxis& axis = results.study.axes.front();
+  std::string html = fmt::format(
+      "<h2>Every measure by {} ({} cells)</h2>\n<div class=\"scroll\"><table><tr><th>mean over all "
+      "cells</th>",
+      html_escaped(axis.column), results.cells.size());
   for (const StudyValue& value : axis.values) html += "<th>" + html_escaped(value.text) + "</th>";
   html += "</tr>\n";
-  for (const StudyMetric& metric : study_metrics(study)) {
+  for (const StudyMetric& metric : study_metrics(results.study)) {
     std::string line;
     bool any = false;
     for (std::size_t level = 0; level < axis.values.size(); ++level) {
-      double sum = 0;
-      std::size_t n = 0;
-      for (std::size_t i = 0; i < cells.size(); ++i) {
-        const double value = cells[i].number(metric.key);
-        if (study.choice(study.combination_of(i)).front() != level || !std::isfinite(value)) continue;
-        sum += metric.scale * value;
-        ++n;
-      }
-      any = any || n > 0;
-      line += cell(shown(n > 0 ? sum / static_cast<double>(n) : std::nan("")));
+      const double mean = metric.scale * mean_at(results, 0, level, metric.key);
+      any = any || std::isfinite(mean);
+      line += cell(shown(mean));
     }
     if (any) html += row(metric.title, line);
   }
-  return html + "</table>\n";
+  return html + "</table></div>\n";
 }
 
 std::string devices_section(const std::vector<StudyDevice>& devices) {
-  std::string html = "<h2>Devices</h2>\n<table><tr>";
+  std::string html = "<h2>Devices</h2>\n<div class=\"scroll\"><table><tr>";
   for (const std::string& title : device_titles()) html += "<th>" + html_escaped(title) + "</th>";
   html += "</tr>\n";
   for (const StudyDevice& device : devices) {
@@ -273,7 +241,8 @@ std::string devices_section(const std::vector<StudyDevice>& devices) {
     html += row(texts.front(), line);
   }
   return html +
-         "</table>\n<p class=\"muted\">Means over the cells of each device. Clamped and slewed: frames at "
+         "</table></div>\n<p class=\"muted\">Means over the cells of each device. Clamped and slewed: frames "
+         "at "
          "the force "
          "and the slew limit. Outside: time outside the box of states. Saturation: time that the workers "
          "solve. A session ends with its motion.</p>\n";
@@ -320,8 +289,10 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<S
 }
 
 std::string study_page(const PlannedStudy& planned, const StudyResult& result,
-                       const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared) {
+                       const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared,
+                       const Palette& palette) {
   const Study& study = planned.plan.study;
+  const StudyResults results{study, result.cells};
   const std::vector<StudyDevice> devices = study_devices(planned.plan, result.cells);
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"sub\">{} sessions under the virtual clock: {} combinations, {} seeds; scene "
@@ -329,6 +300,7 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
       "One row each in cells.csv.</p>\n",
       html_escaped(planned.file.file.stem().string()), planned.plan.cells.size(), study.combinations(),
       study.seeds.size(), html_escaped(planned.file.scene.filename().string()));
+  html += verdict_section(results);
   std::vector<std::string> notes = attention(devices);
   std::ranges::copy(planned.warnings, std::back_inserter(notes));
   std::ranges::copy(sustained_notes(study, result.cells), std::back_inserter(notes));
@@ -337,11 +309,9 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
     for (const std::string& warning : notes) html += "<li>" + html_escaped(warning) + "</li>\n";
     html += "</ul>\n";
   }
-  if (const auto verdict = study_verdict(study, result.cells))
-    html += "<p><b>" + html_escaped(*verdict) + "</b></p>\n";
   html += devices_section(devices);
   for (std::size_t i = 0; i < ranked.size(); ++i) {
-    html += ranking_section(study, ranked[i], i);
+    html += ranking_section(results, ranked[i], palette);
     if (ranked[i].axis == 0) {
       for (const StudyMetric& metric : {primary_metric(study), second_metric(study)}) {
         std::vector<Contrast> some;
@@ -350,8 +320,8 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
         html += contrast_section(study, some);
       }
       for (std::size_t axis = 1; axis < study.axes.size(); ++axis)
-        html += curves_picture(study, result.cells, axis);
-      html += metrics_section(study, result.cells);
+        html += picture(curves_figure(study, result.cells, axis, palette));
+      html += metrics_section(results);
     }
   }
   if (primary_metric(study).share)

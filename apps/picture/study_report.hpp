@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "apps/picture/palette.hpp"
 #include "apps/study/planned_study.hpp"
 #include "scheduling/study/study_ranking.hpp"
 #include "scheduling/study/study_run.hpp"
@@ -13,6 +14,7 @@ namespace forefeel {
 std::vector<std::string> sustained_notes(const Study& study, const std::vector<StudyCellResult>& cells);
 
 std::string study_page(const PlannedStudy& planned, const StudyResult& result,
-                       const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared);
+                       const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared,
+                       const Palette& palette);
 
 }  // namespace forefeel

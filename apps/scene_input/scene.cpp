@@ -9,6 +9,7 @@
 #include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
+#include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
@@ -107,7 +108,7 @@ ModelOptions read_model(const SceneTable& table) {
 
 void read_switch(const SceneTable& session, SwitchOptions& options) {
   options.rule = session.word("switch", switch_words()).value_or(options.rule);
-  const SceneTable jnd = session.sub("jnd", {"share", "floor"});
+  const SceneTable jnd = session.sub("jnd", keys_of("session.jnd"));
   options.jnd_share = jnd.number("share", share()).value_or(options.jnd_share);
   options.jnd_floor = jnd.number("floor", positive()).value_or(options.jnd_floor);
 }
@@ -172,7 +173,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
       table.number("visit_cell", not_negative()).value_or(session.judging.visit_cell);
   session.judging.visit_stride =
       static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.judging.visit_stride));
-  read_limits(table.sub("limits", {"force", "slew", "ramp", "stale"}), session);
+  read_limits(table.sub("limits", keys_of("session.limits")), session);
 }
 
 std::string hash_of(const SceneDocument& document, const BodyIdentity& identity) {
@@ -220,20 +221,10 @@ box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 
 Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like,
                  const SceneUse& use = {}) {
-  const SceneTable root =
-      document.root({"body", "material", "clamp", "contact", "state_space", "model", "session"});
-  const SceneTable space = root.sub("state_space", {"spacing", "box", "displacements", "tolerance"});
-  const SceneTable model = root.sub("model", {"kernel", "data", "neighbours", "select", "ridge"});
-  const SceneTable session = root.sub(
-      "session", {"device",         "clock",      "seconds", "workers",     "policy",     "predictor",
-                  "switch",         "select",     "method",  "placement",   "visit_cell", "visit_stride",
-                  "update_travel",  "cost",       "latency", "arrivals",    "preempt",    "rest_first",
-                  "first_guess",    "rest_known", "batch",   "batch_share", "seed",       "error_floor",
-                  "reference_step", "jnd",        "limits",  "workers_kind"});
-  const BodySections sections{root.sub("body", {"mesh", "phantom", "elements", "length", "element"}),
-                              root.sub("material", {"law", "young", "poisson"}),
-                              root.sub("clamp", {"nodes", "group", "below"}),
-                              root.sub("contact", {"node", "nodes", "nearest", "group", "radius"})};
+  const SceneTable root = document.root(keys_of(""));
+  const auto table = [&](const char* name) { return root.sub(name, keys_of(name)); };
+  const SceneTable space = table("state_space"), model = table("model"), session = table("session");
+  const BodySections sections{table("body"), table("material"), table("clamp"), table("contact")};
   Scene scene;
   scene.file = file;
   scene.model = read_model(model);
@@ -270,6 +261,12 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
 
 Scene built_in_scene(std::span<const std::string> overrides) {
   return make_scene(SceneDocument::parse(built_in, "liver phantom", overrides), "liver phantom", nullptr);
+}
+
+std::set<std::string> scene_keys_read(std::string_view text, std::span<const std::string> overrides) {
+  const SceneDocument document = SceneDocument::parse(text, "scene", overrides);
+  make_scene(document, "scene", nullptr, {.spacing = false});
+  return document.keys_read();
 }
 
 StateSpaceOptions space_at(const Scene& scene, double spacing) {

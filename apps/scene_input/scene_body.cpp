@@ -9,6 +9,7 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene_input/phantom_cache.hpp"
+#include "apps/scene_input/scene_declared.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/material_limits.hpp"
@@ -100,7 +101,7 @@ std::vector<NodeIndex> read_clamp(const SceneTable& table, const TetMesh& mesh, 
   const std::string kind = table.exactly_one_of({"nodes", "group", "below"});
   if (kind == "nodes") return checked_nodes(table, "nodes", *table.integers("nodes"), mesh);
   if (kind == "group") return group_nodes(table, mesh);
-  const SceneTable below = table.sub("below", {"axis", "share"});
+  const SceneTable below = table.sub("below", keys_of("clamp.below"));
   const std::optional<Axis> axis = below.word<Axis>("axis", {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}});
   const std::optional<double> part = below.number("share", {0, 1, true, true, "a number between 0 and 1"});
   if (!axis) throw below.wrong("axis", "one of x, y, z");

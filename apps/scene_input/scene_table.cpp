@@ -10,6 +10,7 @@
 #include <limits>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene_input/scene_keys.hpp"
@@ -69,8 +70,18 @@ struct SceneTable::Source {
   const toml::table* table;  // null if the section is absent; then every key is unset
   std::string path, file;
   const std::set<std::string>* overridden;  // key paths
+  std::set<std::string>* asked;             // key paths that readers asked for
+  std::vector<std::string> known;
 
-  const toml::node* node(const std::string& key) const { return table ? table->get(key) : nullptr; }
+  const toml::node* given(const std::string& key) const { return table ? table->get(key) : nullptr; }
+  // For readers of the value.
+  const toml::node* node(const std::string& key) const {
+    const std::string full = path.empty() ? key : path + "." + key;
+    if (std::ranges::find(known, key) == known.end())
+      throw std::logic_error("the key " + full + " is read but not declared (scene_declared.cpp)");
+    asked->insert(full);
+    return given(key);
+  }
 };
 
 SceneTable::SceneTable(std::shared_ptr<const Source> source, const std::vector<std::string>& known)
@@ -98,7 +109,7 @@ InputPlace SceneTable::where(const std::string& key) const {
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
-  const toml::node* value = source_->node(key);
+  const toml::node* value = source_->given(key);
   if (value && value->source().begin)
     return {.file = source_->file, .line = value->source().begin.line, .key = full(key)};
   const std::string below = full(key) + ".";  // a table that only overrides mention
@@ -117,7 +128,7 @@ InputPlace SceneTable::place() const {
 }
 
 InputError SceneTable::wrong(const std::string& key, const std::string& expected) const {
-  const toml::node* value = source_->node(key);
+  const toml::node* value = source_->given(key);
   return {where(key), fmt::format("{}, expected {}", value ? "is " + shown(*value) : "missing", expected)};
 }
 
@@ -204,8 +215,8 @@ std::optional<Box> SceneTable::box(const std::string& key) const {
 SceneTable SceneTable::sub(const std::string& key, std::vector<std::string> known) const {
   const toml::node* value = source_->node(key);
   if (value && !value->is_table()) throw wrong(key, "a table");
-  return {std::make_shared<Source>(
-              Source{value ? value->as_table() : nullptr, full(key), source_->file, source_->overridden}),
+  return {std::make_shared<Source>(Source{value ? value->as_table() : nullptr, full(key), source_->file,
+                                          source_->overridden, source_->asked, known}),
           known};
 }
 
@@ -313,7 +324,7 @@ std::string as_toml(const toml::table& table) {
 struct SceneDocument::Parsed {
   toml::table table;
   std::string file;
-  std::set<std::string> overridden;
+  std::set<std::string> overridden, asked;
 
   Parsed(toml::table parsed, std::string name, std::span<const std::string> overrides)
       : table(std::move(parsed)), file(std::move(name)) {
@@ -336,7 +347,13 @@ SceneDocument SceneDocument::parse(std::string_view text, const std::string& nam
 
 SceneTable SceneDocument::root(const std::vector<std::string>& known) const {
   using Source = SceneTable::Source;
-  return {std::make_shared<Source>(Source{&parsed_->table, "", parsed_->file, &parsed_->overridden}), known};
+  return {std::make_shared<Source>(
+              Source{&parsed_->table, "", parsed_->file, &parsed_->overridden, &parsed_->asked, known}),
+          known};
+}
+
+std::set<std::string> SceneDocument::keys_read() const {
+  return parsed_->asked;
 }
 
 std::string SceneDocument::text() const {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +28,7 @@ Interval positive();
 Interval not_negative();
 Interval share();  // [0, 1]
 
+// Its readers throw std::logic_error for a key that is not among the known ones: such a key could not be set.
 class SceneTable {
  public:
   bool has(const std::string& key) const;
@@ -74,6 +76,7 @@ class SceneDocument {
   ~SceneDocument();
 
   SceneTable root(const std::vector<std::string>& known) const;
+  std::set<std::string> keys_read() const;  // full paths of the keys that readers asked for, set or not
   // The file with its overrides as TOML: keys sorted, no comments. The second function gives one section, or
   // nothing if it is absent.
   std::string text() const;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "geometry/common/error.hpp"
@@ -15,13 +16,39 @@
 namespace forefeel {
 namespace {
 
+// The settings of each kind of device: those that are accepted, in this order, and what `forefeel help` says.
+
+std::vector<Declared> path_settings() {
+  const PathMotion motion;
+  return {{"speed", "m/s", fmt::format("{}", usual_speed), "speed along the path"},
+          {"amplitude", "m", "fits the box", "distance of the path's farthest point from rest"},
+          {"tremor", "m", fmt::format("{}", motion.tremor), "RMS per axis of a tremor of 8 to 12 Hz"},
+          {"noise", "m", fmt::format("{}", motion.noise), "RMS per axis of white noise"}};
+}
+
+std::vector<Declared> hand_settings() {
+  std::vector<Declared> all{{"target", "", "press", "path that the hand means to follow: a NAME of path"},
+                            {"grip", "N/m", fmt::format("{}", HandMotion{}.grip),
+                             "stiffness of the grip; also light, medium or firm"}};
+  for (Declared& setting : path_settings()) all.push_back(std::move(setting));
+  return all;
+}
+
+std::vector<Declared> trace_settings() {
+  return {{"scale", "1", fmt::format("{}", TraceMotion{}.scale), "factor of the positions in the file"},
+          {"offset", "m", "0/0/0", "X/Y/Z, added to the scaled positions"}};
+}
+
 // "KIND:NAME,key=value,…"
 struct Parts {
   InputPlace where;
   std::string kind, name;
   std::map<std::string, std::string> settings;  // those that were not taken yet
+  std::vector<std::string> known = {};          // settings of this kind
 
   std::optional<std::string> take(const std::string& key) {
+    if (std::ranges::find(known, key) == known.end())
+      throw std::logic_error("the setting " + key + " of device " + kind + " is read but not declared");
     const auto found = settings.find(key);
     if (found == settings.end()) return {};
     std::string value = std::move(found->second);
@@ -37,10 +64,10 @@ struct Parts {
       throw InputError(where, fmt::format("{} is '{}', expected a number of at least {}", key, *text, low));
     return value;
   }
-  void reject_rest(const char* accepted) const {
+  void reject_rest() const {
     if (!settings.empty())
-      throw InputError(where,
-                       fmt::format("unknown setting '{}', expected {}", settings.begin()->first, accepted));
+      throw InputError(where, fmt::format("unknown setting '{}', expected {}", settings.begin()->first,
+                                          fmt::join(known, ", ")));
   }
 };
 
@@ -64,8 +91,12 @@ std::pair<std::string, std::string> setting_of(const InputPlace& where, const st
   return {part.substr(0, equals), part.substr(equals + 1)};
 }
 
-Parts parts_of(const std::string& text) {
-  Parts parts{.where = {.key = "device", .value = text}, .kind = kind_of(text), .name = {}, .settings = {}};
+Parts parts_of(const std::string& text, const std::vector<Declared>& settings) {
+  Parts parts{.where = {.key = "device", .value = text},
+              .kind = kind_of(text),
+              .name = {},
+              .settings = {},
+              .known = names_of(settings)};
   const std::size_t colon = text.find(':');
   std::vector<std::string> all = split(colon == std::string::npos ? "" : text.substr(colon + 1), ',');
   parts.name = all.front();
@@ -101,7 +132,7 @@ PathMotion take_path(const std::string& name, Parts& parts) {
 
 PathMotion path_of(Parts parts) {
   const PathMotion motion = take_path(parts.name, parts);
-  parts.reject_rest("speed, amplitude, tremor, noise");
+  parts.reject_rest();
   return motion;
 }
 
@@ -129,7 +160,7 @@ HandMotion hand_of(Parts parts) {
   const std::string target = parts.take("target").value_or("press");
   const double grip = take_grip(parts);
   const HandMotion motion{.profile = *profile, .target = take_path(target, parts), .grip = grip};
-  parts.reject_rest("target, grip, speed, amplitude, tremor, noise");
+  parts.reject_rest();
   return motion;
 }
 
@@ -152,7 +183,7 @@ TraceMotion trace_of(Parts parts) {
   TraceMotion motion{.file = parts.name};
   motion.scale = parts.take_number("scale", -1e9).value_or(motion.scale);
   if (const auto offset = parts.take("offset")) motion.offset = offset_from(parts.where, *offset);
-  parts.reject_rest("scale, offset");
+  parts.reject_rest();
   return motion;
 }
 
@@ -181,9 +212,9 @@ bool among(const std::vector<std::string>& names, const std::string& name) {
 
 DeviceSpec device_from_text(const std::string& text) {
   const std::string kind = kind_of(text);
-  if (kind == "path") return {path_of(parts_of(text)), text};
-  if (kind == "trace") return {trace_of(parts_of(text)), text};
-  if (kind == "hand") return {hand_of(parts_of(text)), text};
+  if (kind == "path") return {path_of(parts_of(text, path_settings())), text};
+  if (kind == "trace") return {trace_of(parts_of(text, trace_settings())), text};
+  if (kind == "hand") return {hand_of(parts_of(text, hand_settings())), text};
   if (among(registered_devices(), kind)) return {part_from_text("device", text), text};
   throw InputError({.key = "device", .value = text},
                    fmt::format("unknown kind '{}', expected {}", kind, device_kinds()));
@@ -213,6 +244,38 @@ Registered part_from_text(const std::string& kind, const std::string& text) {
       part.settings.push_back(setting_of(where, all[i]));
   }
   return part;
+}
+
+std::vector<DeclaredTable> device_tables() {
+  const auto with = [](const char* name, const std::string& meaning, std::vector<Declared> settings) {
+    settings.insert(settings.begin(), {name, "", "required", meaning});
+    return settings;
+  };
+  const auto any_of = [](const std::vector<std::string>& names) {
+    return fmt::format("{}", fmt::join(names, " | "));
+  };
+  std::vector<DeclaredTable> tables{
+      {"path", "path:NAME,key=value,… A closed curve, run for ever.",
+       with("NAME", any_of(path_names()), path_settings())},
+      {"trace", "trace:FILE,key=value,… A recorded motion.",
+       with("FILE", "CSV t,x,y,z in s and m, relative to the scene", trace_settings())},
+      {"hand", "hand:PROFILE,key=value,… A hand that holds a device and yields to its force.",
+       with("PROFILE", any_of(hand_names()), hand_settings())}};
+  for (const std::string& name : registered_devices())
+    tables.push_back({name, name + ":key=value,… Registered by this program.", {}});
+  return tables;
+}
+
+DeclaredTable cost_table() {
+  DeclaredTable table{"cost",
+                      "--cost or session.cost: time of a solve under the virtual clock.",
+                      {{"constant:SECONDS", "s", to_text(CostSpec()), "always the same"},
+                       {"lognormal:MEDIAN,SIGMA", "s", "", "log-normal; SIGMA is that of the logarithm"},
+                       {"paper", "", "", "log-normal, 95 % between 0.1 and 1 s, clamped to it"},
+                       {"recorded", "", "", "measured by real solves of this body and kept in the cache"}}};
+  for (const std::string& name : registered_costs())
+    table.rows.push_back({name, "", "", "registered by this program"});
+  return table;
 }
 
 }  // namespace forefeel

@@ -13,7 +13,9 @@
 // Units are SI. InputError("device TEXT: …") says what is wrong and what is expected.
 
 #include <string>
+#include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "scheduling/common/arguments.hpp"
 #include "scheduling/motion/device_spec.hpp"
 #include "scheduling/workers/cost_spec.hpp"
@@ -24,5 +26,9 @@ DeviceSpec device_from_text(const std::string& text);
 CostSpec cost_from_text(const std::string& text);
 // kind: the word for errors, such as "policy". Does not check that the name is registered.
 Registered part_from_text(const std::string& kind, const std::string& text);
+
+// What these texts may hold, for `forefeel help devices`: a table for each kind of device, and the costs.
+std::vector<DeclaredTable> device_tables();
+DeclaredTable cost_table();
 
 }  // namespace forefeel

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using study_keys::ClaimedKeys, study_keys::identity, study_keys::rebased, study_keys::scene_key,
-    study_keys::scene_sections;
+    study_keys::scene_sections, study_keys::sustained_keys;
 using study_toml::in_file_order, study_toml::shown, study_toml::toml_of;
 
 constexpr std::size_t most_cells = 100'000;
@@ -27,13 +27,15 @@ class Reader {
  public:
   Reader(fs::path file, std::span<const std::string> set);
   StudyFile read();
+  struct Key;
+  static std::span<const Key> keys();
 
  private:
   InputPlace where(const toml::node* node, const std::string& key) const;
   void check_root() const;
   void read_scene();
   void read_seeds();
-  void read_set(std::span<const std::string> set);
+  void read_set();
   void read_fixed();
   void read_fixed_table(const toml::table& table, const std::string& path);
   void read_steps();
@@ -65,8 +67,30 @@ InputPlace Reader::where(const toml::node* node, const std::string& key) const {
   return {.file = study_.file.string(), .key = key};
 }
 
+// The keys of a study and how each is read, in the order of reading. Steps without a name are no keys.
+struct Reader::Key {
+  const char *name, *standard, *meaning;
+  void (Reader::*read)();
+};
+
+std::span<const Reader::Key> Reader::keys() {
+  static const Key all[] = {
+      {"scene", "required", "file of the scene, relative to the study", &Reader::read_scene},
+      {"seeds", "required", "list of whole numbers: every combination is run with each", &Reader::read_seeds},
+      {"step", "", "[[step]] tables: changes that add up", &Reader::read_steps},
+      {"vary", "", "table of lists: every combination is run", &Reader::read_vary},
+      {nullptr, nullptr, nullptr, &Reader::read_fixed},
+      {"sustained", "", "table: search the highest speed that each cell sustains", &Reader::read_sustained},
+      {nullptr, nullptr, nullptr, &Reader::read_set},
+      {"baseline", "the best", "value of the first varied key that the others are compared with",
+       &Reader::read_baseline}};
+  return all;
+}
+
 void Reader::check_root() const {
-  std::vector<std::string> known{"scene", "seeds", "baseline", "vary", "step", "sustained"};
+  std::vector<std::string> known;
+  for (const Key& key : keys())
+    if (key.name) known.emplace_back(key.name);
   known.insert(known.end(), scene_sections().begin(), scene_sections().end());
   for (const auto& [key, node] : root_) {
     const std::string name(key.str());
@@ -110,8 +134,8 @@ void Reader::read_seeds() {
 
 // ---- what is fixed, stepped, varied
 
-void Reader::read_set(std::span<const std::string> set) {
-  for (const std::string& text : set) {
+void Reader::read_set() {
+  for (const std::string& text : set_) {
     const std::string key = text.substr(0, text.find('='));
     const std::string canonical = key == "model.select" ? "session.select" : key;
     if (keys_.unfix(canonical))  // what the study fixes, --set may fix otherwise
@@ -280,9 +304,9 @@ void Reader::read_sustained() {
   const toml::node* node = root_.get("sustained");
   if (!node) return;
   if (!node->is_table()) throw InputError(where(node, "sustained"), "expected a table");
-  const std::vector<std::string> known{"travel", "share", "tolerance", "low", "high"};
+  std::vector<std::string> known;
+  for (const study_keys::SustainedKey& key : sustained_keys()) known.push_back(key.declared.name);
   SustainedOptions options;
-  double* const places[] = {&options.travel, &options.share, &options.tolerance, &options.low, &options.high};
   for (const auto& [name, value] : in_file_order(*node->as_table())) {
     const InputPlace place = where(value, "sustained." + name);
     const auto found = std::ranges::find(known, name);
@@ -291,7 +315,7 @@ void Reader::read_sustained() {
     if (!number || !std::isfinite(*number) || *number <= 0 || (name == "share" && *number > 1))
       throw InputError(place, fmt::format("is {}, expected a number above 0{}", toml_of(*value),
                                           name == "share" ? " and at most 1" : ""));
-    *places[found - known.begin()] = *number;
+    options.*sustained_keys()[static_cast<std::size_t>(found - known.begin())].place = *number;
   }
   if (options.low >= options.high)
     throw InputError(where(node, "sustained"),
@@ -319,14 +343,7 @@ void Reader::check_combinations() const {
 
 StudyFile Reader::read() {
   check_root();
-  read_scene();
-  read_seeds();
-  read_steps();
-  read_vary();
-  read_fixed();
-  read_sustained();
-  read_set(set_);
-  read_baseline();
+  for (const Key& key : keys()) (this->*key.read)();
   check_combinations();
   study_.origin = keys_.places();
   return std::move(study_);
@@ -351,6 +368,15 @@ std::vector<std::string> StudyFile::overrides(std::span<const std::size_t> chose
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
+}
+
+std::vector<DeclaredTable> study_tables() {
+  DeclaredTable file{"study", "The file itself.", {}}, sustained = study_keys::declared_sustained();
+  for (const Reader::Key& key : Reader::keys())
+    if (key.name) file.rows.push_back({key.name, "", key.standard, key.meaning});
+  file.rows.push_back({fmt::format("{}", fmt::join(scene_sections(), ", ")), "", "as in the scene",
+                       "tables as in a scene: keys that are the same in all cells"});
+  return {file, study_keys::declared_vary(), study_keys::declared_step(), sustained};
 }
 
 StudyFile read_study(const fs::path& file, std::span<const std::string> set) {

@@ -34,6 +34,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/study/study.hpp"
 
@@ -72,5 +73,8 @@ StudyFile read_study(const std::filesystem::path& file, std::span<const std::str
 
 // An error about an overridden scene key, said with the place in the study that gave the key.
 InputError located(const StudyFile& study, const InputError& error);
+
+// Every key of a study, for `forefeel help study`.
+std::vector<DeclaredTable> study_tables();
 
 }  // namespace forefeel

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/console/suggest.hpp"
+#include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/scene_keys.hpp"
 #include "apps/study/study_toml.hpp"
 
@@ -18,21 +19,84 @@ using study_toml::toml_of;
 
 namespace {
 
-const std::vector<std::string> short_keys{"policy", "select", "workers", "device", "cost", "switch"};
-const std::vector<std::string> vary_words{"policy", "select", "workers",     "device",
-                                          "cost",   "switch", "target_load", "speed"};
+// Words that stand for a key of the scene, or for what only a study has.
+struct ShortKey {
+  Declared declared;
+  bool of_scene = true;  // "policy" stands for "session.policy"
+};
+
+const std::vector<ShortKey>& short_keys() {
+  static const std::vector<ShortKey> keys{
+      {{"policy", "", "", "session.policy: what is solved next"}},
+      {{"select", "", "", "session.select: rule that chooses the neighbours"}},
+      {{"workers", "", "", "session.workers: workers that solve"}},
+      {{"device", "", "", "session.device: each value is a trace, the unit of the statistics"}},
+      {{"cost", "", "", "session.cost: time of a solve"}},
+      {{"switch", "", "", "session.switch: how the force changes from one model to the next"}},
+      {{"target_load", "1", "",
+        "states that the motion needs / states that the workers solve; sets the cost"},
+       false},
+      {{"speed", "m/s", "", "speed of a path device"}, false}};
+  return keys;
+}
+
+std::vector<std::string> words(bool only_of_scene) {
+  std::vector<std::string> names;
+  for (const ShortKey& key : short_keys())
+    if (key.of_scene || !only_of_scene) names.push_back(key.declared.name);
+  return names;
+}
 
 }  // namespace
 
+DeclaredTable declared_vary() {
+  DeclaredTable table{"vary", "A list of values for each key; every combination is run.", {}};
+  for (const ShortKey& key : short_keys()) table.rows.push_back(key.declared);
+  table.rows.push_back(
+      {"\"model.kernel\" …", "", "", "any key of the scene, in quotes (forefeel help scene)"});
+  table.rows.push_back(
+      {"model, session …", "", "",
+       "tables of keys that change together: { name = \"r3\", kernel = \"cubic\", neighbours = 100 }"});
+  return table;
+}
+
+DeclaredTable declared_step() {
+  return {"step",
+          "[[step]] tables: each keeps what the ones before it changed, so that steps add up.",
+          {{"name", "", "required", "as printed"},
+           {"policy, \"model.kernel\" …", "", "",
+            "any key of the scene, as in vary; not target_load and speed"}}};
+}
+
+const std::vector<SustainedKey>& sustained_keys() {
+  using Options = SustainedOptions;
+  const Options usual;
+  const auto shown = [](double value) { return fmt::format("{}", value); };
+  static const std::vector<SustainedKey> keys{
+      {{"travel", "m", shown(usual.travel), "length of each run; it takes travel / speed"}, &Options::travel},
+      {{"share", "1", shown(usual.share), "of first visits that must be within the tolerance"},
+       &Options::share},
+      {{"tolerance", "1", shown(usual.tolerance), "of the reference force"}, &Options::tolerance},
+      {{"low", "m/s", shown(usual.low), "lowest speed tried"}, &Options::low},
+      {{"high", "m/s", shown(usual.high), "highest speed tried"}, &Options::high}};
+  return keys;
+}
+
+DeclaredTable declared_sustained() {
+  DeclaredTable table{"sustained", "Each cell searches the highest speed that it sustains.", {}};
+  for (const SustainedKey& key : sustained_keys()) table.rows.push_back(key.declared);
+  return table;
+}
+
 std::span<const std::string> scene_sections() {
-  static const std::vector<std::string> all{"body",        "material", "clamp",  "contact",
-                                            "state_space", "model",    "session"};
+  static const std::vector<std::string> all = keys_of("");
   return all;
 }
 
 std::string scene_key(const std::string& written, const InputPlace& place, bool pseudo_allowed) {
-  if (std::ranges::find(short_keys, written) != short_keys.end()) return "session." + written;
-  if (pseudo_allowed && (written == "target_load" || written == "speed")) return written;
+  for (const ShortKey& key : short_keys())
+    if (key.declared.name == written && (key.of_scene || pseudo_allowed))
+      return key.of_scene ? "session." + written : written;
   if (written == "model.select") return "session.select";  // one and the same
   const std::string section = written.substr(0, written.find('.'));
   const bool dotted = section.size() + 1 < written.size();
@@ -42,9 +106,8 @@ std::string scene_key(const std::string& written, const InputPlace& place, bool 
                                                                  written.substr(section.size())));
   if (pseudo_allowed && std::ranges::find(scene_sections(), written) != scene_sections().end())
     return written;
-  const std::vector<std::string>& words = pseudo_allowed ? vary_words : short_keys;
   throw InputError(place, fmt::format("unknown key{}, or a scene key in quotes (\"model.kernel\")",
-                                      expected_instead(written, words)));
+                                      expected_instead(written, words(!pseudo_allowed))));
 }
 
 void ClaimedKeys::claim(const std::string& key, const InputPlace& place, const std::string& how) {

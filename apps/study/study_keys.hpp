@@ -7,11 +7,24 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "apps/study/study_toml.hpp"
+#include "geometry/common/declared.hpp"
 #include "geometry/common/error.hpp"
+#include "scheduling/study/study.hpp"
 
 namespace forefeel::study_keys {
+
+// What `forefeel help study` says of the keys of [vary], of [[step]] and of [sustained].
+DeclaredTable declared_vary();
+DeclaredTable declared_step();
+DeclaredTable declared_sustained();
+struct SustainedKey {
+  Declared declared;
+  double SustainedOptions::*place;
+};
+const std::vector<SustainedKey>& sustained_keys();
 
 // The sections of a scene that a study may set.
 std::span<const std::string> scene_sections();

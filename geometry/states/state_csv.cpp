@@ -190,6 +190,15 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   return points;
 }
 
+std::vector<Declared> declared_states() {
+  return {{"x,y,z", "m", "", "position of the tip, from its rest position"},
+          {"fx,fy,fz", "N", "", "force of the body on the tip"},
+          {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m", "",
+           "stiffness, -d force_i / d x_j, row by row; where some state has it"},
+          {"h", "m", "", "spacing of the lattice that the state belongs to; where known"},
+          {"energy", "J", "", "stored energy; where known"}};
+}
+
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
   const auto some = [&](auto&& has) {
     return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
@@ -198,9 +207,12 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
   const bool with_h = some([](const State& s) { return std::isfinite(s.spacing); });
   const bool with_energy = some([](const State& s) { return std::isfinite(s.energy); });
   CsvWriter out(file);
-  out.put("x,y,z,fx,fy,fz");
-  if (with_k) out.put(",{}", fmt::join(stiffness_columns, ","));
-  out.put("{}{}\n", with_h ? ",h" : "", with_energy ? ",energy" : "");
+  const bool has[] = {true, true, with_k, with_h, with_energy};
+  const std::vector<Declared> all = declared_states();
+  std::vector<Declared> columns;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (has[i]) columns.push_back(all[i]);
+  out.put("{}\n", header_of(columns));
   for (const State& state : states) {
     if (!state.usable()) continue;
     out.put("{},{},{},{},{},{}", state.at.x(), state.at.y(), state.at.z(), state.force.x(), state.force.y(),

@@ -30,6 +30,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "geometry/states/state.hpp"
 #include "geometry/states/state_header.hpp"
 
@@ -88,6 +89,7 @@ class StateWriter {
 std::vector<State> read_states_csv(const std::filesystem::path& file);
 // Only usable states. Columns k, h and energy are written if at least one state has them.
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states);
+std::vector<Declared> declared_states();  // all these columns, for `forefeel help`
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file);
 // For ParaView: one vertex for each state, with force, stiffness, energy, status and the rest as point data.
 void write_states_vtu(const std::filesystem::path& file, std::span<const State> states);

@@ -1,7 +1,9 @@
 #include "scheduling/policy/policy.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "scheduling/common/registry.hpp"
 #include "scheduling/policy/policies.hpp"
@@ -9,17 +11,31 @@
 namespace forefeel {
 namespace {
 
+struct BuiltIn {
+  const char* name;
+  std::unique_ptr<Policy> (*make)(FactoryContext&);
+  const char* meaning;
+};
+
+constexpr BuiltIn built_in[] = {
+    {"coverage", make_coverage, "places that the hand may reach soon and that are blank, gap or sparse"},
+    {"fifo", make_fifo, "first come, first served: in the order in which the hand came near"},
+    {"nearest", make_nearest, "the unknown state nearest to the tip"},
+    {"direction", make_direction, "states along the predicted motion, the soonest first"},
+    {"coarse-to-fine", make_coarse_to_fine,
+     "coarse lattice points far around the predicted path, fine ones near it"},
+    {"error", make_error, "expected error times the chance that the state is needed"},
+    {"clairvoyant", make_clairvoyant, "bound: knows the motion, rehearses every policy and runs the best"},
+    {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
+    {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
+    {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"}};
+
 Registry<PolicyFactory>& registry() {
-  static Registry<PolicyFactory> policies("policy", {{"fifo", make_fifo},
-                                                     {"nearest", make_nearest},
-                                                     {"direction", make_direction},
-                                                     {"coverage", make_coverage},
-                                                     {"coarse-to-fine", make_coarse_to_fine},
-                                                     {"error", make_error},
-                                                     {"clairvoyant", make_clairvoyant},
-                                                     {"clairvoyant-greedy", make_clairvoyant},
-                                                     {"shuffled", make_shuffled},
-                                                     {"clairvoyant-shuffled", make_clairvoyant_shuffled}});
+  static Registry<PolicyFactory> policies("policy", [] {
+    std::map<std::string, PolicyFactory> factories;
+    for (const BuiltIn& one : built_in) factories.emplace(one.name, one.make);
+    return factories;
+  }());
   return policies;
 }
 
@@ -47,6 +63,15 @@ void register_policy(const std::string& name, PolicyFactory factory) {
 
 std::vector<std::string> policy_names() {
   return registry().names();
+}
+
+std::vector<Declared> declared_policies() {
+  std::vector<Declared> rows;
+  for (const BuiltIn& one : built_in) rows.push_back({one.name, "", "", one.meaning});
+  for (const std::string& name : policy_names())
+    if (std::ranges::find(built_in, name, &BuiltIn::name) == std::end(built_in))
+      rows.push_back({name, "", "", "registered by this program"});
+  return rows;
 }
 
 std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryContext& context) {

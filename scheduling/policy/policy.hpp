@@ -33,6 +33,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/common/factory_context.hpp"
 #include "scheduling/motion/hip_sample.hpp"
@@ -99,7 +100,8 @@ using PolicyFactory = std::function<std::unique_ptr<Policy>(FactoryContext&)>;
 
 // May be called from any thread, and before main() begins. InputError for a name that is taken.
 void register_policy(const std::string& name, PolicyFactory factory);
-std::vector<std::string> policy_names();  // sorted
+std::vector<std::string> policy_names();    // sorted
+std::vector<Declared> declared_policies();  // with their meanings, for `forefeel help`
 // Throws InputError for an unknown name; the error lists the known ones.
 std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryContext& context = {});
 

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <future>
 #include <iterator>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/common/error.hpp"
@@ -20,62 +22,152 @@ using Text = fmt::memory_buffer;
 
 // Shortest text that reads back to the same double; empty where unknown.
 void put(Text& out, double value) {
-  out.push_back(',');
   if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value == 0 ? 0.0 : value);
 }
 void put(Text& out, const Vec3& v) {
-  for (int i = 0; i < 3; ++i) put(out, v[i]);
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) out.push_back(',');
+    put(out, v[i]);
+  }
+}
+void put(Text& out, std::string_view word) {
+  out.append(word);
+}
+void put(Text& out, std::int64_t number) {
+  fmt::format_to(std::back_inserter(out), "{}", number);
+}
+void put(Text& out, bool flag) {
+  out.push_back(flag ? '1' : '0');
 }
 
-void write(const std::filesystem::path& file, const Text& text) {
-  OutputFile out(file);
-  out.write({text.data(), text.size()});
-  out.commit();
+// One column, or the columns of a vector: header, unit, meaning, and the function that writes its cells.
+template <class Record>
+struct RunColumn {
+  std::string_view names, unit, meaning;
+  void (*write)(Text&, const Record&);
+  bool real = false;  // under the real clock only
+};
+
+using Frame = FrameRecord;
+constexpr RunColumn<Frame> frame_columns[] = {
+    {"t", "s", "time of the frame", [](Text& o, const Frame& f) { put(o, f.t); }},
+    {"x,y,z", "m", "position of the tip, from its rest position",
+     [](Text& o, const Frame& f) { put(o, f.at); }},
+    {"fx,fy,fz", "N", "force sent to the device: after the safety rules",
+     [](Text& o, const Frame& f) { put(o, f.sent); }},
+    {"label", "", "coverage at the tip: safe, sparse, gap or blank",
+     [](Text& o, const Frame& f) { put(o, name(f.label)); }},
+    {"model", "", "serial number of the model that is rendered; 0: none",
+     [](Text& o, const Frame& f) { put(o, std::int64_t{f.model}); }},
+    {"known", "", "number of known states", [](Text& o, const Frame& f) { put(o, std::int64_t{f.known}); }},
+    {"ux,uy,uz", "N", "force of the newest model, as if models changed at once",
+     [](Text& o, const Frame& f) { put(o, f.undamped); }},
+    {"rendered_x,rendered_y,rendered_z", "N", "rendered force: after the switch, before the safety rules",
+     [](Text& o, const Frame& f) { put(o, f.force); }},
+    {"switch_change", "N", "change of the rendered force by the switch in this frame",
+     [](Text& o, const Frame& f) { put(o, f.step.change); }},
+    {"switch_bound", "N", "bound of the switch's rule on that change",
+     [](Text& o, const Frame& f) { put(o, f.step.bound); }},
+    {"motion_change", "N", "change of the rendered force by the motion",
+     [](Text& o, const Frame& f) { put(o, f.step.motion_change); }},
+    {"took_model", "", "1: a newer model is rendered from this frame on",
+     [](Text& o, const Frame& f) { put(o, f.step.took_model); }},
+    {"undamped_jump", "N", "difference of the two models where a newer one is taken",
+     [](Text& o, const Frame& f) { put(o, f.step.undamped_jump); }},
+    {"sampled", "", "1: compared with a tight solve, at equal distances along the path",
+     [](Text& o, const Frame& f) { put(o, f.judged.sampled); }},
+    {"first_visit", "", "1: compared with a tight solve, as the first frame in its lattice cell",
+     [](Text& o, const Frame& f) { put(o, f.judged.first_visit); }},
+    {"rx,ry,rz", "N", "reference: force of the tight solve",
+     [](Text& o, const Frame& f) { put(o, f.judged.reference); }},
+    {"error", "1", "|rendered - reference| / max(|reference|, session.error_floor)",
+     [](Text& o, const Frame& f) { put(o, f.judged.error); }},
+    {"approximation", "1", "part of the error: newest model against the reference",
+     [](Text& o, const Frame& f) { put(o, f.judged.approximation); }},
+    {"switch", "1", "part of the error: rendered force against the newest model",
+     [](Text& o, const Frame& f) { put(o, f.judged.switching); }},
+    {"staleness", "1", "part of the error: newest model against one of all states known by then",
+     [](Text& o, const Frame& f) { put(o, f.judged.staleness); }},
+    {"cost_us", "us", "time to compute the frame", [](Text& o, const Frame& f) { put(o, f.timing.cost_us); },
+     true},
+    {"lateness_us", "us", "delay of the frame's start",
+     [](Text& o, const Frame& f) { put(o, f.timing.lateness_us); }, true}};
+
+using Dispatched = DispatchRecord;
+constexpr RunColumn<Dispatched> dispatch_columns[] = {
+    {"id", "", "number of the solve", [](Text& o, const Dispatched& d) { put(o, std::int64_t{d.id}); }},
+    {"x,y,z", "m", "position of the state", [](Text& o, const Dispatched& d) { put(o, d.at); }},
+    {"label", "", "coverage there when it was requested",
+     [](Text& o, const Dispatched& d) { put(o, name(d.label)); }},
+    {"priority", "1", "priority by the policy", [](Text& o, const Dispatched& d) { put(o, d.priority); }},
+    {"requested", "s", "time of the planner's decision",
+     [](Text& o, const Dispatched& d) { put(o, d.requested); }},
+    {"started", "s", "begin of the solve; empty: it never began",
+     [](Text& o, const Dispatched& d) { put(o, d.started); }},
+    {"finished", "s", "end of the solve", [](Text& o, const Dispatched& d) { put(o, d.finished); }},
+    {"first_used", "s", "first frame with a model that uses the state; empty: none",
+     [](Text& o, const Dispatched& d) { put(o, d.first_used); }},
+    {"status", "", "running, waiting, solved, failed, arrived, preempted or withdrawn",
+     [](Text& o, const Dispatched& d) { put(o, name(d.status)); }},
+    {"worker", "", "number of the worker, from 0; -1: none",
+     [](Text& o, const Dispatched& d) { put(o, std::int64_t{d.worker}); }},
+    {"parent", "", "id of the solve whose state this one started from; -1: rest or a state known before",
+     [](Text& o, const Dispatched& d) { put(o, d.parent); }},
+    {"known", "s", "time at which the planner received the state",
+     [](Text& o, const Dispatched& d) { put(o, d.known); }}};
+
+using Change = SwitchRecord;
+constexpr RunColumn<Change> switch_columns[] = {
+    {"t", "s", "time at which the loop took the model", [](Text& o, const Change& s) { put(o, s.t); }},
+    {"model", "", "serial number of the model",
+     [](Text& o, const Change& s) { put(o, std::int64_t{s.model}); }},
+    {"cause", "",
+     "guess (no state known), first (the first state), states (more came) or travel (the tip moved)",
+     [](Text& o, const Change& s) { put(o, name(s.cause)); }},
+    {"label", "", "coverage of the region that chose the model's states",
+     [](Text& o, const Change& s) { put(o, name(s.label)); }},
+    {"n", "", "states of the model", [](Text& o, const Change& s) { put(o, std::int64_t{s.n}); }},
+    {"replaced", "", "of these, not in the model before",
+     [](Text& o, const Change& s) { put(o, std::int64_t{s.replaced}); }},
+    {"jump_undamped", "N", "difference of the two models at the tip",
+     [](Text& o, const Change& s) { put(o, s.jump_undamped); }},
+    {"fit_us", "us", "time to make the model", [](Text& o, const Change& s) { put(o, s.fit_us); }, true}};
+
+template <class Record>
+std::string header_of(std::span<const RunColumn<Record>> columns, bool real) {
+  std::string header;
+  for (const RunColumn<Record>& column : columns)
+    if (real || !column.real) header += (header.empty() ? "" : ",") + std::string(column.names);
+  return header + '\n';
 }
 
-Text frames_text(std::span<const FrameRecord> frames, bool real) {
+template <class Record>
+Text rows_of(std::span<const Record> records, std::span<const RunColumn<Record>> columns, bool real) {
   Text out;
-  auto to = std::back_inserter(out);
-  for (const FrameRecord& f : frames) {
-    fmt::format_to(to, "{}", f.t);
-    put(out, f.at);
-    put(out, f.sent);
-    fmt::format_to(to, ",{},{},{}", name(f.label), f.model, f.known);
-    put(out, f.undamped);
-    put(out, f.force);
-    for (const double value : {f.step.change, f.step.bound, f.step.motion_change}) put(out, value);
-    fmt::format_to(to, ",{}", f.step.took_model ? 1 : 0);
-    put(out, f.step.undamped_jump);
-    fmt::format_to(to, ",{},{}", f.judged.sampled ? 1 : 0, f.judged.first_visit ? 1 : 0);
-    put(out, f.judged.reference);
-    for (const double value :
-         {f.judged.error, f.judged.approximation, f.judged.switching, f.judged.staleness})
-      put(out, value);
-    if (real) {
-      put(out, f.timing.cost_us);
-      put(out, f.timing.lateness_us);
+  for (const Record& record : records) {
+    for (const RunColumn<Record>& column : columns) {
+      if (column.real && !real) continue;
+      if (&column != columns.data()) out.push_back(',');
+      column.write(out, record);
     }
     out.push_back('\n');
   }
   return out;
 }
 
-void write_frames(const std::filesystem::path& file, const SessionResult& result, bool real) {
-  const std::string header = fmt::format(
-      "t,x,y,z,fx,fy,fz,label,model,known,ux,uy,uz,rendered_x,rendered_y,rendered_z,switch_change,switch_"
-      "bound,"
-      "motion_change,took_model,undamped_jump,sampled,first_visit,rx,ry,rz,error,approximation,switch,"
-      "staleness{}\n",
-      real ? ",cost_us,lateness_us" : "");
-  const std::size_t parts = 4, n = result.frames.size();
-  std::vector<std::future<Text>> texts;  // of a share of the frames each, side by side
-  for (std::size_t part = 0; part < parts; ++part)
-    texts.push_back(std::async(std::launch::async,
-                               [&result, real, first = part * n / parts, last = (part + 1) * n / parts] {
-                                 return frames_text({result.frames.data() + first, last - first}, real);
-                               }));
+// Parts of a long table are made side by side.
+template <class Record>
+void write(const std::filesystem::path& file, std::span<const Record> records,
+           std::span<const RunColumn<Record>> columns, bool real) {
+  const std::size_t n = records.size(), parts = n < 1000 ? 1 : 4;
+  std::vector<std::future<Text>> texts;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t first = part * n / parts, last = (part + 1) * n / parts;
+    texts.push_back(std::async(std::launch::async, [mine = records.subspan(first, last - first), columns,
+                                                    real] { return rows_of(mine, columns, real); }));
+  }
   OutputFile out(file);
-  out.write(header);
+  out.write(header_of(columns, real));
   for (std::future<Text>& text : texts) {
     const Text mine = text.get();
     out.write({mine.data(), mine.size()});
@@ -83,21 +175,13 @@ void write_frames(const std::filesystem::path& file, const SessionResult& result
   out.commit();
 }
 
-void write_dispatch(const std::filesystem::path& file, const SessionResult& result) {
-  Text out;
-  auto to = std::back_inserter(out);
-  fmt::format_to(
-      to, "id,x,y,z,label,priority,requested,started,finished,first_used,status,worker,parent,known\n");
-  for (const DispatchRecord& d : result.dispatch) {
-    fmt::format_to(to, "{}", d.id);
-    put(out, d.at);
-    fmt::format_to(to, ",{}", name(d.label));
-    for (const double value : {d.priority, d.requested, d.started, d.finished, d.first_used}) put(out, value);
-    fmt::format_to(to, ",{},{},{}", name(d.status), d.worker, d.parent);
-    put(out, d.known);
-    out.push_back('\n');
-  }
-  write(file, out);
+template <class Record>
+std::vector<Declared> declared(std::span<const RunColumn<Record>> columns) {
+  std::vector<Declared> rows;
+  for (const RunColumn<Record>& column : columns)
+    rows.push_back({std::string(column.names), std::string(column.unit), "",
+                    std::string(column.meaning) + (column.real ? "; real clock only" : "")});
+  return rows;
 }
 
 // What an attempt to write failed with, and "; "; empty if it succeeded.
@@ -109,19 +193,6 @@ std::string problem_of(Write write) {
   } catch (const std::exception& problem) {
     return std::string(problem.what()) + "; ";
   }
-}
-
-void write_switches(const std::filesystem::path& file, const SessionResult& result, bool real) {
-  Text out;
-  auto to = std::back_inserter(out);
-  fmt::format_to(to, "t,model,cause,label,n,replaced,jump_undamped{}\n", real ? ",fit_us" : "");
-  for (const SwitchRecord& s : result.switches) {
-    fmt::format_to(to, "{},{},{},{},{},{}", s.t, s.model, name(s.cause), name(s.label), s.n, s.replaced);
-    put(out, s.jump_undamped);
-    if (real) put(out, s.fit_us);
-    out.push_back('\n');
-  }
-  write(file, out);
 }
 
 }  // namespace
@@ -139,14 +210,22 @@ void write_run_files(const std::filesystem::path& folder, const SessionResult& r
                      const SessionOptions& options) {
   const bool real = options.clock.kind == Clock::real;
   std::future<std::string> others = std::async(std::launch::async, [&] {
-    return problem_of([&] { write_dispatch(folder / "dispatch.csv", result); }) +
-           problem_of([&] { write_switches(folder / "switches.csv", result, real); });
+    return problem_of(
+               [&] { write<Dispatched>(folder / "dispatch.csv", result.dispatch, dispatch_columns, real); }) +
+           problem_of([&] { write<Change>(folder / "switches.csv", result.switches, switch_columns, real); });
   });
-  std::string problems = problem_of([&] { write_frames(folder / "frames.csv", result, real); });
+  std::string problems =
+      problem_of([&] { write<Frame>(folder / "frames.csv", result.frames, frame_columns, real); });
   problems += others.get();
   if (problems.empty()) return;
   problems.resize(problems.size() - 2);
   throw InputError({.file = folder.string()}, "is incomplete: " + problems);
+}
+
+std::vector<DeclaredTable> declared_run_files() {
+  return {{"frames.csv", "One row a frame, 1 kHz.", declared<Frame>(frame_columns)},
+          {"dispatch.csv", "One row a solve that was requested.", declared<Dispatched>(dispatch_columns)},
+          {"switches.csv", "One row a model that the loop took.", declared<Change>(switch_columns)}};
 }
 
 }  // namespace forefeel

@@ -5,7 +5,9 @@
 // same bytes each time: its tables hold no wall time. Real runs append cost_us and lateness_us.
 
 #include <filesystem>
+#include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "scheduling/session/session.hpp"
 
 namespace forefeel {
@@ -15,5 +17,8 @@ void prepare_run_folder(const std::filesystem::path& folder);
 // Writes every table that can be written, then throws one InputError that names those that cannot.
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options);
+
+// The columns of the three tables, with unit and meaning: those that write_run_files() writes.
+std::vector<DeclaredTable> declared_run_files();
 
 }  // namespace forefeel

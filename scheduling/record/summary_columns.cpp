@@ -7,18 +7,22 @@
 namespace forefeel {
 namespace {
 
-// Values under one key, each named "key.name".
+// Values under one key, each named "key.name", with unit and meaning.
 class Group {
  public:
-  Group(std::vector<Column>& columns, std::string key) : columns_(columns), prefix_(std::move(key) + ".") {}
-  Group& number(std::string_view name, double value) { return put(name, column_value(value)); }
-  Group& count(std::string_view name, std::uint64_t value) { return put(name, value); }
-  Group& flag(std::string_view name, bool value) { return put(name, value); }
-  Group& text(std::string_view name, std::string_view value) { return put(name, std::string(value)); }
+  using Text = std::string_view;
+  Group(std::vector<Column>& columns, const std::string& key)
+      : columns_(columns), prefix_(key.empty() ? key : key + ".") {}
+  Group& number(Text name, double value, Text unit, Text meaning) {
+    return put(name, column_value(value), unit, meaning);
+  }
+  Group& count(Text name, std::uint64_t value, Text meaning) { return put(name, value, "", meaning); }
+  Group& flag(Text name, bool value, Text meaning) { return put(name, value, "", meaning); }
+  Group& text(Text name, Text value, Text meaning) { return put(name, std::string(value), "", meaning); }
 
  private:
-  Group& put(std::string_view name, ColumnValue value) {
-    columns_.push_back({prefix_ + std::string(name), std::move(value)});
+  Group& put(Text name, ColumnValue value, Text unit, Text meaning) {
+    columns_.push_back({prefix_ + std::string(name), std::move(value), unit, meaning});
     return *this;
   }
 
@@ -27,59 +31,70 @@ class Group {
 };
 
 void add_timing(std::vector<Column>& columns, const std::string& key, const SessionSummary::Timing& timing) {
-  Group(columns, key).number("p50", timing.p50).number("p99", timing.p99).number("max", timing.max);
+  Group(columns, key)
+      .number("p50", timing.p50, "us", "median over the frames; real clock only, also below")
+      .number("p99", timing.p99, "us", "99th percentile")
+      .number("max", timing.max, "us", "largest");
 }
 
 void add_parts(std::vector<Column>& columns, const std::string& key, const SessionSummary::Parts& parts) {
   Group(columns, key)
-      .number("approximation", parts.approximation)
-      .number("switch", parts.switching)
-      .number("staleness", parts.staleness);
+      .number("approximation", parts.approximation, "1", "error of the newest model against the reference")
+      .number("switch", parts.switching, "1", "rendered force against the newest model")
+      .number("staleness", parts.staleness, "1", "newest model against one of all states known by then");
 }
 
 void add_errors(std::vector<Column>& columns, const std::string& key, const SessionSummary::Errors& errors,
                 bool with_max = true) {
   Group group(columns, key);
-  group.count("samples", errors.samples).number("p50", errors.p50).number("p95", errors.p95);
-  if (with_max) group.number("max", errors.max);
-  group.number("within_jnd", errors.within_jnd);
+  group.count("samples", errors.samples, "frames in which the rendered force was compared with a tight solve")
+      .number("p50", errors.p50, "1", "median error, relative to max(|reference|, session.error_floor)")
+      .number("p95", errors.p95, "1", "95th percentile of the error");
+  if (with_max) group.number("max", errors.max, "1", "largest error");
+  group.number("within_jnd", errors.within_jnd, "1",
+               "share of the samples with an error below the just noticeable difference");
 }
 
 void add_deadline(std::vector<Column>& columns, const SessionSummary::Deadline& deadline) {
-  Group(columns, "deadline").count("missed", deadline.missed);
+  Group(columns, "deadline")
+      .count("missed", deadline.missed, "frames whose cost and lateness together exceed their length");
   add_timing(columns, "deadline.cost_us", deadline.cost_us);
   add_timing(columns, "deadline.lateness_us", deadline.lateness_us);
 }
 
 void add_states(std::vector<Column>& columns, const SessionSummary::States& states) {
   Group(columns, "states")
-      .count("start", states.start)
-      .count("solved", states.solved)
-      .count("used", states.used)
-      .count("wasted", states.wasted)
-      .count("preempted", states.preempted)
-      .count("failed", states.failed)
-      .number("age_at_use_ms.p50", states.age_at_use_ms_p50)
-      .number("age_at_use_ms.p99", states.age_at_use_ms_p99)
-      .flag("foreign", states.foreign);
+      .count("start", states.start, "states known at the start")
+      .count("solved", states.solved, "states solved in the session")
+      .count("used", states.used, "of these, states that some model used")
+      .count("wasted", states.wasted, "of these, states that no model used")
+      .count("preempted", states.preempted, "solves cancelled while they ran")
+      .count("failed", states.failed, "solves without an equilibrium")
+      .number("age_at_use_ms.p50", states.age_at_use_ms_p50, "ms",
+              "median time from the end of a solve to the first use of its state")
+      .number("age_at_use_ms.p99", states.age_at_use_ms_p99, "ms", "99th percentile of that time")
+      .flag("foreign", states.foreign, "true: the states are of another body, nothing was solved");
 }
 
 void add_switching(std::vector<Column>& columns, const SessionSummary::Switching& switching) {
   Group(columns, "switch")
-      .count("count", switching.count)
-      .text("rule", name(switching.rule))
-      .number("max_jump", switching.max_jump)
-      .number("max_jump_undamped", switching.max_jump_undamped)
-      .count("frames_over_jnd", switching.frames_over_jnd)
-      .number("drift.ms50", switching.drift_50ms)
-      .number("drift.ms100", switching.drift_100ms)
-      .number("drift.ms300", switching.drift_300ms);
+      .count("count", switching.count, "models that the loop took")
+      .text("rule", name(switching.rule), "rule of the switch (session.switch)")
+      .number("max_jump", switching.max_jump, "N",
+              "largest change of the rendered force by a switch, per frame")
+      .number("max_jump_undamped", switching.max_jump_undamped, "N", "the same if models changed at once")
+      .count("frames_over_jnd", switching.frames_over_jnd,
+             "frames in which a switch exceeded its rule's bound")
+      .number("drift.ms50", switching.drift_50ms, "N", "largest change by switches within any 50 ms")
+      .number("drift.ms100", switching.drift_100ms, "N", "within any 100 ms")
+      .number("drift.ms300", switching.drift_300ms, "N", "within any 300 ms");
 }
 
 void add_error(std::vector<Column>& columns, const SessionSummary::Error& error, bool foreign) {
   Group(columns, "error")
       .text("reference",
-            foreign ? "none: the states are of another body" : "tight solves on the reference branch");
+            foreign ? "none: the states are of another body" : "tight solves on the reference branch",
+            "what the rendered force is compared with");
   add_errors(columns, "error", error.samples);
   add_parts(columns, "error.parts", error.parts_p95);
   add_parts(columns, "error.parts_p50", error.parts_p50);
@@ -90,19 +105,40 @@ void add_error(std::vector<Column>& columns, const SessionSummary::Error& error,
 
 void add_safety(std::vector<Column>& columns, const SessionSummary::Safety& safety) {
   Group(columns, "safety")
-      .count("clamped", safety.clamped)
-      .count("slewed", safety.slewed)
-      .count("stale", safety.stale)
-      .count("non_finite", safety.non_finite);
+      .count("clamped", safety.clamped, "frames cut at the force limit")
+      .count("slewed", safety.slewed, "frames held back by the slew limit")
+      .count("stale", safety.stale, "frames in which the watchdog faded the force out")
+      .count("non_finite", safety.non_finite, "frames whose force was not finite and counted as zero");
 }
 
 void add_loop(std::vector<Column>& columns, const SessionSummary::Loop& loop) {
   Group(columns, "loop")
-      .count("skipped", loop.skipped)
-      .number("longest_pause", loop.longest_pause)
-      .number("planner_stall", loop.planner_stall)
-      .count("ending_frames", loop.ending_frames)
-      .number("last_force", loop.last_force);
+      .count("skipped", loop.skipped, "frames that a pause of the loop skipped; real clock")
+      .number("longest_pause", loop.longest_pause, "s", "longest time between two frames; real clock")
+      .number("planner_stall", loop.planner_stall, "s", "longest silence of the planner; real clock")
+      .count("ending_frames", loop.ending_frames, "frames of the ramp at the end")
+      .number("last_force", loop.last_force, "N", "|force| sent in the last frame");
+}
+
+void add_time_in(std::vector<Column>& columns, const ByLabel<double>& time_in) {
+  Group shares(columns, "time_in");
+  for (const Label label : all_labels)
+    shares.number(name(label), time_in[label], "1", "share of the frames with this label at the tip");
+}
+
+void add_settings(std::vector<Column>& columns, const SessionSummary::Settings& settings,
+                  const SessionSummary::Run& run) {
+  Group(columns, "")
+      .count("workers", static_cast<std::uint64_t>(settings.workers), "workers that solve")
+      .text("policy", settings.policy, "rule that chose what was solved next")
+      .text("select", name(settings.select), "rule that chose the neighbours")
+      .count("seed", settings.seed, "seed of everything random")
+      .text("device", settings.device, "device as written; replay:RUN for a replay")
+      .flag("first_guess", run.first_guess, "true: began with a guessed stiffness")
+      .number("first_guess_softness", run.guess_softness, "1", "of the body against that guess")
+      .number("wall_seconds", run.wall_seconds, "s", "time that the run took")
+      .flag("realtime_priority", run.realtime_priority, "true: the system gave real-time priority")
+      .flag("memory_locked", run.memory_locked, "true: the system locked the memory");
 }
 
 }  // namespace
@@ -113,15 +149,19 @@ ColumnValue column_value(double value) {
 
 std::vector<Column> later_columns(const SessionSummary& summary) {
   std::vector<Column> columns;
-  columns.push_back({"states.inverted", std::uint64_t{summary.states.inverted}});
+  Group(columns, "states")
+      .count("inverted", summary.states.inverted, "solved states with inverted elements; not in solved");
   Group(columns, "safety")
-      .number("clamped_share", summary.safety.clamped_share)
-      .number("slewed_share", summary.safety.slewed_share);
-  columns.push_back({"time_outside", column_value(summary.motion.outside)});
+      .number("clamped_share", summary.safety.clamped_share, "1", "clamped, as a share of the frames")
+      .number("slewed_share", summary.safety.slewed_share, "1", "slewed, as a share of the frames");
+  Group(columns, "")
+      .number("time_outside", summary.motion.outside, "1",
+              "share of the frames with the tip outside the box of states");
   Group(columns, "start")
-      .number("reference", summary.motion.start_reference)
-      .number("rendered", summary.motion.start_rendered)
-      .number("within_jnd_at", summary.motion.start_within_jnd);
+      .number("reference", summary.motion.start_reference, "N", "|force| of a tight solve at the first frame")
+      .number("rendered", summary.motion.start_rendered, "N", "|force| rendered in the first frame")
+      .number("within_jnd_at", summary.motion.start_within_jnd, "s",
+              "time of the first sample within the just noticeable difference");
   return columns;
 }
 
@@ -129,31 +169,45 @@ std::vector<Column> summary_columns(const SessionSummary& summary) {
   const auto& [settings, run, deadline, states, time_in, switching, error, load, energy, safety, loop,
                motion] = summary;
   std::vector<Column> columns;
-  columns.push_back({"clock", std::string(settings.clock == Clock::real ? "real" : "virtual")});
-  columns.push_back({"seconds", column_value(run.seconds)});
-  columns.push_back({"frames", std::uint64_t{run.frames}});
+  Group(columns, "")
+      .text("clock", settings.clock == Clock::real ? "real" : "virtual", "real or virtual")
+      .number("seconds", run.seconds, "s", "length of the motion")
+      .count("frames", run.frames, "frames rendered");
   add_deadline(columns, deadline);
   add_states(columns, states);
-  Group shares(columns, "time_in");
-  for (const Label label : all_labels) shares.number(name(label), time_in[label]);
+  add_time_in(columns, time_in);
   add_switching(columns, switching);
   add_error(columns, error, states.foreign);
-  columns.push_back({"load", column_value(load)});
-  Group(columns, "energy").number("generated_J", energy.generated).number("work_J", energy.work);
+  Group(columns, "")
+      .number("load", load, "1", "states needed per second of motion / states solved per second");
+  Group(columns, "energy")
+      .number("generated_J", energy.generated, "J", "largest energy that the hand got back beyond its work")
+      .number("work_J", energy.work, "J", "sum of |force sent . step of the tip|");
   add_safety(columns, safety);
   add_loop(columns, loop);
-  columns.push_back({"workers", static_cast<std::uint64_t>(settings.workers)});
-  columns.push_back({"policy", settings.policy});
-  columns.push_back({"select", std::string(name(settings.select))});
-  columns.push_back({"seed", settings.seed});
-  columns.push_back({"device", settings.device});
-  columns.push_back({"first_guess", run.first_guess});
-  columns.push_back({"first_guess_softness", column_value(run.guess_softness)});
-  columns.push_back({"wall_seconds", column_value(run.wall_seconds)});
-  columns.push_back({"realtime_priority", run.realtime_priority});
-  columns.push_back({"memory_locked", run.memory_locked});
+  add_settings(columns, settings, run);
   for (Column& column : later_columns(summary)) columns.push_back(std::move(column));
   return columns;
+}
+
+std::vector<Declared> declared_columns(const std::vector<Column>& columns) {
+  const std::string first(name(all_labels.front()));
+  std::vector<Declared> rows;
+  for (const Column& column : columns) {
+    std::string shown = column.name;
+    const bool in_labels = shown.starts_with("error.by_label.") || shown.starts_with("time_in.");
+    if (in_labels) {
+      const std::size_t begin = shown.starts_with("time_in.") ? 8 : 15;
+      if (shown.substr(begin, shown.find('.', begin) - begin) != first) continue;
+      shown.replace(begin, first.size(), "LABEL");
+    }
+    rows.push_back({shown, std::string(column.unit), "", std::string(column.meaning)});
+  }
+  return rows;
+}
+
+std::vector<Declared> declared_summary() {
+  return declared_columns(summary_columns({}));
 }
 
 }  // namespace forefeel

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "scheduling/record/summary.hpp"
 
 namespace forefeel {
@@ -17,6 +19,7 @@ using ColumnValue = std::variant<std::monostate, bool, std::uint64_t, double, st
 struct Column {
   std::string name;
   ColumnValue value;
+  std::string_view unit = {}, meaning = {};  // for `forefeel help`; literals
 };
 
 ColumnValue column_value(double value);  // unknown if it is not finite
@@ -24,5 +27,10 @@ ColumnValue column_value(double value);  // unknown if it is not finite
 std::vector<Column> summary_columns(const SessionSummary& summary);
 // The last of these, which tables of studies keep behind their own columns.
 std::vector<Column> later_columns(const SessionSummary& summary);
+
+// The same for `forefeel help`: units and meanings. The four labels share a row, "error.by_label.LABEL.p50".
+std::vector<Declared> declared_summary();
+// One row for each column that is declared; the others' labels are left out.
+std::vector<Declared> declared_columns(const std::vector<Column>& columns);
 
 }  // namespace forefeel

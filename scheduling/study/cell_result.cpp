@@ -74,6 +74,29 @@ void StudyCellResult::set(std::string_view name, ColumnValue value) {
     columns_.push_back({std::string(name), std::move(value)});
 }
 
+std::vector<Declared> declared_cells() {
+  std::vector<Declared> rows = declared_summary();
+  const std::vector<Declared> of_studies{
+      {"error.first_visit.parts.approximation", "1", "", "as error.parts.approximation, over first visits"},
+      {"error.first_visit.parts.switch", "1", "", "as error.parts.switch, over first visits"},
+      {"error.first_visit.parts.staleness", "1", "", "as error.parts.staleness, over first visits"},
+      {"error.first_visit.within_7", "1", "", "share of first visits within 7 % of the reference force"},
+      {"states.used_share", "1", "", "share of the solved states that some model used"},
+      {"solver.busy", "s", "", "time of all workers in solves"},
+      {"solver.preempted", "s", "", "of this, in solves that were cancelled"},
+      {"solver.wasted", "s", "", "of this, in solves whose state no model used"},
+      {"solver.busy_share", "1", "", "busy, as a share of the workers' time: 1 where they are saturated"},
+      {"cost", "", "", "cost model of the solves"},
+      {"motion_seconds", "s", "", "length of the motion itself; empty for one without end"},
+      {"sustained.speed", "m/s", "", "highest speed sustained; 0: not even the lowest. [sustained] only"},
+      {"sustained.capped", "", "", "true: the highest speed tried is sustained. [sustained] only"},
+      {"sustained.trials", "", "", "speeds tried. [sustained] only"},
+      {"regret.within_jnd", "1", "", "error.within_jnd of clairvoyant less that of this cell"},
+      {"regret.first_visit.within_jnd", "1", "", "the same of error.first_visit.within_jnd"}};
+  rows.insert(rows.end(), of_studies.begin(), of_studies.end());
+  return rows;
+}
+
 double first_visits_within(const SessionResult& result, const SwitchOptions& jnd, double tolerance) {
   std::size_t visits = 0, within = 0;
   for (const FrameRecord& frame : result.frames) {

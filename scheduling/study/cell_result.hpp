@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "scheduling/record/summary_columns.hpp"
 
 namespace forefeel {
@@ -26,19 +27,14 @@ class StudyCellResult {
   std::vector<Column> columns_;
 };
 
-// The result of one session: the columns of its summary, and those that a study adds:
-//   error.first_visit.parts.…   95 % quantiles over first visits, as error.parts is over all samples
-//   error.first_visit.within_7  share of first visits within 7 % of the reference force
-//   states.used_share           of solved states
-//   solver.busy                 seconds of all workers in solves
-//   solver.preempted            of these in solves that were cancelled
-//   solver.wasted               of these in solves whose state no model used
-//   solver.busy_share           busy, as a share of the workers' time: 1 where they are saturated
-//   cost                        cost model
-//   motion_seconds              duration of the motion itself [s]; empty for one without end
+// The result of one session: the columns of its summary, and those that a study adds (declared_cells()).
 // Values that depend on wall time are left empty, so a cell always has the same result.
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);
+
+// The columns of cells.csv behind the varied keys and the seed, for `forefeel help`: those of the summary, then
+// those that only studies have.
+std::vector<Declared> declared_cells();
 
 // Share of first visits within the tolerance of the reference force, |F - f| <= max(tolerance |f|, F_abs).
 double first_visits_within(const SessionResult& result, const SwitchOptions& jnd, double tolerance);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
+#include <utility>
 
 #include "scheduling/record/attention.hpp"
 
@@ -108,6 +110,120 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
       amount(metric, all[0].mean), metric.title,
       all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
       bounds.empty() ? "" : fmt::format(" Not compared, for it knows the motion: {}.", bounds));
+}
+
+// ---- what to do next
+
+namespace {
+
+constexpr double ceiling = 0.98, bottom = 0.5;  // shares: where all contenders are above, below
+
+double mean_of(const std::vector<StudyCellResult>& cells, std::string_view column) {
+  double sum = 0;
+  std::size_t n = 0;
+  for (const StudyCellResult& cell : cells)
+    if (const double value = cell.number(column); std::isfinite(value)) {
+      sum += value;
+      ++n;
+    }
+  return n > 0 ? sum / static_cast<double>(n) : unknown;
+}
+
+std::string more_motions(const Comparison& d) {
+  if (d.groups < 2)
+    return "One motion gives no interval over motions: add motions of other kinds as values of device, at "
+           "least 5.";
+  const std::optional<std::size_t> needed = motions_needed(d);
+  if (!needed)
+    return fmt::format(
+        "More motions would hardly show it: the difference is too small beside its spread over {} motions.",
+        d.groups);
+  if (*needed <= d.groups)
+    return "The spread over motions is small: more seeds and motions of other kinds decide.";
+  return fmt::format(
+      "About {} more motions would show it with a chance of 80 %, if difference and spread stay as they are.",
+      *needed - d.groups);
+}
+
+// A load that tells the contenders apart better, from the mean load of the cells.
+std::string at_load(const std::vector<StudyCellResult>& cells, double factor) {
+  const double load = mean_of(cells, "load");
+  if (!std::isfinite(load) || !(load > 0)) return "";
+  return fmt::format(" (load now {:.2g} on average: try target_load = {:.2g})", load, factor * load);
+}
+
+std::string limits(const StudyAxis& axis, const StudyMetric& metric, const std::vector<Contender>& all,
+                   const std::vector<StudyCellResult>& cells) {
+  if (!metric.share) return "";
+  const auto [least, most] = std::ranges::minmax(all, {}, &Contender::mean);
+  if (least.mean >= ceiling)
+    return fmt::format(
+        "Ceiling reached: every {} is above {:g} %. Make it harder: more load, faster motions{}.",
+        axis.column, 100 * ceiling, at_load(cells, 2));
+  if (most.mean <= bottom)
+    return fmt::format("All are poor: every {} is below {:g} %. Make it easier: less load, slower motions{}.",
+                       axis.column, 100 * bottom, at_load(cells, 0.5));
+  return "";
+}
+
+// The value of target_load or speed at which the two best differ most.
+std::string best_load(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis,
+                      const StudyMetric& metric, const std::vector<Contender>& all) {
+  for (const char* column : {"target_load", "speed"}) {
+    const auto load = find_axis(study, column);
+    if (!load || *load == axis || study.axes[*load].values.size() < 2) continue;
+    double most = 0;
+    std::string where;
+    for (std::size_t value = 0; value < study.axes[*load].values.size(); ++value) {
+      const Comparison d = compare_levels(observations(study, cells, axis, metric, {{*load, value}}),
+                                          all[0].level, all[1].level);
+      if (std::abs(d.student.mean) > most) {
+        most = std::abs(d.student.mean);
+        where = fmt::format(
+            "The two best differ most at {} = {} ({}): look there.", column,
+            study.axes[*load].values[value].text,
+            metric.ratio ? fmt::format("a factor {:.3g}", std::exp(most))
+                         : fmt::format("{:.3g}{}", metric.scale * most, metric.share ? " points" : ""));
+      }
+    }
+    if (!where.empty()) return where;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::optional<std::size_t> motions_needed(const Comparison& difference) {
+  const ConfidenceInterval& d = difference.student;
+  if (difference.groups < 2 || !std::isfinite(d.low) || d.mean == 0) return {};
+  const auto groups = static_cast<double>(difference.groups);
+  const double spread = 0.5 * (d.high - d.low) * std::sqrt(groups) / student_quantile(0.975, groups - 1);
+  for (std::size_t n = 2; n <= 1000; ++n) {
+    const auto freedom = static_cast<double>(n - 1);
+    const double quantiles = student_quantile(0.975, freedom) + student_quantile(0.8, freedom);
+    if (std::abs(d.mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
+  }
+  return {};
+}
+
+std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells) {
+  const std::optional<std::size_t> chosen = axis_of_verdict(study);
+  if (!chosen) return {};
+  const StudyAxis& axis = study.axes[*chosen];
+  const StudyMetric metric = primary_metric(study);
+  const std::vector<Observation> seen = observations(study, cells, *chosen, metric);
+  const std::vector<Contender> all = contenders(axis, seen, metric);
+  if (all.size() < 2) return {};
+  const Comparison next = compare_levels(seen, all[0].level, all[1].level);
+  std::vector<std::string> lines;
+  const auto say = [&](std::string line) {
+    if (!line.empty()) lines.push_back(std::move(line));
+  };
+  say(limits(axis, metric, all, cells));
+  if (is_shown(next, metric)) return lines;
+  if (next.won + next.lost > 0) say(more_motions(next));
+  say(best_load(study, cells, *chosen, metric, all));
+  return lines;
 }
 
 // ---- devices

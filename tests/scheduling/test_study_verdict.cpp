@@ -137,3 +137,42 @@ TEST_CASE("the columns that came later stand behind all others of a cell") {
        {"safety.clamped_share", "time_outside", "states.inverted", "solver.busy_share", "motion_seconds"})
     for (const char* older : {"memory_locked", "cost", "solver.wasted"}) CHECK(place(later) > place(older));
 }
+
+TEST_CASE(
+    "motions needed: as many as give Student's interval a chance of 80 % to exclude zero, none without a "
+    "spread") {
+  Comparison d{
+      .student = {.mean = 0.01, .low = -0.02, .high = 0.04}, .bootstrap = {}, .pairs = 6, .groups = 3};
+  const auto needed = motions_needed(d);
+  REQUIRE(needed);
+  CHECK(*needed > 3);
+  // The same by hand: half-width t_2 s / sqrt(3) = 0.03.
+  const double spread = 0.03 * std::sqrt(3.0) / student_quantile(0.975, 2);
+  const auto enough = [&](std::size_t n) {
+    const auto freedom = static_cast<double>(n - 1);
+    return 0.01 >= (student_quantile(0.975, freedom) + student_quantile(0.8, freedom)) * spread /
+                       std::sqrt(static_cast<double>(n));
+  };
+  CHECK(enough(*needed));
+  CHECK_FALSE(enough(*needed - 1));
+  d.groups = 1;
+  CHECK_FALSE(motions_needed(d));
+  d = {.student = {.mean = 0, .low = -0.1, .high = 0.1}, .bootstrap = {}, .pairs = 6, .groups = 3};
+  CHECK_FALSE(motions_needed(d));
+}
+
+TEST_CASE(
+    "advice: more motions where a difference is not shown, a harder study at the ceiling, none where it is "
+    "shown") {
+  const Study study = policies();
+  const auto all_lines = [&](const std::vector<double>& shares, double spread) {
+    std::string text;
+    for (const std::string& line : study_advice(study, cells_with(study, shares, spread)))
+      text += line + "\n";
+    return text;
+  };
+  CHECK(all_lines({0.6, 0.9, 0.5, 0.95}, 0.0002).empty());
+  CHECK_THAT(all_lines({0.6, 0.61, 0.5, 0.95}, 0.05), Catch::Contains("more motions"));
+  CHECK_THAT(all_lines({0.995, 0.995, 0.99, 0.999}, 0), Catch::StartsWith("Ceiling reached: every policy"));
+  CHECK_THAT(all_lines({0.2, 0.3, 0.1, 0.4}, 0.0001), Catch::StartsWith("All are poor"));
+}

@@ -1,0 +1,53 @@
+// Reports in a real browser, where chromium is installed (no setup installs it).
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "tests/support/executable.hpp"
+#include "tests/support/skip.hpp"
+
+using namespace forefeel;
+using test::beam_scene;
+using test::Workshop;
+
+namespace {
+
+std::string file_text(const Workshop& shop, const std::string& name) {
+  std::ifstream in(shop.path() / name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// What a script says in this page, at this width.
+std::string in_browser(const Workshop& shop, const std::string& page, int width, const std::string& script) {
+  const std::string html = file_text(shop, page);
+  shop.write("probe.html", html.substr(0, html.rfind("</body>")) +
+                               "<script>addEventListener('load', () => {" + "document.title = 'probe ' + (" +
+                               script + ");});</script></body></html>");
+  return shop
+      .shell("chromium --headless --no-sandbox --disable-gpu --virtual-time-budget=2000 --window-size=" +
+             std::to_string(width) + ",900 --dump-dom 'file://" + (shop.path() / "probe.html").string() +
+             "' 2>/dev/null | grep -o '<title>[^<]*' | head -1")
+      .out;
+}
+
+}  // namespace
+
+TEST_CASE("a session's report in a browser: its script runs, and nothing is wider than the page") {
+  if (!test::has_command("chromium")) {
+    test::skip("chromium is not installed");
+    return;
+  }
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.5 --cost constant:0.02 --device "
+                        "path:circle,speed=0.02 -o run --quiet")
+              .code == 0);
+  const std::string drawn =
+      "document.documentElement.scrollWidth <= innerWidth && "
+      "document.getElementById('run-read').textContent.includes('rendered') && "
+      "document.getElementById('run-what').textContent.startsWith('Switch')";
+  for (const int width : {1280, 800, 500})
+    CHECK_THAT(in_browser(shop, "run/report.html", width, drawn), Catch::Contains("probe true"));
+}
