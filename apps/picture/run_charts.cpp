@@ -24,7 +24,7 @@ std::string curves(std::size_t samples) {
           key(ink::sent, "dash", "sent to the device") + key(ink::limit, "dash", "force limit") +
           key("rgba(192,32,32,.2)", "box", "clamped") + key(ink::undamped, "line", "newest model, undamped") +
           key(ink::reference_light, "dot", "reference") +
-          "</p>\n<p class=\"legend\">error:" + key(ink::rendered, "line", "rendered") +
+          "</p>\n<p class=\"legend\"><span>error:</span>" + key(ink::rendered, "line", "rendered") +
           key(ink::approximation, "dot", "approximation") + key(ink::switching, "dot", "switch") +
           key(ink::staleness, "dot", "staleness") + key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
   html +=

@@ -179,8 +179,7 @@ const std::string_view run_script_chart = R"JS(
       };
       for (let i = first; i < last; ++i) {
         take(rendered[i]);
-        take(sent[i]);
-        if (this.view.fit) take(newest[i]);
+        take(this.view.fit ? newest[i] : sent[i]);
       }
       for (const r of run.samples)
         if (r[0] >= this.view.from && r[0] <= this.view.to) take(r[1] || 0);

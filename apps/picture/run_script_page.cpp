@@ -208,12 +208,12 @@ const std::string_view run_script_page = R"JS(
       pen.fillStyle = '#3a3a3a';
       pen.textAlign = 'center';
       pen.textBaseline = 'top';
-      for (const v of ticks(1e3 * low(a), 1e3 * high(a), 3))
+      for (const v of ticks(1e3 * low(a), 1e3 * high(a), 5))
         pen.fillText(digits(v), this.px(v / 1e3), h - 34);
       pen.fillText(axes[a] + ' [mm]', middle[0], h - 17);
       pen.textAlign = 'right';
       pen.textBaseline = 'middle';
-      for (const v of ticks(1e3 * low(b), 1e3 * high(b), 3)) pen.fillText(digits(v), 46, this.py(v / 1e3));
+      for (const v of ticks(1e3 * low(b), 1e3 * high(b), 5)) pen.fillText(digits(v), 46, this.py(v / 1e3));
       pen.save();
       pen.translate(10, middle[1]);
       pen.rotate(-Math.PI / 2);

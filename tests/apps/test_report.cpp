@@ -96,7 +96,7 @@ TEST_CASE("the data of the curves hold every frame of a short run, and at most 6
   CHECK(run["clamped"].empty());
   CHECK(run["samples"][1][0] == 1.0);
   CHECK(run["samples"][1][1].get<double>() == Approx(1.1));
-  CHECK_THAT(run["columns"].get<std::string>(), Catch::StartsWith("AAAAAG8Sgzo"));  // 0 and 0.001 as floats
+  CHECK(run["columns"].get<std::string>().substr(0, 10) == "AAAAAG8Sgz");  // 0 and 0.001 as floats
 }
 
 TEST_CASE(

@@ -69,8 +69,8 @@ TEST_CASE(
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.2);
   std::set<std::string> written{"motion_seconds"}, declared = names_in(declared_cells());
-  for (const Column& column : cell_result(run_session(input, options), input, options).columns())
-    written.insert(without_label(column.name));
+  const StudyCellResult cell = cell_result(run_session(input, options), input, options);
+  for (const Column& column : cell.columns()) written.insert(without_label(column.name));
   std::erase_if(declared, [](const std::string& name) {
     return name.starts_with("sustained.") || name.starts_with("regret.");
   });
