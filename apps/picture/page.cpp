@@ -44,7 +44,7 @@ font-variant-numeric:tabular-nums;font-size:13.5px}
 .maps canvas{height:280px}
 .maps figcaption{grid-column:1/-1}.scroll{overflow-x:auto}.moments td{vertical-align:top}
 .moments td:last-child{min-width:230px}
-.moments td.n{white-space:nowrap}
+.moments td.n,.ranking td.n{white-space:nowrap}figure{margin-bottom:12px}
 .note{background:#fff7e0;border:1px solid #ecd9a0;border-radius:8px;padding:8px 14px}
 ul.note{padding-left:32px}
 table{border-collapse:collapse;background:#fff;font-size:13px;margin:0 0 12px;break-inside:avoid;width:100%}

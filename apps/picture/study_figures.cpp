@@ -158,12 +158,18 @@ std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyC
         plain_text(study.axes.front().values[level].text));
   }
   const bool positive = std::ranges::all_of(*x, [](double v) { return v > 0; });
+  const auto [least, most] = std::ranges::minmax(*x);
+  const double margin = 0.04 * (most - least);
+  std::string tics;
+  for (const double v : *x) tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", v, v);
   const auto range = seen.with_margin(metric);
   if (!(range.second > range.first)) return {};
   script += fmt::format(
       "set key outside right top\nset border 3 lc rgb '#8a8a8a'\nset tics nomirror out\nset grid lc rgb "
-      "'#e4e1da'\nset yrange [{}:{}]\nset xlabel '{}' noenhanced\nset ylabel '{}' noenhanced\n{}{}{}\n",
-      range.first, range.second, plain_text(study.axes[axis].column), plain_text(metric.title),
+      "'#e4e1da'\nset xrange [{}:{}]\nset xtics ({})\nset yrange [{}:{}]\nset xlabel '{}' noenhanced\nset "
+      "ylabel '{}' noenhanced\n{}{}{}\n",
+      positive ? least / 1.08 : least - margin, positive ? most * 1.08 : most + margin, tics, range.first,
+      range.second, plain_text(study.axes[axis].column), plain_text(metric.title),
       positive ? "set logscale x\n" : "", metric.ratio ? "set logscale y\n" : "", plot);
   return Figure{.name = "over-" + as_name(study.axes[axis].column),
                 .caption = "Mean over motions and seeds with bootstrap intervals.",

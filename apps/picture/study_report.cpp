@@ -133,7 +133,7 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
   const StudyAxis& axis = results.study.axes[entry.axis];
   const std::vector<Ranked>& ranked = entry.ranking.ranked;
   const StudyMetric& metric = entry.metric;
-  std::string html = "<div class=\"scroll\"><table><tr>";
+  std::string html = "<div class=\"scroll\"><table class=\"ranking\"><tr>";
   for (const std::string& title :
        {std::string(), axis.column, std::string("mean [bootstrap]"), std::string("[Student]"),
         std::string("against the first [bootstrap]"), std::string("[Student]"), std::string()})
@@ -143,8 +143,8 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     const Ranked& r = ranked[i];
     const bool first = i == 0;
-    html += "<tr><td>" + place_of(ranked, i) + "</td><td>" + html_escaped(axis.values[r.level].text) +
-            "</td>" + cell(shown(metric, r.value.bootstrap, true)) +
+    html += "<tr><td class=\"n\">" + place_of(ranked, i) + "</td><td>" +
+            html_escaped(axis.values[r.level].text) + "</td>" + cell(shown(metric, r.value.bootstrap, true)) +
             cell(shown(metric, r.value.student, false)) +
             cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +
             cell(first ? "" : shown_difference(metric, r.to_best.student, false)) +
@@ -179,14 +179,20 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
                  : "");
 }
 
+std::size_t pairs_of(const Contrast& contrast) {
+  return contrast.comparison.pairs;
+}
+
 std::string contrast_section(const Study& study, const std::vector<Contrast>& compared) {
   if (compared.empty()) return "";
   const StudyMetric metric = compared.front().metric;
   const StudyAxis& axis = study.axes.front();
   std::string html =
-      axis.column == "step" ? "<h2>What each step is worth</h2>\n" : "<h2>Pairwise comparisons</h2>\n";
+      fmt::format("<h2>{}: {} (up to {} pairs)</h2>\n",
+                  axis.column == "step" ? "What each step is worth" : "Pairwise comparisons",
+                  html_escaped(metric.title), std::ranges::max(compared, {}, pairs_of).comparison.pairs);
   html += fmt::format(
-      "<p class=\"muted\">{}; paired by trace and seed. \"Not shown\": at least one 95 % interval "
+      "<p class=\"muted\">{}; paired by motion and seed. \"Not shown\": at least one 95 % interval "
       "contains zero difference.</p>\n",
       html_escaped(metric.title));
   html += "<div class=\"scroll\">" + head({axis.column, "against", "where", "difference [bootstrap]",

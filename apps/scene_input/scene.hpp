@@ -25,7 +25,8 @@ struct Scene {
   BodyIdentity identity;             // mesh, material, clamp, contact -> hash
   StateSpaceOptions space;
   bool displacements = false;
-  double tolerance = 0.07;  // of the relative error where the label is safe [1]; spacing = "auto" meets it
+  // Of the relative error where the label is safe [1]; spacing = "auto" meets it.
+  double tolerance = usual_tolerance;
   bool automatic_spacing = false;               // spacing = "auto"
   std::optional<SpacingChoice> chosen_spacing;  // with spacing = "auto" only, if it was measured
   ModelOptions model;

@@ -6,12 +6,13 @@
 #include <stdexcept>
 
 #include "apps/scene_input/option_names.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene_input/scene_keys.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/motion/predictor.hpp"
-#include "scheduling/session/session_options.hpp"
+#include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost_spec.hpp"
 #include "scheduling/workers/generator.hpp"
+#include "solver/body/body.hpp"
 #include "solver/body/law_table.hpp"
 
 namespace forefeel {
@@ -93,7 +94,7 @@ DeclaredTable space_table() {
            {"box", "m", "required; made of the body with a phantom",
             "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"},
            {"displacements", "", "false", "true: states keep the displacements of all nodes"},
-           {"tolerance", "1", shown(Scene{}.tolerance),
+           {"tolerance", "1", shown(usual_tolerance),
             "relative error that spacing = \"auto\" allows where safe"}}};
 }
 

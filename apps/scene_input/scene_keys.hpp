@@ -7,6 +7,8 @@
 
 namespace forefeel {
 
+inline constexpr double usual_tolerance = 0.07;  // state_space.tolerance where the scene gives none [1]
+
 // Sections with keys that exclude each other: {"contact", {"node", "nodes", "nearest", "group"}}, … An
 // override of one key removes the others.
 const std::vector<std::pair<std::string, std::vector<std::string>>>& alternative_keys();
