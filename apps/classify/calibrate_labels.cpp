@@ -1,6 +1,6 @@
 // forefeel classify [STATES] --calibrate SCENE [-o DIR/]: error statistics per label on this body.
 // The states are the given ones or the scene's lattice. The references are tight solves at random positions
-// in the scene's box, kept in the cache folder.
+// in the scene's box, kept in the cache folder. For foreign states they are a part of the states, left out.
 
 #include <fmt/format.h>
 
@@ -28,29 +28,52 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t truth_positions = 160;
 
-// spacing: from the file if it gives one.
-std::vector<State> pool_of(Laboratory& laboratory, const std::string& file, Progress& progress,
-                           double& spacing) {
-  const Scene& scene = laboratory.scene();
-  spacing = scene.space.spacing;
-  if (file.empty())
-    return laboratory.lattice_states(
-        scene.space.box, scene.space.spacing,
-        [&](double share, const std::string& text) { progress.show(0.3 * share, text); });
-  LoadedStates loaded = given_states(laboratory.globals(), scene, file, false).loaded;
-  std::erase_if(loaded.states, [](const State& s) { return !s.usable(); });
-  if (loaded.states.size() < 4)
-    throw InputError(file, fmt::format("holds {} usable states, expected at least 4", loaded.states.size()));
-  if (loaded.header.spacing > 0) spacing = loaded.header.spacing;
-  return std::move(loaded.states);
-}
+// What is known, what is compared with it, and the spacing.
+struct CalibrationData {
+  std::vector<State> pool = {}, truth = {};
+  double spacing = unknown;
+  bool left_out = false;  // the truth is a part of the given states
+};
 
-std::vector<State> truth_of(Laboratory& laboratory, std::uint64_t seed, Progress& progress) {
+std::vector<State> solved_truth(Laboratory& laboratory, std::uint64_t seed, Progress& progress) {
   const std::vector<Vec3> at = calibration_positions(laboratory.scene().space.box, truth_positions, seed);
   std::vector<State> truth = laboratory.references(
       at, [&](double share, const std::string& text) { progress.show(0.3 + 0.5 * share, text); });
   std::erase_if(truth, [](const State& s) { return !s.usable(); });
   return truth;
+}
+
+CalibrationData given_data(Laboratory& laboratory, const CalibrateArguments& arguments, std::uint64_t seed) {
+  const Scene& scene = laboratory.scene();
+  GivenStates given = given_states(laboratory.globals(), scene, arguments.states, arguments.foreign);
+  std::vector<State>& states = given.loaded.states;
+  std::erase_if(states, [](const State& s) { return !s.usable(); });
+  CalibrationData data{.spacing = given.loaded.header.spacing};
+  if (!(data.spacing > 0)) data.spacing = scene.space.spacing;
+  data.left_out = given.belonging == Belonging::foreign;
+  const std::size_t least = data.left_out ? 20 : 4;
+  if (states.size() < least)
+    throw InputError(arguments.states,
+                     fmt::format("holds {} usable states, expected at least {}", states.size(), least));
+  if (data.left_out) {
+    HeldOut parts = hold_out(std::move(states), truth_positions, seed);
+    data.pool = std::move(parts.pool);
+    data.truth = std::move(parts.truth);
+  } else {
+    data.pool = std::move(states);
+  }
+  return data;
+}
+
+CalibrationData data_of(Laboratory& laboratory, const CalibrateArguments& arguments, std::uint64_t seed,
+                        Progress& progress) {
+  if (!arguments.states.empty()) return given_data(laboratory, arguments, seed);
+  const Scene& scene = laboratory.scene();
+  return {.pool = laboratory.lattice_states(
+              scene.space.box, scene.space.spacing,
+              [&](double share, const std::string& text) { progress.show(0.3 * share, text); }),
+          .truth = {},
+          .spacing = scene.space.spacing};
 }
 
 nlohmann::ordered_json to_json(const Calibration& found, const CalibrationOptions& options) {
@@ -166,8 +189,13 @@ std::string percent(double share) {
                                : fmt::format("{:.3g} %", 100 * share);
 }
 
-void write_page(const Calibration& found, const CalibrationOptions& options, const Laboratory& laboratory,
-                const fs::path& folder) {
+const char* truth_in_words(bool left_out) {
+  return left_out ? "truth: groups of the given states, left out (nothing is solved)"
+                  : "truth by tight solves at random positions of the box";
+}
+
+void write_page(const Calibration& found, const CalibrationOptions& options, const std::string& name_of_scene,
+                bool left_out, const fs::path& folder) {
   std::vector<std::vector<std::string>> table{{"model", "label", "positions",
                                                fmt::format("P(error > {:g} %)", 100 * options.tolerance),
                                                "95 % interval", "p50", "p95", "max"}};
@@ -184,9 +212,9 @@ void write_page(const Calibration& found, const CalibrationOptions& options, con
   for (const KnownSet& set : found.sets) sets += (sets.empty() ? "" : ", ") + set.name;
   std::string html = fmt::format(
       "<h1>What labels say about the error</h1>\n<p class=\"sub\">{}, spacing {:.4g} mm, neighbours by {}; "
-      "known sets: {}; truth by tight solves at "
-      "random positions of the box.</p>\n",
-      html_escaped(laboratory.name()), 1e3 * options.space.spacing, name(options.select), sets);
+      "known sets: {}; {}.</p>\n",
+      html_escaped(name_of_scene), 1e3 * options.space.spacing, name(options.select), sets,
+      truth_in_words(left_out));
   html += draw_into(folder, picture(found, options.tolerance)) + "<h2>By label</h2>\n" + html_table(table) +
           "<h2>What ranks the error</h2>\n<p class=\"muted\">Spearman's rank correlation with the true "
           "error, over all positions of all sets.</p>\n" +
@@ -210,15 +238,14 @@ void tell(const Globals& globals, const Calibration& found, const CalibrationOpt
 
 }  // namespace
 
-int calibrate_labels(const Globals& globals, const std::string& scene, const std::string& states,
-                     const std::string& output) {
-  Laboratory laboratory(globals, scene);
+int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments) {
+  Laboratory laboratory(globals, arguments.scene);
   std::optional<Progress> progress(std::in_place, globals, "calibrate");
-  double spacing = unknown;
-  const std::vector<State> pool = pool_of(laboratory, states, *progress, spacing);
+  CalibrationData data = data_of(laboratory, arguments, globals.seed, *progress);
+  const std::string& output = arguments.output;
   if (!output.empty())
     claim_folder(output, {"calibration.csv", "ranks.csv", "samples.csv", "report.html", "summary.json"});
-  const std::vector<State> truth = truth_of(laboratory, globals.seed, *progress);
+  if (!data.left_out) data.truth = solved_truth(laboratory, globals.seed, *progress);
   const Scene& s = laboratory.scene();
   CalibrationOptions options{.space = s.space,
                              .inward = s.inward,
@@ -227,20 +254,22 @@ int calibrate_labels(const Globals& globals, const std::string& scene, const std
                              .select = s.model.select,
                              .seed = globals.seed,
                              .threads = globals.threads};
-  options.space.spacing = spacing;
+  options.space.spacing = data.spacing;
   progress->show(0.9, "models");
-  const Calibration found = calibrate(pool, truth, options);
+  const Calibration found = calibrate(data.pool, data.truth, options);
   progress.reset();
   nlohmann::ordered_json document = to_json(found, options);
+  document["truth"] = data.left_out ? "left out" : "solved";
   document["provenance"] = provenance(s.hash);
   if (!output.empty()) {
     const fs::path folder = output;
     write_tables(found, folder);
-    write_page(found, options, laboratory, folder);
+    write_page(found, options, laboratory.name(), data.left_out, folder);
     write_text(folder / "summary.json", json_text(document, 2) + "\n");
   }
   if (globals.json) print_json(document);
   tell(globals, found, options);
+  say(globals, truth_in_words(data.left_out));
   if (!output.empty()) say(globals, fmt::format("report: {}", (fs::path(output) / "report.html").string()));
   return 0;
 }

@@ -7,8 +7,14 @@
 
 namespace forefeel {
 
-// states: a file; "" uses the lattice of the scene. Returns the exit code.
-int calibrate_labels(const Globals& globals, const std::string& scene, const std::string& states,
-                     const std::string& output);
+struct CalibrateArguments {
+  std::string scene;
+  std::string states;    // a file; "" uses the lattice of the scene
+  bool foreign = false;  // states of another body: nothing is solved, a part of them is the truth
+  std::string output;    // folder; "": none
+};
+
+// Returns the exit code.
+int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments);
 
 }  // namespace forefeel

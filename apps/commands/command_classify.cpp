@@ -194,14 +194,14 @@ std::string at_most_90(const std::string& text) {
 
 int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.calibrate.empty()) {
-    if (arguments.foreign)
-      throw InputError(
-          "--foreign",
-          "would compare states of one body with solves of another; expected states of the scene's "
-          "body, or evaluate --method auto, which expects an error from the states alone");
+    if (arguments.foreign && arguments.states.empty())
+      throw InputError("--foreign", "takes states of another body, expected STATES with it");
     if (!arguments.diff.empty() || !arguments.points.empty() || !arguments.line.empty() || arguments.grid)
-      throw InputError("--calibrate", "goes with STATES, --set, --seed and -o DIR/ alone");
-    return calibrate_labels(globals, arguments.calibrate, arguments.states, arguments.output);
+      throw InputError("--calibrate", "goes with STATES, --foreign, --set, --seed and -o DIR/ alone");
+    return calibrate_labels(globals, {.scene = arguments.calibrate,
+                                      .states = arguments.states,
+                                      .foreign = arguments.foreign,
+                                      .output = arguments.output});
   }
   check_arguments(globals, arguments);
   if (!arguments.diff.empty()) return classify_diff(globals, arguments);
@@ -260,8 +260,8 @@ void add_classify(CommandLine& line) {
       .shows("X,Y,Z");
   sub.option("--known", arguments->known, "States known before a run began").shows("STATES");
   sub.option("--calibrate", arguments->calibrate,
-             "Scene: measure the error of each label by tight solves; -o is a folder, STATES default "
-             "to the lattice of the scene")
+             "Scene: measure the error of each label by tight solves, or, with --foreign, by leaving out a "
+             "part of the states; -o is a folder, STATES default to the lattice of the scene")
       .shows("SCENE");
   sub.option("--snapshots", arguments->snapshots, "Number of times in the series of a run; default 40")
       .between(1, 10000);

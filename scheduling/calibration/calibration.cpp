@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "approx/judge/position_groups.hpp"
 #include "approx/judge/power_function.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
@@ -183,6 +184,34 @@ std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::
     at.push_back(box.low + share.cwiseProduct(box.size()));
   }
   return at;
+}
+
+HeldOut hold_out(std::vector<State> states, std::size_t most, std::uint64_t seed) {
+  constexpr std::size_t most_grouped = 20'000;  // finding groups takes O(n^2)
+  std::vector<std::uint32_t> group(states.size());
+  std::size_t count = states.size();
+  std::iota(group.begin(), group.end(), 0u);
+  if (states.size() <= most_grouped) {
+    std::vector<Vec3> at;
+    for (const State& s : states) at.push_back(s.at);
+    PositionGroups found = position_groups(at);
+    group = std::move(found.of);
+    count = found.count;
+  }
+  std::vector<std::size_t> size(count, 0);
+  for (const std::uint32_t g : group) ++size[g];
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t g) { return random::mix(seed + 211, g); });
+  const std::size_t wanted = std::min(most, states.size() / 5);
+  std::vector<char> held(count, 0);
+  std::size_t taken = 0;
+  for (const std::uint32_t g : order)
+    if (taken + size[g] <= std::max<std::size_t>(wanted, 1)) held[g] = 1, taken += size[g];
+  HeldOut parts;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    (held[group[i]] ? parts.truth : parts.pool).push_back(std::move(states[i]));
+  return parts;
 }
 
 Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth,

@@ -92,8 +92,6 @@ TEST_CASE("states without a body that do not fit the scene's are refused, with t
                                        "evaluate " + file + " --scene beam.toml --points points.csv",
                                        "classify " + file + " --scene beam.toml"})
       check_refused(shop, command, {file, "names no body", "the forces differ at", "those of the body"});
-  check_refused(shop, "classify other.csv --calibrate beam.toml --foreign -o calibration",
-                {"--foreign", "auto"});
   CHECK(shop.forefeel("classify other.csv --scene beam.toml --foreign --quiet").code == 0);
   // In millimetres: nothing is solved so far out.
   shop.write("mm.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n4,0,0,-1,0,0\n0,4,0,0,-1,0\n0,0,4,0,0,-1\n");
@@ -103,6 +101,28 @@ TEST_CASE("states without a body that do not fit the scene's are refused, with t
   CHECK(run(shop, "evaluate other.csv --foreign --scene beam.toml --points points.csv")["belonging"] ==
         "foreign");
   CHECK(run(shop, "evaluate other.csv --points points.csv")["belonging"].is_null());
+}
+
+TEST_CASE("labels of foreign states are calibrated with a part of them left out, and nothing is solved",
+          "[states]") {
+  const Workshop shop;
+  prepare(shop);
+  const json found = run(shop, "classify other.csv --calibrate beam.toml --foreign -o foreign");
+  CHECK(found["truth"] == "left out");
+  CHECK_THAT(shop.shell("cat foreign/report.html").out, Catch::Contains("left out (nothing is solved)"));
+  int positions = 0;
+  for (const char* label : {"safe", "sparse", "gap", "blank"})
+    positions += found["positions"][label].get<int>();
+  const int sets = int(found["sets"].size());
+  CHECK(positions > 0);
+  CHECK(positions <= 27 / 5 * sets);
+  CHECK(run(shop, "classify other.csv --calibrate beam.toml --foreign")["table"] == found["table"]);
+  CHECK(run(shop, "classify same.csv --calibrate beam.toml")["truth"] == "solved");
+  shop.write("few.csv",
+             "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.004,0,0,-9,0,0\n0,0.004,0,0,-9,0\n0,0,0.004,0,0,-9\n"
+             "0,0.004,0.004,0,-9,-9\n");
+  check_refused(shop, "classify few.csv --calibrate beam.toml --foreign", {"few.csv", "at least 20"});
+  check_refused(shop, "classify --calibrate beam.toml --foreign", {"--foreign", "STATES"});
 }
 
 TEST_CASE("a foreign session renders the given states alone: nothing is solved, and the summary says so",
