@@ -14,7 +14,6 @@
 #include "scheduling/session/real_run.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/workers/cost.hpp"
-#include "solver/body/contact_softness.hpp"
 
 namespace forefeel {
 namespace {
@@ -80,11 +79,9 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
         "errors are not measured",
         plan.input.known.size()));
   result.guess_softness = plan.guess_softness;
-  if (plan.guess_softness > most_softness)
+  if (!plan.guess_left_out.empty())
     result.notes.push_back(fmt::format(
-        "no first guess: the body is about {:.2g} times softer at its contact than a block of its material; "
-        "the force is zero until the first state is solved",
-        plan.guess_softness));
+        "no first guess: {}; the force is zero until the first state is solved", plan.guess_left_out));
   if (references.note()) result.notes.push_back(*references.note());
   if (references.damage() && !plan.input.references) result.warnings.push_back(*references.damage());
 }

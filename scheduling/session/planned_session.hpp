@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "scheduling/judge/session_judge.hpp"
@@ -32,6 +33,7 @@ struct SessionPlan {
   int batch = 1;  // states of one job
   // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
   double guess_softness = unknown;
+  std::string guess_left_out = {};  // why the first guess is; empty: it is rendered, or none was wanted
 };
 
 }  // namespace forefeel

@@ -140,9 +140,11 @@ void choose_model(SessionPlan& plan) {
                 .update_travel = model.update_travel,
                 .guess = Mat3::Zero()};
   plan.guess_softness = unknown;
+  plan.guess_left_out.clear();
   if (!model.first_guess || others_states) return;
   const FirstGuess guess = first_guess(*plan.input.touched.body);
   plan.guess_softness = guess.softness;
+  plan.guess_left_out = guess.left_out;
   plan.model.guess = guess.stiffness;
 }
 

@@ -1,10 +1,13 @@
 #include "solver/body/contact_softness.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -134,22 +137,96 @@ double compliance(const Sections& cut) {
   return stretch + std::max(0.0, square - mean * mean / weight);
 }
 
+// Distances from the patch, and that of the nearest clamped node [m].
+struct Reach {
+  std::vector<double> distance;
+  double clamp = infinite;
+  bool reached() const { return clamp > 0 && clamp < infinite; }
+};
+
+Reach reach_of(const Body& body) {
+  Reach reach{.distance = distances(body)};
+  for (const NodeIndex node : body.clamp)
+    reach.clamp = std::min(reach.clamp, reach.distance[static_cast<std::size_t>(node)]);
+  return reach;
+}
+
+double radius_of_patch(const Body& body) {
+  return std::sqrt(contact_area(body) / std::numbers::pi);
+}
+
+double softness(const Body& body, const Mat3& disc, const Reach& reach) {
+  if (disc.isZero(0)) return 0;
+  if (!reach.reached()) return infinite;
+  const double stiffest = Eigen::SelfAdjointEigenSolver<Mat3>(disc, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  return stiffest * compliance(sections(body, reach.distance, reach.clamp)) / body.material.young;
+}
+
+double breadth(const Body& body, const Reach& reach) {
+  if (!reach.reached()) return 0;
+  const double end = 1.6 * reach.clamp + radius_of_patch(body);
+  double area = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  for (const Triangle& triangle : boundary_triangles(body.mesh)) {
+    const auto corner = [&](std::size_t i) { return body.mesh.nodes[static_cast<std::size_t>(triangle[i])]; };
+    const double third = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 3;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!std::ranges::binary_search(body.clamp, triangle[i])) continue;
+      if (reach.distance[static_cast<std::size_t>(triangle[i])] > end) continue;
+      area += third;
+      first += third * corner(i);
+      second += third * corner(i) * corner(i).transpose();
+    }
+  }
+  if (!(area > 0)) return 0;
+  Vec3 patch = Vec3::Zero();
+  for (const NodeIndex node : body.contact)
+    patch += body.mesh.nodes[static_cast<std::size_t>(node)] / static_cast<double>(body.contact.size());
+  const Vec3 centre = first / area, line = centre - patch;
+  if (!(line.norm() > 1e-6 * reach.clamp)) return infinite;
+  const Vec3 u = line.normalized();
+  const Mat3 across = Mat3::Identity() - u * u.transpose();
+  Mat3 variance = across * (second / area - centre * centre.transpose()) * across;
+  variance += variance.trace() * u * u.transpose();  // along the line: not the least
+  const double least = Eigen::SelfAdjointEigenSolver<Mat3>(variance, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return std::sqrt(std::max(least, 0.0)) / line.norm();
+}
+
+constexpr double least_breadth = 0.32, least_depth = 4, most_poisson = 0.46;
+constexpr std::size_t least_nodes = 6;
+
+std::string why_left_out(const Body& body, double softness, const Reach& reach) {
+  if (!(softness <= most_softness))
+    return fmt::format("the body is about {:.2g} times softer at its contact than a block of its material",
+                       softness);
+  if (breadth(body, reach) < least_breadth) return "the body can rock on its clamp, which is narrow";
+  if (reach.clamp < least_depth * radius_of_patch(body))
+    return "the clamp is so near that the body is stiffer than a block";
+  if (body.contact.size() < least_nodes)
+    return fmt::format("the contact has {} nodes of the mesh, and fewer than {} say too little of its size",
+                       body.contact.size(), least_nodes);
+  if (body.element == Element::linear && body.material.poisson > most_poisson)
+    return fmt::format("linear elements lock at a Poisson ratio of {:g}", body.material.poisson);
+  return {};
+}
+
 }  // namespace
 
 double contact_softness(const Body& body) {
-  const Mat3 disc = disc_stiffness(body);
-  if (disc.isZero(0)) return 0;
-  const double stiffest = Eigen::SelfAdjointEigenSolver<Mat3>(disc, Eigen::EigenvaluesOnly).eigenvalues()[2];
-  const std::vector<double> distance = distances(body);
-  double end = infinite;
-  for (const NodeIndex node : body.clamp) end = std::min(end, distance[static_cast<std::size_t>(node)]);
-  if (!(end > 0 && end < infinite)) return infinite;
-  return stiffest * compliance(sections(body, distance, end)) / body.material.young;
+  return softness(body, disc_stiffness(body), reach_of(body));
+}
+
+double clamp_breadth(const Body& body) {
+  return breadth(body, reach_of(body));
 }
 
 FirstGuess first_guess(const Body& body) {
-  FirstGuess guess{.softness = contact_softness(body)};
-  if (guess.softness <= most_softness) guess.stiffness = disc_stiffness(body);
+  const Mat3 disc = disc_stiffness(body);
+  const Reach reach = reach_of(body);
+  FirstGuess guess{.softness = softness(body, disc, reach), .left_out = {}};
+  guess.left_out = why_left_out(body, guess.softness, reach);
+  if (guess.left_out.empty()) guess.stiffness = disc;
   return guess;
 }
 

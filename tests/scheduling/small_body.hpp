@@ -50,16 +50,18 @@ inline std::shared_ptr<const Body> small_body(Law law = Law::neo_hookean) {
   return body;
 }
 
-// A block of 6 x 6 x 4 cm on its clamp, touched in the middle of its top.
+// A block of 6 x 6 x 4 cm on its clamp, touched by nine nodes in the middle of its top; finer there.
 inline std::shared_ptr<const Body> block_body() {
   auto body = std::make_shared<Body>();
-  body->mesh = beam_mesh(4, 4, 4);
+  body->mesh = beam_mesh(6, 6, 4);
   body->material = {.law = Law::neo_hookean, .young = 2e5, .poisson = 0.3};
+  constexpr double side[] = {-0.03, -0.014, -0.006, 0, 0.006, 0.014, 0.03};
+  constexpr double height[] = {0, 0.018, 0.028, 0.034, 0.04};
   for (std::size_t i = 0; i < body->mesh.nodes.size(); ++i) {
     Vec3& x = body->mesh.nodes[i];
-    x = Vec3(0.75 * x[0], 3 * x[1], 2 * x[2]);
-    if (x[2] < 1e-9) body->clamp.push_back(static_cast<NodeIndex>(i));
-    if ((x - Vec3(0.03, 0.03, 0.04)).norm() < 1e-9) body->contact.push_back(static_cast<NodeIndex>(i));
+    x = Vec3(side[i / 35], side[i / 5 % 7], height[i % 5]);
+    if (i % 5 == 0) body->clamp.push_back(static_cast<NodeIndex>(i));
+    if (i % 5 == 4 && x.head<2>().norm() < 0.009) body->contact.push_back(static_cast<NodeIndex>(i));
   }
   return body;
 }
