@@ -138,6 +138,17 @@ StateSpace space_of(std::span<const State> states, double spacing) {
   return space;
 }
 
+// Distance from each point to its nearest state [m].
+std::vector<double> distances(const StateSpace& space, std::span<const Vec3> points) {
+  std::vector<double> away;
+  std::vector<StateId> nearest;
+  for (const Vec3& x : points) {
+    space.nearest(x, 1, nearest);
+    away.push_back((space[nearest.front()].at - x).norm());
+  }
+  return away;
+}
+
 }  // namespace
 
 Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
@@ -158,12 +169,15 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   result.states = space.size();
   result.options.spacing = space.options().spacing;
   if (result.method == Method::rbf && is_chosen(options, stiffness)) {
+    const std::vector<double> away = distances(space, points);
     result.chosen = choose_model(mean.states, {.kernel = options.kernel,
                                                .data = options.data,
                                                .neighbours = options.neighbours,
                                                .select = options.select,
                                                .ridge = options.ridge,
-                                               .spacing = result.options.spacing});
+                                               .spacing = result.options.spacing,
+                                               .away = away,
+                                               .progress = options.choosing});
     model = result.chosen->model;
   }
   if (result.method == Method::rbf) check_memory(model, space.size());

@@ -32,8 +32,9 @@ struct EvaluateOptions {
   std::optional<std::size_t> neighbours = {};  // of rbf_network: the number of centres
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
-  bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
-  double spacing = unknown;   // h [m]; unknown: the median distance of the states
+  bool choose_ridge = false;                  // by leaving out single states (leave_one_out.hpp)
+  double spacing = unknown;                   // h [m]; unknown: the median distance of the states
+  std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
 
 // Limits of a model. Its force never exceeds `bound` [N]. Outside the hull of its states the model is

@@ -3,92 +3,30 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <memory>
-#include <numeric>
+#include <functional>
+#include <limits>
 #include <vector>
 
-#include "approx/judge/position_groups.hpp"
+#include "approx/judge/left_out.hpp"
 #include "approx/select/updater.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_whole = 1500;  // states: above, patches are tried
-constexpr std::size_t patches = 5, patch_states = 700;
-constexpr std::size_t parts = 8;
 constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
+constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
-
-// What is known and what is left out.
-struct Trial {
-  std::unique_ptr<StateSpace> known;
-  std::vector<State> held;
-};
+constexpr double ridge_gain = 1.02;  // how much worse the best must be without its ridge
 
 struct Candidate {
   ModelOptions model;
   bool all = false;  // all states in one model
   double score = std::numeric_limits<double>::infinity();
 };
-
-struct Trials {
-  std::vector<Trial> each;
-  std::size_t positions = 0, groups = 0;
-};
-
-void add_trials(std::span<const State> states, double inner, double spacing, Trials& trials) {
-  std::vector<Vec3> at;
-  Vec3 centre = Vec3::Zero();
-  for (const State& s : states) {
-    at.push_back(s.at);
-    centre += s.at / static_cast<double>(states.size());
-  }
-  const PositionGroups groups = position_groups(at);
-  if (groups.count < 3) return;
-  const std::size_t count = std::min(parts, groups.count);
-  const std::vector<std::uint32_t> part = spread_over_parts(at, groups, count);
-  std::vector<char> used(groups.count, 1);
-  if (inner < 1)  // the rim of a patch is no rim of the states
-    for (std::size_t i = 0; i < at.size(); ++i)
-      if (i > static_cast<std::size_t>(inner * static_cast<double>(at.size()))) used[groups.of[i]] = 0;
-  trials.groups += static_cast<std::size_t>(std::ranges::count(used, 1));
-  for (std::uint32_t p = 0; p < (inner < 1 ? 1 : count); ++p) {
-    Trial trial{.known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}};
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      State light = states[i];
-      light.displacements.reset();
-      if (part[groups.of[i]] == p && used[groups.of[i]])
-        trial.held.push_back(std::move(light));
-      else
-        trial.known->insert(std::move(light));
-    }
-    trials.positions += trial.held.size();
-    if (!trial.held.empty() && !trial.known->empty()) trials.each.push_back(std::move(trial));
-  }
-}
-
-// Patches about states that lie far from each other, each ordered by distance from its middle.
-void add_patches(std::span<const State> states, double spacing, Trials& trials) {
-  std::vector<double> away(states.size(), std::numeric_limits<double>::infinity());
-  std::size_t middle = 0;
-  for (std::size_t patch = 0; patch < patches; ++patch) {
-    std::vector<std::size_t> order(states.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto distance = [&](std::size_t i) { return (states[i].at - states[middle].at).squaredNorm(); };
-    std::ranges::nth_element(order, order.begin() + patch_states, {}, distance);
-    order.resize(patch_states);
-    std::ranges::stable_sort(order, {}, distance);
-    std::vector<State> near;
-    for (const std::size_t i : order) near.push_back(states[i]);
-    add_trials(near, 0.5, spacing, trials);
-    for (std::size_t i = 0; i < states.size(); ++i) away[i] = std::min(away[i], distance(i));
-    middle = static_cast<std::size_t>(std::ranges::max_element(away) - away.begin());
-  }
-}
 
 // The model of all states at once, about their middle.
 Model model_of_all(std::span<const State> states, const ModelOptions& options) {
@@ -122,19 +60,47 @@ std::vector<double> misses(const Trial& trial, const Candidate& candidate, std::
   return out;
 }
 
-// Errors of each candidate over all trials.
+// Which positions of the trials are tried: of every `step`-th trial every `stride`-th.
+struct Sampling {
+  std::size_t step = 1, stride = 1;
+};
+
+Sampling sampling(const Trials& trials, std::size_t most_trials, std::size_t most) {
+  Sampling of{.step = (trials.each.size() + most_trials - 1) / most_trials};
+  std::size_t positions = 0;
+  for (std::size_t t = 0; t < trials.each.size(); t += of.step) positions += trials.each[t].held.size();
+  of.stride = std::max<std::size_t>(1, positions / most);
+  return of;
+}
+
+// Errors of each candidate over the trials.
 std::vector<std::vector<double>> misses(const Trials& trials, std::span<const Candidate> candidates,
-                                        std::size_t most) {
-  const std::size_t stride = std::max<std::size_t>(1, trials.positions / most);
-  const std::size_t count = trials.each.size();
+                                        Sampling of, const std::function<void(double)>& show) {
+  const std::size_t count = (trials.each.size() + of.step - 1) / of.step;
   std::vector<std::vector<double>> parts_of(count * candidates.size());
+  std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t k = 0; k < parts_of.size(); ++k)
-    parts_of[k] = misses(trials.each[k % count], candidates[k / count], stride);
+  for (std::size_t k = 0; k < parts_of.size(); ++k) {
+    parts_of[k] = misses(trials.each[k % count * of.step], candidates[k / count], of.stride);
+    std::size_t now = 0;
+#pragma omp atomic capture
+    now = ++done;
+    if (show && omp_get_thread_num() == 0)
+      show(static_cast<double>(now) / static_cast<double>(parts_of.size()));
+  }
   std::vector<std::vector<double>> out(candidates.size());
   for (std::size_t k = 0; k < parts_of.size(); ++k)
     out[k / count].insert(out[k / count].end(), parts_of[k].begin(), parts_of[k].end());
   return out;
+}
+
+// Distances of the positions of misses(), in its order.
+std::vector<double> distances(const Trials& trials, Sampling of) {
+  std::vector<double> away;
+  for (std::size_t t = 0; t < trials.each.size(); t += of.step)
+    for (std::size_t i = 0; i < trials.each[t].away.size(); i += of.stride)
+      away.push_back(trials.each[t].away[i]);
+  return away;
 }
 
 double score(const std::vector<double>& errors) {
@@ -143,13 +109,13 @@ double score(const std::vector<double>& errors) {
   return std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
-// Scores the candidates and keeps the `count` best; equal ones in their order.
-void keep_best(const Trials& trials, std::vector<Candidate>& candidates, std::size_t most,
-               std::size_t count) {
-  const std::vector<std::vector<double>> errors = misses(trials, candidates, most);
+// Scores the candidates on some positions and sorts them, the best first; equal ones keep their order.
+void sort_by_score(const Trials& trials, std::vector<Candidate>& candidates,
+                   const std::function<void(double)>& show) {
+  const std::vector<std::vector<double>> errors =
+      misses(trials, candidates, sampling(trials, first_trials, first_positions), show);
   for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c]);
   std::ranges::stable_sort(candidates, {}, &Candidate::score);
-  candidates.resize(std::min(count, candidates.size()));
 }
 
 bool has_stiffness(std::span<const State> states) {
@@ -219,6 +185,18 @@ std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size
   return best;
 }
 
+// The candidate with the least score; one without a ridge if it is about as good.
+std::size_t best_of(const std::vector<Candidate>& candidates,
+                    const std::vector<std::vector<double>>& errors) {
+  std::vector<double> scores;
+  for (const std::vector<double>& of : errors) scores.push_back(score(of));
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
+  if (candidates[best].model.ridge > 0)
+    for (std::size_t c = 0; c < candidates.size(); ++c)
+      if (candidates[c].model.ridge == 0 && scores[c] <= ridge_gain * scores[best]) return c;
+  return best;
+}
+
 ModelOptions defaults(std::span<const State> states, const AutoModelOptions& options) {
   const bool stiffness = has_stiffness(states);
   ModelOptions model;
@@ -238,27 +216,39 @@ ModelOptions defaults(std::span<const State> states, const AutoModelOptions& opt
 AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options) {
   AutoModel chosen{.model = defaults(states, options)};
   if (states.size() < 8) return chosen;
-  Trials trials;
-  if (states.size() <= most_whole)
-    add_trials(states, 1, options.spacing, trials);
-  else
-    add_patches(states, options.spacing, trials);
+  const Trials trials = leave_out(states, options.away, options.spacing);
   std::vector<Candidate> candidates = sets_to_try(states, options);
   if (trials.each.empty() || candidates.empty()) return chosen;
+  const auto stage = [&](double from, double to) -> std::function<void(double)> {
+    if (!options.progress) return {};
+    return [&options, from, to](double share) { options.progress(from + (to - from) * share); };
+  };
   candidates = with_ridges(candidates, options.ridge, {0, 1e-4, 1e-2});
-  keep_best(trials, candidates, first_positions, candidates.size());
+  sort_by_score(trials, candidates, stage(0, 0.4));
   candidates = with_ridges(best_sets(candidates, finalists), options.ridge,
                            {0, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1});
-  keep_best(trials, candidates, first_positions, finalists);
-  keep_best(trials, candidates, most_positions, 1);
-  const std::vector<double> errors = misses(trials, candidates, most_positions).front();
-  chosen.model = candidates.front().model;
+  sort_by_score(trials, candidates, stage(0.4, 0.7));
+  candidates.resize(std::min(finalists, candidates.size()));
+  if (!options.ridge && candidates.front().model.ridge > 0) {
+    candidates.insert(candidates.begin(), candidates.front());
+    candidates.front().model.ridge = 0;
+  }
+  const Sampling all = sampling(trials, trials.each.size(), most_positions);
+  const std::vector<std::vector<double>> errors = misses(trials, candidates, all, stage(0.7, 1));
+  const std::size_t best = best_of(candidates, errors);
+  chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
-  chosen.all = candidates.front().all;
-  chosen.p50 = quantile_of(errors, 0.5);
-  chosen.p95 = quantile_of(errors, 0.95);
-  chosen.positions = errors.size();
+  chosen.all = candidates[best].all;
+  const std::vector<double> away = distances(trials, all);
+  const std::vector<double> expected =
+      expected_quantiles(errors[best], away, options.away, std::array{0.5, 0.95});
+  chosen.p50 = expected[0];
+  chosen.p95 = expected[1];
+  chosen.positions = errors[best].size();
   chosen.groups = trials.groups;
+  const double farthest = *std::ranges::max_element(away);
+  chosen.beyond =
+      static_cast<std::size_t>(std::ranges::count_if(options.away, [&](double a) { return a > farthest; }));
   return chosen;
 }
 

@@ -1,14 +1,16 @@
 #pragma once
-// Which model suits a set of states, and how wrong will it be? Groups of neighbouring positions
-// (position_groups.hpp) are left out in turn, an eighth of them at once; the other states predict
-// their forces by the very models that will be used (ModelUpdater). The candidate with the least
-// root mean square of |f - f~| is chosen; its quantiles are the expected error.
+// Which model suits a set of states, and how wrong will it be? Some of the known forces are held back
+// (left_out.hpp), as far from the rest as the wanted places are from all of them; the other states predict
+// their forces by the very models that will be used (ModelUpdater). The candidate with the least root mean
+// square of |f - f~| is chosen. The expected error is that of held positions as far from what is known as the
+// wanted places. It compares with forces as measured: their noise is a part of it.
 //
 // Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 by label, or one model of all (of
-// at most 1000 rows); ridges from 0 to 0.1. All are tried on some of the positions, the best on all. Of more
-// than 1500 states some patches are tried.
+// at most 1000 rows); ridges from 0 to 0.1, where a ridge must be better than none by 2 %. All are tried on
+// some of the positions, the best on all.
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -25,6 +27,9 @@ struct AutoModelOptions {
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
   double spacing = 0.006;  // h of the state space [m]
+  // Distance from each place where the force is wanted to its nearest state [m]; empty: not known.
+  std::span<const double> away = {};
+  std::function<void(double)> progress = {};  // called by one thread with the share done
 };
 
 struct AutoModel {
@@ -33,6 +38,7 @@ struct AutoModel {
   // Quantiles of |f - f~| at the positions left out [N]; NaN where too few states allow no choice.
   double p50 = unknown, p95 = unknown;
   std::size_t positions = 0, groups = 0;  // left out
+  std::size_t beyond = 0;                 // wanted places farther from the states than any position left out
 };
 
 // states: usable ones, one at each position. With fewer than 8 states or 3 groups the defaults are returned.

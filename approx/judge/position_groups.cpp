@@ -56,8 +56,9 @@ std::size_t joining_edges(const std::vector<Edge>& edges) {
 }
 
 // Splits [begin, end) of `order` along the longest side of its box until it is small.
-void halve(std::span<const Vec3> positions, std::span<std::size_t> order, PositionGroups& groups) {
-  if (order.size() <= compact_size) {
+void halve(std::span<const Vec3> positions, std::span<std::size_t> order, std::size_t most,
+           PositionGroups& groups) {
+  if (order.size() <= most) {
     for (const std::size_t i : order) groups.of[i] = static_cast<std::uint32_t>(groups.count);
     ++groups.count;
     return;
@@ -67,11 +68,21 @@ void halve(std::span<const Vec3> positions, std::span<std::size_t> order, Positi
   Eigen::Index axis = 0;
   box.size().maxCoeff(&axis);
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return positions[i][axis]; });
-  halve(positions, order.first(order.size() / 2), groups);
-  halve(positions, order.subspan(order.size() / 2), groups);
+  halve(positions, order.first(order.size() / 2), most, groups);
+  halve(positions, order.subspan(order.size() / 2), most, groups);
 }
 
 }  // namespace
+
+PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most) {
+  PositionGroups groups;
+  groups.of.assign(positions.size(), 0);
+  if (positions.empty()) return groups;
+  std::vector<std::size_t> order(positions.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  halve(positions, order, std::max<std::size_t>(most, 1), groups);
+  return groups;
+}
 
 PositionGroups position_groups(std::span<const Vec3> positions) {
   PositionGroups groups;
@@ -80,12 +91,7 @@ PositionGroups position_groups(std::span<const Vec3> positions) {
   if (n == 0) return groups;
   const std::vector<Edge> edges = spanning_tree(positions);
   const std::size_t joining = joining_edges(edges);
-  if (joining == edges.size()) {
-    std::vector<std::size_t> order(n);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    halve(positions, order, groups);
-    return groups;
-  }
+  if (joining == edges.size()) return compact_groups(positions, compact_size);
   groups.natural = true;
   UnionFind sets(n);
   for (std::size_t k = 0; k < joining; ++k) sets.join(edges[k].a, edges[k].b);

@@ -24,6 +24,9 @@ struct PositionGroups {
 // Deterministic; ties by order. O(n^2) time, O(n) memory.
 PositionGroups position_groups(std::span<const Vec3> positions);
 
+// Boxes of at most `most` positions, more than half of it, by halving the longest side.
+PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most);
+
 // For each group the part, from 0 to parts - 1, in which it is left out. Groups of one part lie far from each
 // other, as far as the positions allow.
 std::vector<std::uint32_t> spread_over_parts(std::span<const Vec3> positions, const PositionGroups& groups,

@@ -143,9 +143,10 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   result.belonging = known.belonging;
   Progress progress(globals, "evaluate");
   const std::size_t count = result.points.size();
+  options.choosing = [&](double share) { progress.show(0.5 * share, "choosing a model"); };
   try {
     result.found = evaluate(known.states, result.points, options, [&](std::size_t done) {
-      progress.show(double(done) / double(count), fmt::format("{} of {} points", done, count));
+      progress.show(0.5 + 0.5 * double(done) / double(count), fmt::format("{} of {} points", done, count));
     });
   } catch (const InputError& error) {
     if (error.place().key == "states") throw InputError(arguments.states, error.problem());
@@ -184,7 +185,8 @@ void describe_choice(nlohmann::ordered_json& document, const Evaluation& result)
   document["expected_error"] = {{"p50", number(result.chosen->p50)},
                                 {"p95", number(result.chosen->p95)},
                                 {"positions", result.chosen->positions},
-                                {"groups", result.chosen->groups}};
+                                {"groups", result.chosen->groups},
+                                {"beyond", result.chosen->beyond}};
 }
 
 nlohmann::ordered_json to_json(const EvaluateResult& evaluated) {
@@ -242,9 +244,16 @@ std::string in_words(const Evaluation& result) {
 std::string expectation_in_words(const AutoModel& chosen) {
   if (!std::isfinite(chosen.p95))
     return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
-  return fmt::format(
-      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} known forces, left out in {} groups of neighbours",
+  std::string text = fmt::format(
+      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} known forces, left out in {} groups as far from the "
+      "rest as "
+      "the points are from the states",
       chosen.p50, chosen.p95, chosen.positions, chosen.groups);
+  if (chosen.beyond > 0)
+    text +=
+        fmt::format("; {} points lie farther from them than any force left out: more is to be expected there",
+                    chosen.beyond);
+  return text;
 }
 
 void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_forces) {
