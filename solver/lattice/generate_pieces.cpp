@@ -246,10 +246,10 @@ struct LatticeHand::Impl {
   std::shared_ptr<const Discretisation> d;
   GenerateOptions options;
   std::shared_ptr<CoarseNodes> nodes;
-  std::set<LatticeIndex> looked_at;  // by the piece under way
+  std::vector<LatticeIndex> looked_at;  // by the piece under way; sorted
   // A node outside of what nodes_looked_at() foretold was perhaps not sent: the value would depend on who solves.
   const SolvedNodes solved = [this](const LatticeIndex& c) {
-    if (!looked_at.contains(c))
+    if (!std::ranges::binary_search(looked_at, c))
       throw std::logic_error("a piece of the lattice looks at a node that it was not sent");
     return nodes->find(c);
   };

@@ -186,31 +186,38 @@ State state_of(const SweepNode& node, const Discretisation& d, const Body& body,
   return state;
 }
 
-std::set<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing) {
-  std::set<LatticeIndex> nodes;
+std::vector<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing) {
+  std::vector<LatticeIndex> nodes;
   for (const LatticeIndex& k : fine) {
-    for (const LatticeIndex& c : corners_of(k)) nodes.insert(c);
+    for (const LatticeIndex& c : corners_of(k)) nodes.push_back(c);
     if (is_coarse(k))
       for (const LatticeIndex& p : towards_rest(cell_of(k))) {
-        nodes.insert(p);
-        nodes.insert(beyond(cell_of(k), p));
+        nodes.push_back(p);
+        nodes.push_back(beyond(cell_of(k), p));
       }
     // the corners around every point of the straight path from rest in steps of at most h (sweep_rays.cpp)
     const Vec3 x = position_of(k, spacing);
     const int steps = std::max(1, static_cast<int>(std::ceil(x.norm() / spacing)));
-    for (int step = 1; step <= steps; ++step)
-      for (const int parts : {steps, std::max(1, steps - 1)}) {  // rounding decides between the two
+    LatticeIndex last_low{1, 1, 1}, last_high{};             // of no box
+    for (const int parts : {steps, std::max(1, steps - 1)})  // rounding decides between the two
+      for (int step = 1; step <= steps; ++step) {
         LatticeIndex low{}, high{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const double q = 0.5 * k[axis] * std::min(1.0, static_cast<double>(step) / parts);
           low[axis] = static_cast<int>(std::floor(q - 1e-6));
           high[axis] = static_cast<int>(std::ceil(q + 1e-6));
         }
-        for (const LatticeIndex& c : between(low, high)) nodes.insert(c);
+        if (low == last_low && high == last_high) continue;
+        last_low = low;
+        last_high = high;
+        for (const LatticeIndex& c : between(low, high)) nodes.push_back(c);
       }
   }
-  for (const LatticeIndex& k : fine)
-    if (is_coarse(k)) nodes.erase(cell_of(k));
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  std::erase_if(nodes, [&](const LatticeIndex& c) {
+    return std::ranges::any_of(fine, [&](const LatticeIndex& k) { return is_coarse(k) && cell_of(k) == c; });
+  });
   return nodes;
 }
 

@@ -56,7 +56,7 @@ std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const Lat
 // The node's state, with the displacements of all nodes of the body if they are wanted.
 State state_of(const SweepNode& node, const Discretisation& d, const Body& body, bool want_displacements);
 // Every coarse node that solving these fine positions may look at, and possibly more; without the positions
-// themselves.
-std::set<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing);
+// themselves. Sorted.
+std::vector<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing);
 
 }  // namespace forefeel
