@@ -213,7 +213,7 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
 // Waits until the other ranks have the scene.
 void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
   constexpr double longest = 600;  // [s], of loading
-  ranks.begin(rank_identity(scene.hash));
+  ranks.begin(rank_identity(scene.hash), said_spacing(scene.space.spacing));
   ranks.wait_until_loaded(longest);
   const std::string why = ranks.notes().empty() ? "they still load the scene" : ranks.notes().back();
   if (ranks.taking_jobs() == 0) throw InputError("--mpi", "none of the other ranks can solve: " + why);
@@ -284,10 +284,10 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
     const std::shared_ptr<RankPool> shared(&pool, [](RankPool*) {});
     return run_session_command(globals, given, shared);
   };
-  const auto load = [&](const RankContext&) {
-    const Scene scene = load_scene(given.scene, globals.set);
+  const auto load = [&](const RankContext& rank) {
+    const Scene scene = load_scene(given.scene, globals.set, nullptr, {.spacing = false});
     const StateSolverOptions solving{
-        .spacing = scene.space.spacing, .tolerance = 1e-6, .displacements = scene.displacements};
+        .spacing = heard_spacing(scene, rank), .tolerance = 1e-6, .displacements = scene.displacements};
     return LoadedHand{.hand = make_state_hand(scene.body, solving), .identity = rank_identity(scene.hash)};
   };
   return run_ranked(globals, given.mpi, {.lead = lead, .load = load, .load_at_once = true});

@@ -7,6 +7,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
@@ -67,6 +69,19 @@ int run_ranked(const Globals& globals, const MpiArguments& arguments, const Rank
     });
   if (failure) std::rethrow_exception(failure);
   return code;
+}
+
+Bytes said_spacing(double spacing) {
+  Packer said;
+  said.add(spacing);
+  return said.take();
+}
+
+double heard_spacing(const Scene& scene, const RankContext& rank) {
+  if (!scene.automatic_spacing) return scene.space.spacing;
+  std::optional<Bytes> said = rank.begun();
+  if (!said) throw std::runtime_error("the run ended before it began");
+  return Unpacker(std::move(*said)).number<double>();
 }
 
 std::string rank_identity(const std::string& content_hash) {

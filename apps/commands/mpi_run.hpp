@@ -7,6 +7,7 @@
 
 #include "apps/console/command.hpp"
 #include "apps/console/console.hpp"
+#include "apps/scene_input/scene.hpp"
 #include "scheduling/farm/rank_pool.hpp"
 #include "scheduling/farm/rank_server.hpp"
 
@@ -25,6 +26,11 @@ struct RankedCommand {
 };
 // Throws what lead() throws. Ranks that hang at the end are left behind: mpirun ends them.
 int run_ranked(const Globals& globals, const MpiArguments& arguments, const RankedCommand& command);
+
+// A measured spacing takes hundreds of solves: rank 0 measures it and says it when the work begins. heard: the scene's
+// spacing, or what rank 0 said where the scene's is "auto". Throws where the run ends before.
+Bytes said_spacing(double spacing);
+double heard_spacing(const Scene& scene, const RankContext& rank);
 
 // What ranks of one run have in common: the build and the content of their input.
 std::string rank_identity(const std::string& content_hash);

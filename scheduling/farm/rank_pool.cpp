@@ -66,11 +66,11 @@ void RankPool::send(int rank, RankTag tag, Bytes bytes) {
   transport_.send(rank, static_cast<int>(tag), std::move(bytes));
 }
 
-void RankPool::begin(std::string identity) {
+void RankPool::begin(std::string identity, const Bytes& said) {
   identity_ = std::move(identity);
   for (int rank = 1; rank <= ranks(); ++rank) {
     of(rank).life = Life::loading;
-    send(rank, RankTag::begin);
+    send(rank, RankTag::begin, said);
   }
 }
 

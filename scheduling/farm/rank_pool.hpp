@@ -30,7 +30,8 @@ class RankPool {
   explicit RankPool(Transport& transport, double patience = 10, Clock clock = {});
 
   // The other ranks load their input. identity: of the build and the input; a rank with another one gets no work.
-  void begin(std::string identity);
+  // said: what only rank 0 knows, as a spacing that it measured (RankContext::begun()).
+  void begin(std::string identity, const Bytes& said = {});
   int ranks() const;                // without rank 0
   bool takes_jobs(int rank) const;  // has loaded its input, and answers
   bool is_pending(int rank) const;  // has not loaded its input yet, and answers

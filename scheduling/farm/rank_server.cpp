@@ -15,7 +15,8 @@ namespace forefeel {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-constexpr auto pause = std::chrono::microseconds(300);
+// Between two looks at the messages: while the solving thread has its next job, and otherwise.
+constexpr auto long_pause = std::chrono::microseconds(2000), pause = std::chrono::microseconds(300);
 constexpr auto patience_with_thread = std::chrono::seconds(3);
 constexpr double longest_step = 0.1;  // [s] between two polls; what is longer, this process stood still
 
@@ -29,6 +30,12 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
  public:
   explicit SolvingThread(LoadHand load) : load_(std::move(load)) {}
 
+  // What rank 0 says when the work begins.
+  void hear_begin(Bytes said) {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(heard_begin_, true)) said_at_begin_ = std::move(said);
+    wake_.notify_all();
+  }
   void begin() {
     if (std::exchange(begun_, true)) return;
     std::thread([self = shared_from_this()] { self->run(); }).detach();
@@ -48,7 +55,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     const std::lock_guard lock(mutex_);
     end_.request_stop();
     running_.request_stop();
-    wake_.notify_one();
+    wake_.notify_all();
   }
   bool is_running() {
     const std::lock_guard lock(mutex_);
@@ -58,6 +65,11 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
   std::deque<Outgoing> take_outgoing() {
     const std::lock_guard lock(mutex_);
     return std::exchange(outgoing_, {});
+  }
+  // Waits for something to send, for as long as no message is in a hurry.
+  void rest() {
+    std::unique_lock lock(mutex_);
+    said_.wait_for(lock, jobs_.empty() ? pause : long_pause, [&] { return !outgoing_.empty(); });
   }
 
  private:
@@ -82,7 +94,8 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     const LoadedHand loaded =
         load_({.ended = end_.get_token(),
                .ask = [this](Bytes question) { give(RankTag::question, std::move(question)); },
-               .listen = [this](RankListener::Hear hear) { listener_.set(std::move(hear)); }});
+               .listen = [this](RankListener::Hear hear) { listener_.set(std::move(hear)); },
+               .begun = [this] { return wait_until_begun(); }});
     Packer ready;
     ready.add(loaded.identity);
     give(RankTag::ready, ready.take());
@@ -109,9 +122,17 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     return std::move(job.bytes);
   }
 
+  std::optional<Bytes> wait_until_begun() {
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [&] { return end_.stop_requested() || heard_begin_; });
+    if (end_.stop_requested()) return {};
+    return said_at_begin_;
+  }
+
   void give(RankTag tag, Bytes bytes) {
     const std::lock_guard lock(mutex_);
     outgoing_.push_back({tag, std::move(bytes)});
+    said_.notify_one();
   }
   void fail(std::string_view text) {
     Packer message;
@@ -121,9 +142,11 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
 
   const LoadHand load_;
   std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_, said_;
   std::deque<Waiting> jobs_;
   std::deque<Outgoing> outgoing_;
+  Bytes said_at_begin_;
+  bool heard_begin_ = false;
   RankListener listener_;
   std::stop_source end_, running_;  // running_ is set by the solving thread alone
   bool begun_ = false, ended_ = false;
@@ -160,13 +183,14 @@ class RankServer {
       beaten_ = now;
       send(RankTag::beat);
     }
-    std::this_thread::sleep_for(pause);
+    solving_->rest();
   }
 
   void take(Message message) {
     silence_ = 0;
     switch (static_cast<RankTag>(message.tag)) {
       case RankTag::begin:
+        solving_->hear_begin(std::move(message.bytes));
         solving_->begin();
         break;
       case RankTag::job:

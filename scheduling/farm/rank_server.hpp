@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -29,6 +30,8 @@ struct RankContext {
   // Where answers go from now on: it is called by the thread that exchanges messages. Null: nowhere; none is under way
   // afterwards.
   std::function<void(std::function<void(Bytes)>)> listen = {};
+  // What rank 0 said when the work began (RankPool::begin()); waits for it. nullopt: the rank must end.
+  std::function<std::optional<Bytes>()> begun = {};
 };
 
 // A hand, and what identifies its build and its input.

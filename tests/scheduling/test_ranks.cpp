@@ -5,6 +5,7 @@
 #include <cstring>
 #include <latch>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "geometry/coverage/state_space.hpp"
@@ -68,6 +69,40 @@ bool contains(const std::vector<std::string>& lines, const std::string& words) {
 }
 
 }  // namespace
+
+TEST_CASE(
+    "a rank that loads early hears what rank 0 says when the work begins, and leaves where it never does") {
+  for (const bool begins : {true, false}) {
+    Mail mail(2);
+    std::atomic<double> heard = 0;
+    std::atomic<bool> left = false;
+    const std::shared_ptr<const Body> body = small_body();
+    std::jthread rank([&] {
+      Endpoint endpoint(mail, 1);
+      const LoadHand load = [&](const RankContext& context) {
+        std::optional<Bytes> said = context.begun();
+        if (said)
+          heard = Unpacker(std::move(*said)).number<double>();
+        else
+          left = true;
+        return LoadedHand{.hand = make_lattice_hand(body, small_lattice(), context.ended),
+                          .identity = "same"};
+      };
+      CHECK(serve_rank(endpoint, load, true) == ServedRank::done);
+    });
+    Endpoint own(mail, 0);
+    RankPool pool(own);
+    Packer said;
+    said.add(0.0042);
+    if (begins) pool.begin("same", said.take());
+    if (begins) pool.wait_until_loaded(60);
+    pool.stop();
+    rank.join();
+    CHECK(pool.all_left());
+    CHECK(heard == (begins ? 0.0042 : 0));
+    CHECK(left == !begins);
+  }
+}
 
 TEST_CASE("a lattice solved by three ranks has the bits of one solved by a thread, resumed or not") {
   for (const Law law : {Law::neo_hookean, Law::st_venant_kirchhoff}) {
