@@ -180,6 +180,7 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
                     scene.space.spacing));
   else
     check_memory_of_lattice(scene, available_memory());
+  check_memory_of_threads(scene, globals.threads, available_memory());
   return scene;
 }
 
@@ -196,7 +197,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
     return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error),
                     held ? 0 : 1);
 
-  if (ranks) ranks->begin(rank_identity(scene.hash));
+  if (ranks) ranks->begin(rank_identity(scene.hash), said_spacing(scene.space.spacing));
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
@@ -232,8 +233,10 @@ int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
     return run_generate(globals, arguments, &ranks);
   };
   const auto load = [&](const RankContext& rank) {
-    const Scene scene = load_scene(arguments.scene, globals.set);
-    return LoadedHand{.hand = make_lattice_hand(scene.body, options_of(scene), rank.ended),
+    const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
+    GenerateOptions options = options_of(scene);
+    options.spacing = heard_spacing(scene, rank);
+    return LoadedHand{.hand = make_lattice_hand(scene.body, options, rank.ended),
                       .identity = rank_identity(scene.hash)};
   };
   return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});

@@ -16,6 +16,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_summary.hpp"
+#include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
 
@@ -51,13 +52,23 @@ void check_arguments(const MeshArguments& arguments) {
   check_writable(arguments.output);
 }
 
-MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name) {
+// "filling it with tetrahedra: surface 2 of at most 14, 9 meshes tried"
+std::string in_words(const MeshingProgress& p) {
+  std::string text = name(p.step);
+  if (p.attempt > 0) text += fmt::format(": surface {} of at most {}", p.attempt, p.attempts);
+  if (p.fills > 0) text += fmt::format(", {} mesh{} tried", p.fills, p.fills == 1 ? "" : "es");
+  return text;
+}
+
+MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name,
+                      Progress& progress) {
   MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
   TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)),
                                 .length = arguments.length,
                                 .name = name,
                                 .time_limit = arguments.time_limit};
-  made.mesh = tetrahedralise(surface, options, &made.report);
+  made.mesh = tetrahedralise(surface, options, &made.report,
+                             [&](const MeshingProgress& p) { progress.show(in_words(p)); });
   made.hausdorff = made.report.hausdorff;
   if (made.report.repair.wrapped)
     made.warnings.push_back(
@@ -66,7 +77,7 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
 }
 
 MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
-  // How long a surface takes is not known beforehand: the line gives the time so far.
+  // How long a surface takes is not known beforehand: the line gives the step, and the time so far.
   Progress progress(globals, "mesh");
   const std::string wanted =
       arguments.elements ? fmt::format("to {} elements", *arguments.elements) : std::string("as it is");
@@ -82,7 +93,7 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
     return made;
   }
   if (is_surface_file(arguments.input))
-    return from_surface(read_surface(arguments.input), arguments, arguments.input);
+    return from_surface(read_surface(arguments.input), arguments, arguments.input, progress);
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
     throw InputError(
         arguments.input,
@@ -91,7 +102,7 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   MeshCheck check = check_and_orient(mesh, arguments.input);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
   if (arguments.elements) {
-    made = from_surface(boundary_surface(mesh), arguments, arguments.input);
+    made = from_surface(boundary_surface(mesh), arguments, arguments.input, progress);
   } else {
     if (arguments.length) scale_to_length(mesh, *arguments.length);
     made.mesh = std::move(mesh);

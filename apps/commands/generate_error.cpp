@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stop_token>
+#include <thread>
 
 #include "approx/model/model_options.hpp"
 #include "apps/console/console.hpp"
@@ -132,6 +135,10 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
 
   std::optional<Progress> progress(std::in_place, globals, "generate");
   std::optional<InterruptWatch> watch(std::in_place);
+  std::jthread listener([&](const std::stop_token& done) {  // also between two lines of progress
+    for (; !done.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50)))
+      if (watch->raised()) stop.request_stop();
+  });
   const std::vector<State> known = file.read_all();
   Inverted inverted{.all = static_cast<std::size_t>(std::ranges::count_if(known, has_inverted_elements))};
   const PlacementReport report = place_states(
@@ -141,10 +148,8 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
         inverted.all += has_inverted_elements(state);
         file.append(std::span(&state, 1));
       },
-      [&](const PlacementProgress& p) {
-        if (watch->raised()) stop.request_stop();
-        show(*progress, p, error);
-      });
+      [&](const PlacementProgress& p) { show(*progress, p, error); });
+  listener = {};
   watch.reset();
   progress.reset();
 

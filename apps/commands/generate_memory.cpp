@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/states/state.hpp"
 #include "solver/body/body.hpp"
+#include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 
@@ -27,6 +31,20 @@ void check_memory_of_lattice(const Scene& scene, double bytes_left) {
       fmt::format("a lattice of {:g} m in it would take {} of memory, but {} are left; expected a "
                   "larger spacing, or a smaller box",
                   scene.space.spacing, bytes_in_words(bytes), bytes_in_words(bytes_left)));
+}
+
+void check_memory_of_threads(const Scene& scene, int threads, double bytes_left) {
+  constexpr int few = 8;               // so few are never asked about
+  constexpr double of_thread = 256e3;  // stack as far as it is used, buffers of the allocator
+  if (threads <= few) return;
+  const double solver =
+      is_linear(*scene.body) ? 0 : static_cast<double>(SolverBasis(scene.body).bytes_per_solver());
+  const double bytes = threads * (solver + of_thread);
+  if (bytes <= bytes_left) return;
+  throw InputError("--threads", fmt::format("is {}, and the solvers of so many threads take about {} of "
+                                            "memory, {} are free, expected at most {:g}",
+                                            threads, bytes_in_words(bytes), bytes_in_words(bytes_left),
+                                            std::max<double>(few, std::floor(threads * bytes_left / bytes))));
 }
 
 }  // namespace forefeel

@@ -50,7 +50,7 @@ void refuse_foreign(const fs::path& folder, const std::vector<std::string>& name
     if (std::ranges::none_of(names, is_named) || std::ranges::any_of(ours, is_named)) continue;
     throw InputError({.file = entry.path().string()},
                      "is there already and was not made by forefeel, expected an empty folder, or one of an "
-                     "earlier run");
+                     "earlier run; move the file away, or give another folder with -o");
   }
 }
 

@@ -36,6 +36,7 @@ Read drain(int in, const ChildLimits& limits, std::string& data) {
   char block[1 << 16];
   for (;;) {
     if (limits.stop && limits.stop->load(std::memory_order_relaxed)) return Read::stopped;
+    if (limits.tick) limits.tick();
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(limits.deadline - Clock::now()).count();
     if (left <= 0) return Read::late;

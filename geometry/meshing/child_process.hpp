@@ -13,6 +13,7 @@ namespace forefeel {
 struct ChildLimits {
   std::chrono::steady_clock::time_point deadline;  // then the child is killed
   const std::atomic<bool>* stop = nullptr;         // once true, the child is killed
+  std::function<void()> tick = {};                 // called by the waiting parent ten times in a second
 };
 
 struct ChildOutcome {

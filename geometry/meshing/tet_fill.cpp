@@ -147,6 +147,7 @@ bool fills(const TetMesh& mesh, const Surface& surface) {
 
 std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options,
                                       std::string& problem) {
+  if (options.fills) ++*options.fills;
   std::string switches = fmt::format("pQO7/7q{:.3f}/{:.1f}", options.radius_edge, options.min_dihedral_deg);
   if (options.keep_surface) switches += "Y";
   const double scale = scale_for(surface);

@@ -4,6 +4,7 @@
 // caller only sees success or a reason. A mesh that leaves the surface's box, or that has another volume, is
 // no success.
 
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@ struct TetFillOptions {
   bool keep_surface = true;                     // no new nodes on the surface (TetGen -Y)
   bool improve = true;                          // flips and smoothing afterwards (tet_improve.hpp)
   std::chrono::milliseconds patience{120'000};  // then the child process is killed
+  std::atomic<int>* fills = nullptr;            // if given, counts TetGen's meshes
 };
 
 // Nodes of the surface come first. Nothing, and the reason in `problem`, if TetGen fails.

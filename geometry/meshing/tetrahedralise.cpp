@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <sys/mman.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +12,7 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
+#include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/meshing/surface_process.hpp"
 #include "geometry/meshing/tet_fill.hpp"
@@ -51,17 +54,50 @@ std::chrono::milliseconds patience_of(const TetrahedraliseOptions& options) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(500 * limit));
 }
 
+// What the child process tells while it works, in memory that it shares with its parent.
+struct Told {
+  std::atomic<int> step = 0, attempt = 0, fills = 0;
+};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+class SharedTold {
+ public:
+  SharedTold()
+      : at_(::mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (at_ == MAP_FAILED) throw std::bad_alloc();
+    told_ = new (at_) Told;
+  }
+  ~SharedTold() { ::munmap(at_, sizeof(Told)); }
+  SharedTold(const SharedTold&) = delete;
+  SharedTold& operator=(const SharedTold&) = delete;
+  Told& operator*() const { return *told_; }
+
+ private:
+  void* at_;
+  Told* told_ = nullptr;
+};
+
+void tell(Told& told, MeshingStep step) {
+  told.step = static_cast<int>(step);
+}
+
+constexpr int most_attempts = 14;
+
 class Attempts {
  public:
   Attempts(const Surface& input, Surface closed, const TetrahedraliseOptions& options,
-           RepairReport& repair_report)
-      : input_(input), closed_(std::move(closed)), options_(options), repair_(repair_report) {}
+           RepairReport& repair_report, Told& told)
+      : input_(input), closed_(std::move(closed)), options_(options), repair_(repair_report), told_(told) {}
 
   TetMesh run() {
     double edge = edge_for(closed_, options_.elements);
-    for (int k = 0; k < 14; ++k) {
-      CountedFill fill =
-          fill_to_count(skin(edge), options_.elements, close_enough, {.patience = patience_of(options_)});
+    for (int k = 0; k < most_attempts; ++k) {
+      told_.attempt = k + 1;
+      tell(told_, MeshingStep::resample);
+      const Surface surface = skin(edge);
+      tell(told_, MeshingStep::fill);
+      CountedFill fill = fill_to_count(surface, options_.elements, close_enough,
+                                       {.patience = patience_of(options_), .fills = &told_.fills});
       if (meets(fill.mesh, options_.elements)) return std::move(*fill.mesh);
       if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_))
         log_ratio_ = log_ratio(*fill.mesh);
@@ -102,33 +138,38 @@ class Attempts {
   Surface closed_;
   const TetrahedraliseOptions& options_;
   RepairReport& repair_;
+  Told& told_;
   double log_ratio_ = std::numeric_limits<double>::infinity();
   int failures_ = 0;
   std::string problem_;
 };
 
-TetMesh fill_as_given(const Surface& closed, const TetrahedraliseOptions& options) {
+TetMesh fill_as_given(const Surface& closed, const TetrahedraliseOptions& options, Told& told) {
   const auto patience = patience_of(options);
+  tell(told, MeshingStep::fill);
   std::string problem;
-  std::optional<TetMesh> mesh = fill_with_tets(closed, {.patience = patience}, problem);
-  if (!mesh) mesh = fill_with_tets(closed, {.keep_surface = false, .patience = patience}, problem);
+  std::optional<TetMesh> mesh = fill_with_tets(closed, {.patience = patience, .fills = &told.fills}, problem);
+  if (!mesh)
+    mesh =
+        fill_with_tets(closed, {.keep_surface = false, .patience = patience, .fills = &told.fills}, problem);
   if (!mesh || mesh->tets.empty())
     throw InputError(options.name, fmt::format("cannot be filled with tetrahedra: {}", problem));
   return std::move(*mesh);
 }
 
 TetMesh make(const Surface& input, const TetrahedraliseOptions& options, bool measure,
-             TetrahedraliseReport& report) {
+             TetrahedraliseReport& report, Told& told) {
   TetMesh mesh;
   try {
     const Surface closed = repair_surface(input, report.repair);
-    mesh = options.elements == 0 ? fill_as_given(closed, options)
-                                 : Attempts(input, closed, options, report.repair).run();
+    mesh = options.elements == 0 ? fill_as_given(closed, options, told)
+                                 : Attempts(input, closed, options, report.repair, told).run();
   } catch (const InputError& error) {
     if (error.place().key != "surface" || options.name == "surface") throw;
     throw InputError(options.name, error.problem());
   }
   if (options.length) match_length(mesh, *options.length, bounding_box(input).centre());
+  tell(told, MeshingStep::compare);
   if (measure) report.hausdorff = hausdorff_distance(input, boundary_surface(mesh));
   return mesh;
 }
@@ -163,10 +204,11 @@ int send_error(int out, int code, const std::string& key, const std::string& pro
   return write_to(out, text.data(), text.size()) ? code : child_cut_short;
 }
 
-int make_in_child(int out, const Surface& input, const TetrahedraliseOptions& options, bool measure) {
+int make_in_child(int out, const Surface& input, const TetrahedraliseOptions& options, bool measure,
+                  Told& told) {
   try {
     TetrahedraliseReport report;
-    const TetMesh mesh = make(input, options, measure, report);
+    const TetMesh mesh = make(input, options, measure, report, told);
     return send(out, report, mesh) ? 0 : child_cut_short;
   } catch (const InputError& error) {
     return send_error(out, input_error, error.place().text(), error.problem());
@@ -219,8 +261,28 @@ double default_time_limit(std::size_t elements) {
   return std::max(120.0, static_cast<double>(elements) / 5000);
 }
 
+const char* name(MeshingStep step) {
+  switch (step) {
+    case MeshingStep::repair:
+      return "repairing the surface";
+    case MeshingStep::resample:
+      return "making its triangles as large as wanted";
+    case MeshingStep::fill:
+      return "filling it with tetrahedra";
+    case MeshingStep::compare:
+      break;
+  }
+  return "comparing with the surface";
+}
+
 TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
                        TetrahedraliseReport* report) {
+  return tetrahedralise(surface, options, report, {});
+}
+
+TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
+                       TetrahedraliseReport* report,
+                       const std::function<void(const MeshingProgress&)>& show) {
   if (surface.triangles.empty())
     throw InputError(options.name, "holds no triangles, expected a closed surface");
   Surface input = surface;
@@ -229,9 +291,18 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
   const double limit = options.time_limit.value_or(default_time_limit(options.elements));
   const auto deadline =
       std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * limit));
-  const ChildOutcome outcome = run_apart({.deadline = deadline, .stop = options.stop}, [&](int out) {
-    return make_in_child(out, input, options, report != nullptr);
-  });
+  const SharedTold shared;
+  Told& told = *shared;
+  const auto tick = [&] {
+    if (show)
+      show({.step = static_cast<MeshingStep>(told.step.load()),
+            .attempt = told.attempt,
+            .attempts = options.elements > 0 ? most_attempts : 0,
+            .fills = told.fills});
+  };
+  const ChildOutcome outcome =
+      run_apart({.deadline = deadline, .stop = options.stop, .tick = tick},
+                [&](int out) { return make_in_child(out, input, options, report != nullptr, told); });
   if (outcome.end != ChildOutcome::End::exited || outcome.code != 0) fail(outcome, options, limit);
   TetrahedraliseReport local;
   return received(outcome.data, report ? *report : local);

@@ -48,6 +48,23 @@ ErrorQuantiles quantiles_of(std::span<const double> values, std::size_t uniform)
   return result;
 }
 
+// A tight solve; cancelled as soon as the stop comes, which is asked after each step on the way.
+State solve_unless_stopped(Solver& solver, const Vec3& x, const PlacementOptions& options) {
+  struct Stopped {};
+  solver.watch([&](double) {
+    if (options.stop.stop_requested()) throw Stopped();
+  });
+  try {
+    return solver.reference(x, options.space.spacing, {.want_displacements = options.want_displacements})
+        .state;
+  } catch (const Stopped&) {
+    State state;
+    state.at = x;
+    state.status = SolveStatus::cancelled;
+    return state;
+  }
+}
+
 // Tight solves at many positions; the answers do not depend on the threads.
 std::vector<State> solve_all(const std::shared_ptr<const Body>& body, std::span<const Vec3> at,
                              const PlacementOptions& options, int threads,
@@ -64,9 +81,7 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, std::span<
         states[i].status = SolveStatus::cancelled;
         continue;
       }
-      states[i] =
-          solver.reference(at[i], options.space.spacing, {.want_displacements = options.want_displacements})
-              .state;
+      states[i] = solve_unless_stopped(solver, at[i], options);
 #pragma omp critical(forefeel_placement)
       {
         ++finished;
@@ -151,8 +166,7 @@ class Placement {
 
   void solve(const Vec3& x) {
     if (!open() || space_.find(x).valid() || has_failed(x)) return;
-    keep(solver_.reference(x, options_.space.spacing, {.want_displacements = options_.want_displacements})
-             .state);
+    keep(solve_unless_stopped(solver_, x, options_));
   }
 
   Vec3 corner(int index, double share) const {
@@ -220,7 +234,10 @@ class Placement {
 
   void refresh_estimate() {
     std::vector<double> values;
-    for (const Vec3& x : points_.at) values.push_back(estimator_(x));
+    for (const Vec3& x : points_.at) {
+      if (options_.stop.stop_requested()) return;
+      values.push_back(estimator_(x));
+    }
     report_.estimate = quantiles_of(values, points_.uniform);
     report_.estimate_holds = report_.estimate.held() <= options_.error;
     progress_({.states = space_.size(), .most_states = limit_, .estimate = report_.estimate.held()});

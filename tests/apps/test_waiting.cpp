@@ -73,6 +73,11 @@ TEST_CASE("on a terminal, mesh says what it does") {
   const Workshop shop;
   CHECK_THAT(on_terminal(shop, "mesh --phantom ball --elements 300 -o ball.msh"),
              Catch::Contains("mesh  making the phantom ball, 0:00 so far"));
+  shop.write("cube.off",
+             "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n"
+             "3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n");
+  CHECK_THAT(on_terminal(shop, "mesh cube.off --elements 4000 -o cube.msh"),
+             Catch::Contains("surface 1 of at most 14") && Catch::Contains("tried"));
 }
 
 TEST_CASE("on a terminal, measuring a spacing shows which one is tried") {
@@ -119,4 +124,14 @@ TEST_CASE("a state file of the cache that a session writes is left there, and sa
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["in_use"].get<int>() > 0);
   CHECK_THAT(outcome.err, Catch::Contains("in use by another forefeel"));
+}
+
+TEST_CASE("generate asks what its threads will take before it begins") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  // With little memory left: what so many solvers take.
+  const auto outcome = shop.shell("ulimit -v 3000000; " + executable() +
+                                  " generate beam.toml -o s.states --threads 4000 2>&1 || echo code $?");
+  CHECK_THAT(outcome.out, Catch::Contains("--threads") && Catch::Contains("of memory") &&
+                              Catch::Contains("expected at most") && Catch::EndsWith("code 2\n"));
 }

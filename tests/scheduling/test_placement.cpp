@@ -5,7 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
+#include <stop_token>
+#include <thread>
 
 #include "scheduling/motion/random.hpp"
 #include "small_body.hpp"
@@ -255,6 +258,23 @@ TEST_CASE("the next position on-line is the worst of the candidates by weight", 
   // Solving there makes the estimate there vanish.
   space.insert(solver.reference(candidates[worst->index], 0.006).state);
   CHECK(estimator(candidates[worst->index]) < 0.01 * worst->estimate);
+}
+
+TEST_CASE("a stop ends placement within a solve that takes many steps, and its state is not kept") {
+  SessionInput input = testing::small_input();
+  input.touched.space.spacing = 1e-6;  // thousands of steps to each corner
+  PlacementOptions options = options_of(input, 1e-3);
+  options.max_states = 9;
+  std::stop_source stop;
+  options.stop = stop.get_token();
+  const std::jthread later([&](const std::stop_token&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    stop.request_stop();
+  });
+  const Placed placed = place(input, options);
+  CHECK(placed.report.stopped);
+  CHECK(placed.report.solved <= 1);  // rest
+  for (const State& s : placed.states) CHECK(s.status != SolveStatus::cancelled);
 }
 
 }  // namespace forefeel
