@@ -27,8 +27,8 @@ struct RankedCommand {
 // Throws what lead() throws. Ranks that hang at the end are left behind: mpirun ends them.
 int run_ranked(const Globals& globals, const MpiArguments& arguments, const RankedCommand& command);
 
-// A measured spacing takes hundreds of solves: rank 0 measures it and says it when the work begins. heard: the scene's
-// spacing, or what rank 0 said where the scene's is "auto". Throws where the run ends before.
+// A measured spacing takes hundreds of solves: rank 0 measures it and says it when the work begins. heard: the
+// scene's spacing, or what rank 0 said where the scene's is "auto". Throws where the run ends before.
 Bytes said_spacing(double spacing);
 double heard_spacing(const Scene& scene, const RankContext& rank);
 

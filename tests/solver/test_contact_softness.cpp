@@ -90,8 +90,8 @@ std::shared_ptr<Body> shell(double thickness, double radius) {
   return body;
 }
 
-// A box of `cells` cells along each side of `size`, on its clamp (all of its bottom unless chosen), touched from
-// above within `radius` of the middle of its top, or of a point of it.
+// A box of `cells` cells along each side of `size`, on its clamp (all of its bottom unless chosen), touched
+// from above within `radius` of the middle of its top, or of a point of it.
 struct Box3 {
   std::array<int, 3> cells;
   Vec3 size;
