@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
+#include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -160,19 +162,6 @@ void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, 
       height, 1e3 * picture.box.low[slice.v], 1e3 * picture.box.high[slice.v], height / 2, axis_name[v]);
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string states_line(const CoveragePicture& picture, bool too_many) {
   return fmt::format("{} states{}", picture.states.size(),
                      too_many ? " (too many near a slice to draw)" : ", those within h/2 of a slice drawn");
@@ -185,7 +174,7 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<title>{2}</title>\n<defs>\n",
-      width, height, escaped(picture.title));
+      width, height, html_escaped(picture.title));
   // Hatching repeats the meaning of the colour: diagonal lines for gap, horizontal ones for sparse. Only
   // states are drawn as dots.
   out += fmt::format(
@@ -204,7 +193,8 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
       ".frame{{fill:none;stroke:#444;stroke-width:.8}}</style>\n<rect width=\"100%\" height=\"100%\" "
       "fill=\"#fff\"/>\n",
       colour(Label::safe), colour(Label::blank));
-  out += fmt::format("<text x=\"{}\" y=\"20\" font-size=\"14\">{}</text>\n", margin, escaped(picture.title));
+  out += fmt::format("<text x=\"{}\" y=\"20\" font-size=\"14\">{}</text>\n", margin,
+                     html_escaped(picture.title));
   bool too_many = false;
   for (int i = 0; i < 3; ++i) {
     const Slice slice = cut(picture, 2 - i);
@@ -235,6 +225,8 @@ void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture
 
 namespace {
 
+// The PNG is the SVG drawn by gnuplot: one canvas in the same pixels, y downwards, with the same texts.
+
 std::array<int, 3> rgb(Label label) {
   unsigned value = 0;
   std::sscanf(std::string(colour(label)).c_str() + 1, "%x", &value);
@@ -242,59 +234,133 @@ std::array<int, 3> rgb(Label label) {
           static_cast<int>(value & 255)};
 }
 
-// Colour of a pixel, hatched as in the SVG.
-std::array<int, 3> ink_at(Label label, int column, int row) {
+// Colour of a pixel, hatched as in the SVG: #1b1b1b laid over the label's colour.
+std::array<int, 3> ink_at(Label label, int x, int y) {
+  const double dark = label == Label::gap && (x + y) % 7 == 0 ? 0.5
+                      : label == Label::sparse && y % 8 == 4  ? 0.25
+                                                              : 0.0;
   std::array<int, 3> c = rgb(label);
-  if (label == Label::gap && (column + row) % 8 == 0)
-    for (int& part : c) part = part / 2;
-  if (label == Label::sparse && row % 8 == 4)
-    for (int& part : c) part = part * 3 / 4;
+  for (int& part : c) part = static_cast<int>(std::lround((1 - dark) * part + dark * 0x1b));
   return c;
 }
 
-// The four colour samples of the legend as one image, hatched like the slices, in the units of its panel.
-std::string png_swatches() {
-  std::string data = "$swatches << EOD\n";
-  for (int line = 0; line < 3 * 32 + 24; ++line)
-    for (int column = 0; column < 32; ++column) {
-      const int row = line % 32;
-      const std::array<int, 3> c =
-          row < 24 ? ink_at(static_cast<Label>(3 - line / 32), column, row) : std::array{255, 255, 255};
-      data += fmt::format("{:.5f} {:.5f} {} {} {}\n", 0.03 + column * 0.025 / 31, 0.16 + line * 0.22 / 32,
-                          c[0], c[1], c[2]);
+struct Canvas {
+  std::string data, plots, decorations;
+  int images = 0;
+
+  // Pixels of a rectangle; label_at(x, y) from its top left corner.
+  template <class LabelAt>
+  void image(double left, double top, int width, int height, LabelAt label_at) {
+    data += fmt::format("$image{} << EOD\n", images);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const auto c = ink_at(label_at(x, y), x, y);
+        data += fmt::format("{:.1f} {:.1f} {} {} {}\n", left + x + 0.5, top + y + 0.5, c[0], c[1], c[2]);
+      }
+    data += "EOD\n";
+    plots +=
+        fmt::format("{}$image{} using 1:2:3:4:5 with rgbimage", plots.empty() ? "plot " : ", ", images++);
+  }
+  void frame(double left, double top, double width, double height) {
+    decorations += fmt::format(
+        "set object rectangle from {:.1f},{:.1f} to {:.1f},{:.1f} front fs empty border lc rgb "
+        "'#444444' lw 0.8\n",
+        left, top, left + width, top + height);
+  }
+  // x, y: of the base line, as in an SVG.
+  void text(double x, double y, const char* anchor, const std::string& words, int points = 9) {
+    decorations += fmt::format("set label '{}' at {:.1f},{:.1f} {} noenhanced font 'sans,{}' front\n",
+                               plain_text(words), x, y - 4, anchor, points);
+  }
+};
+
+// The part of a line inside [0, width] x [0, height]; nothing outside.
+std::optional<std::array<Eigen::Vector2d, 2>> clipped(std::array<Eigen::Vector2d, 2> line, double width,
+                                                      double height) {
+  const Eigen::Vector2d a = line[0], d = line[1] - line[0];
+  double from = 0, to = 1;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double most = axis == 0 ? width : height;
+    if (d[axis] == 0) {
+      if (a[axis] < 0 || a[axis] > most) return {};
+      continue;
     }
-  return data + "EOD\n";
+    const double one = -a[axis] / d[axis], two = (most - a[axis]) / d[axis];
+    from = std::max(from, std::min(one, two));
+    to = std::min(to, std::max(one, two));
+  }
+  if (from >= to) return {};
+  return std::array<Eigen::Vector2d, 2>{Eigen::Vector2d(a + from * d), Eigen::Vector2d(a + to * d)};
 }
 
-std::string png_panel(const CoveragePicture& picture, const Slice& slice, int number) {
-  std::string data = fmt::format("$area{} << EOD\n", number);
-  for (int row = 0; row < slice.rows; ++row)
-    for (int column = 0; column < slice.columns; ++column) {
-      const auto c = ink_at(slice.at(column, row), column, row);
-      data += fmt::format("{:.5g} {:.5g} {} {} {}\n",
-                          1e3 * (picture.box.low[slice.u] + (column + 0.5) * slice.pixel),
-                          1e3 * (picture.box.low[slice.v] + (row + 0.5) * slice.pixel), c[0], c[1], c[2]);
-    }
-  data += fmt::format("EOD\n$states{} << EOD\n", number);
-  for (const auto& s : slice.states) data += fmt::format("{:.5g} {:.5g}\n", 1e3 * s.x(), 1e3 * s.y());
-  data += fmt::format("EOD\n$body{} << EOD\n", number);
+void png_marks(const CoveragePicture& picture, const Slice& slice, double left, double top, double scale,
+               Canvas& canvas) {
+  const double width = slice.columns * scale, height = slice.rows * scale;
+  const auto placed = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector2d((p.x() - picture.box.low[slice.u]) / slice.pixel * scale,
+                           height - (p.y() - picture.box.low[slice.v]) / slice.pixel * scale);
+  };
+  std::string states, body;
+  for (const Eigen::Vector2d& state : slice.states) {
+    const Eigen::Vector2d p = placed(state);
+    states += fmt::format("{:.1f} {:.1f}\n", left + p.x(), top + p.y());
+  }
   for (const auto& line : slice.outline)
-    data += fmt::format("{:.5g} {:.5g}\n{:.5g} {:.5g}\n\n", 1e3 * line[0].x(), 1e3 * line[0].y(),
-                        1e3 * line[1].x(), 1e3 * line[1].y());
-  data += "EOD\n";
-  const auto axis = [](int i) { return axis_name[static_cast<std::size_t>(i)]; };
-  data += fmt::format("set title '{} = {:.4g} mm'\nset xlabel '{} [mm]'\nset ylabel '{} [mm]'\n",
-                      axis(slice.normal), 1e3 * picture.through[slice.normal], axis(slice.u), axis(slice.v));
-  data += fmt::format(
-      "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * picture.box.low[slice.u],
-      1e3 * (picture.box.low[slice.u] + slice.columns * slice.pixel), 1e3 * picture.box.low[slice.v],
-      1e3 * (picture.box.low[slice.v] + slice.rows * slice.pixel));
-  data += fmt::format("plot $area{} using 1:2:3:4:5 with rgbimage notitle", number);
-  if (!slice.states.empty())
-    data += fmt::format(", $states{} with points pt 7 ps 0.25 lc rgb '#000000' notitle", number);
-  if (!slice.outline.empty())
-    data += fmt::format(", $body{} with lines lw 1.5 lc rgb '#c02020' notitle", number);
-  return data + "\n";
+    if (const auto part = clipped({placed(line[0]), placed(line[1])}, width, height))
+      body += fmt::format("{:.1f} {:.1f}\n{:.1f} {:.1f}\n\n", left + (*part)[0].x(), top + (*part)[0].y(),
+                          left + (*part)[1].x(), top + (*part)[1].y());
+  const double r = std::clamp(0.09 * picture.spacing / slice.pixel * scale, 0.5, 2.0);
+  if (!states.empty()) {
+    canvas.data += data_block(fmt::format("states{}", slice.normal), states);
+    canvas.plots += fmt::format(
+        ", $states{} using 1:2:({:.2f}) with circles fs solid noborder lc rgb '#202020'", slice.normal, r);
+  }
+  if (!body.empty()) {
+    canvas.data += data_block(fmt::format("body{}", slice.normal), body);
+    canvas.plots += fmt::format(", $body{} with lines lw 1.4 lc rgb '#c02020'", slice.normal);
+  }
+}
+
+void png_slice(const CoveragePicture& picture, const Slice& slice, double left, double below,
+               Canvas& canvas) {
+  const double scale = panel / static_cast<double>(std::max(slice.columns, slice.rows));
+  const double width = slice.columns * scale, height = slice.rows * scale, top = below + panel - height;
+  const auto name_of = [](int axis) { return std::string(axis_name[static_cast<std::size_t>(axis)]); };
+  canvas.image(left, top, std::max(1, static_cast<int>(std::lround(width))),
+               std::max(1, static_cast<int>(std::lround(height))), [&](int x, int y) {
+                 const int column = std::min(slice.columns - 1, static_cast<int>((x + 0.5) / scale)),
+                           row =
+                               slice.rows - 1 - std::min(slice.rows - 1, static_cast<int>((y + 0.5) / scale));
+                 return slice.at(column, row);
+               });
+  png_marks(picture, slice, left, top, scale, canvas);
+  canvas.frame(left, top, width, height);
+  const auto mm = [](double metres) { return fmt::format("{:.4g}", 1e3 * metres); };
+  canvas.text(left, top - 8, "left",
+              name_of(slice.normal) + " = " + mm(picture.through[slice.normal]) + " mm");
+  canvas.text(left, top + height + 16, "left", mm(picture.box.low[slice.u]));
+  canvas.text(left + width, top + height + 16, "right", mm(picture.box.high[slice.u]) + " mm");
+  canvas.text(left + width / 2, top + height + 16, "center", name_of(slice.u) + " \u2192");
+  canvas.text(left - 6, top + height, "right", mm(picture.box.low[slice.v]));
+  canvas.text(left - 6, top + 10, "right", mm(picture.box.high[slice.v]));
+  canvas.text(left - 6, top + height / 2, "right", name_of(slice.v) + " \u2191");
+}
+
+void png_legend(const CoveragePicture& picture, bool too_many, Canvas& canvas) {
+  const double top = title_height + panel + 54, right = margin + panel + margin;
+  for (int i = 0; i < 4; ++i) {
+    const auto label = static_cast<Label>(i);
+    canvas.image(margin, top + 22 * i, 26, 15, [label](int, int) { return label; });
+    canvas.frame(margin, top + 22 * i, 26, 15);
+    canvas.text(margin + 34, top + 22 * i + 12, "left", legend_line(picture, label));
+  }
+  canvas.data += data_block("dot", fmt::format("{} {}\n", right + 13, top + 8));
+  canvas.plots += ", $dot using 1:2:(1.5) with circles fs solid noborder lc rgb '#202020'";
+  canvas.text(right + 34, top + 12, "left", states_line(picture, too_many));
+  if (picture.body.empty()) return;
+  canvas.data += data_block("red", fmt::format("{0} {2}\n{1} {2}\n", right, right + 26, top + 30));
+  canvas.plots += ", $red with lines lw 1.4 lc rgb '#c02020'";
+  canvas.text(right + 34, top + 34, "left", "body at rest");
 }
 
 }  // namespace
@@ -303,28 +369,24 @@ void write_coverage_png(const std::filesystem::path& file, const CoveragePicture
   if (!have_gnuplot())
     throw InputError({.file = file.string()}, "a PNG needs gnuplot, which is missing; expected .svg");
   check_writable(file);
-  std::string script = "set multiplot\nset size ratio -1\nset tics out nomirror\n";
+  const int width = 3 * panel + 4 * margin, height = title_height + panel + 34 + legend_height;
+  Canvas canvas;
+  canvas.text(margin, 20, "left", picture.title, 10);
   bool too_many = false;
   for (int i = 0; i < 3; ++i) {
     const Slice slice = cut(picture, 2 - i);
     too_many = too_many || slice.too_many_states;
-    script += fmt::format("set origin {},0.25\nset size 0.33,0.7\n", 0.33 * i) + png_panel(picture, slice, i);
+    png_slice(picture, slice, margin + i * (panel + margin), title_height + 10, canvas);
   }
-  script +=
-      "set origin 0,0\nset size 1,0.25\nunset border\nunset tics\nunset xlabel\nunset ylabel\nunset title\n"
-      "set size noratio\nset xrange [0:1]\nset yrange [0:1]\n";
-  for (int i = 0; i < 4; ++i) {
-    const auto label = static_cast<Label>(i);
-    const double y = 0.9 - 0.22 * i;
-    script += fmt::format(
-        "set object rectangle from 0.03,{:.3f} to 0.055,{:.3f} front fs empty border lc rgb '#444444'\n",
-        y - 0.08, y + 0.08);
-    script += fmt::format("set label \"{}\" at 0.065,{:.3f}\n", legend_line(picture, label), y);
-  }
-  script += fmt::format("set label \"{}\" at 0.45,0.9\n", states_line(picture, too_many));
-  if (!picture.body.empty()) script += "set label \"red: body at rest\" at 0.45,0.68\n";
-  script += png_swatches() + "plot $swatches using 1:2:3:4:5 with rgbimage notitle\nunset multiplot\n";
-  const std::optional<std::string> picture_bytes = draw_png(1280, 600, script);
+  png_legend(picture, too_many, canvas);
+  const std::string script =
+      canvas.data + canvas.decorations +
+      fmt::format(
+          "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "
+          "1\nunset border\nunset tics\nunset key\nset xrange [0:{}]\nset yrange [{}:0]\n",
+          width, height) +
+      canvas.plots + "\n";
+  const std::optional<std::string> picture_bytes = draw_png(width, height, script);
   if (!picture_bytes)
     throw InputError({.file = file.string()},
                      "gnuplot could not draw it, expected a gnuplot with pngcairo, or .svg");

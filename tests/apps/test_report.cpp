@@ -163,3 +163,22 @@ TEST_CASE(
   test::check_refused(shop, "study study.toml -o new --figures gif", {"--figures", "gif", "svg, png, pdf"});
   test::check_refused(shop, "study study.toml -o new --palette mine", {"--palette", "okabe-ito"});
 }
+
+TEST_CASE("the picture of classify has the same size in SVG and PNG") {
+  if (!test::has_command("gnuplot")) {
+    test::skip("gnuplot is not installed");
+    return;
+  }
+  const Workshop shop;
+  shop.write("s_1.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,-1,0,0\n0,0.02,0,0,-1,0\n0,0,0.01,0,0,-1\n");
+  REQUIRE(shop.forefeel("classify s_1.csv --spacing 0.006 -o c.svg --quiet").code == 0);
+  REQUIRE(shop.forefeel("classify s_1.csv --spacing 0.006 -o c.png --quiet").code == 0);
+  const std::string png = file_text(shop, "c.png"), svg = file_text(shop, "c.svg");
+  const auto size_at = [&](std::size_t byte) {  // of the header, high byte first
+    return static_cast<unsigned char>(png[byte + 2]) * 256 + static_cast<unsigned char>(png[byte + 3]);
+  };
+  REQUIRE(png.size() > 24);
+  CHECK_THAT(svg, Catch::Contains("width=\"" + std::to_string(size_at(16)) + "\" height=\"" +
+                                  std::to_string(size_at(20)) + "\""));
+  CHECK_THAT(svg, Catch::Contains("Coverage of s_1.csv"));
+}
