@@ -90,6 +90,9 @@ std::string tiles(const SessionSummary& s) {
                fmt::format("of {} frames in safe regions (densely known)", s.run.frames),
                small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
   html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
+  html += tile(shown(s.load),
+               "load: states that the motion needs over states that are solved; above 1 workers lag",
+               small_is_good(s.load, 1, 3));
   html += tile(percent(s.safety.clamped_share),
                fmt::format("of {} frames clamped at {}; {} at the slew limit", s.run.frames,
                            with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)),

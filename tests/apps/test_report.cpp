@@ -109,6 +109,7 @@ TEST_CASE(
   const std::string page = file_text(shop, "run/report.html");
   CHECK_THAT(page, Catch::Contains("<div class=\"tile bad\"><b>"));
   CHECK_THAT(page, Catch::Contains("of 1000 frames clamped at 0.02 N"));
+  CHECK_THAT(page, Catch::Contains("load: states that the motion needs"));
   CHECK_THAT(page, Catch::Contains("<h3>prediction.kalman</h3>") && Catch::Contains("<th>horizon</th>"));
   CHECK_THAT(page, !Catch::Contains("{&quot;horizon") && !Catch::Contains("{\"horizon"));
   for (const char* headline : {"<h2>Force, label and error over time (", "<h2>Around one switch (",
