@@ -53,6 +53,8 @@ td.n{text-align:right;font-variant-numeric:tabular-nums}
 .columns td{overflow-wrap:anywhere}.columns td.n{min-width:62px}h1,h2,h3,p,li,code{overflow-wrap:anywhere}
 .columns{columns:3;column-gap:14px}.wide td.n{text-align:left;word-break:break-word}
 summary{cursor:pointer;font-size:18px;font-weight:600;margin:30px 0 8px}
+@media(max-width:940px){.moments td.n,.ranking td.n{white-space:normal}.moments td:last-child{min-width:150px}
+.scroll td,.scroll th{padding:2px 4px}}
 @media(max-width:760px){.tiles{grid-template-columns:repeat(2,1fr)}.columns{columns:1}
 .maps{grid-template-columns:1fr}}
 )";

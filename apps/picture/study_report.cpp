@@ -122,10 +122,10 @@ double mean_at(const StudyResults& results, std::size_t axis, std::size_t level,
   return n > 0 ? sum / static_cast<double>(n) : std::nan("");
 }
 
-// Places of those that are not told apart from the first are one place: "1 =".
+// Places of those that are not told apart from the first are one place: "1=".
 std::string place_of(const std::vector<Ranked>& ranked, std::size_t i) {
   const bool any_tie = std::ranges::any_of(ranked.begin() + 1, ranked.end(), &Ranked::tied);
-  if (i == 0 || ranked[i].tied) return any_tie ? "1 =" : "1";
+  if (i == 0 || ranked[i].tied) return any_tie ? "1=" : "1";
   return std::to_string(i + 1);
 }
 
@@ -172,7 +172,7 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
         "so the true regrets are at least those shown.</p>\n";
   return html +
          fmt::format(
-             "<p class=\"muted\">\"1 =\": not told apart from the first. Error, clamping and energy are "
+             "<p class=\"muted\">\"1=\": not told apart from the first. Error, clamping and energy are "
              "means over all cells.{}</p>\n",
              entry.ranking.dropped > 0
                  ? fmt::format(" {} motions and seeds lack a value and are left out.", entry.ranking.dropped)
