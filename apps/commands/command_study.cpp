@@ -64,7 +64,8 @@ std::optional<std::string> drawn_as(const std::string& format, const Figure& fig
                            : draw_pdf(width, height, script);
 }
 
-// FOLDER/NAME.FORMAT for each format that is wanted. Returns false, and a warning says so, where one is missing.
+// FOLDER/NAME.FORMAT for each format that is wanted. Returns false, and a warning says so, where one is
+// missing.
 bool write_figures(const Globals& globals, const fs::path& folder, const std::vector<std::string>& formats,
                    const std::vector<Figure>& figures) {
   bool whole = true;

@@ -1,6 +1,6 @@
 #pragma once
-// The reference that `forefeel help` prints: every key, setting and column, from the tables that the readers and
-// writers themselves use.
+// The reference that `forefeel help` prints: every key, setting and column, from the tables that the readers
+// and writers themselves use.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -17,7 +17,8 @@ struct HelpTopic {
 
 // scene, study, devices, outputs.
 std::vector<HelpTopic> help_topics();
-// Only the tables of this name, and those below it: "session" also gives "session.jnd". Empty if there is none.
+// Only the tables of this name, and those below it: "session" also gives "session.jnd". Empty if there is
+// none.
 std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name);
 
 // For a terminal of this many columns.

@@ -36,8 +36,8 @@ p.legend{margin:2px 0 6px;font-size:13.5px}
 canvas{display:block;width:100%;touch-action:none}
 .bar{margin:0 0 8px;display:flex;flex-wrap:wrap;gap:6px;align-items:center}
 .bar input{flex:1;min-width:120px}
-button{font:inherit;white-space:nowrap;font-size:13px;padding:2px 10px;border:1px solid #b9b4a8;border-radius:6px;
-background:#f7f5f0;cursor:pointer}
+button{font:inherit;white-space:nowrap;font-size:13px;padding:2px 10px;
+border:1px solid #b9b4a8;border-radius:6px;background:#f7f5f0;cursor:pointer}
 .read{display:flex;flex-wrap:wrap;gap:2px 18px;min-height:44px;margin:8px 4px;
 font-variant-numeric:tabular-nums;font-size:13.5px}
 .read em{color:#5a5a5a;font-style:normal}.maps{display:grid;grid-template-columns:repeat(3,1fr);gap:8px}

@@ -11,7 +11,8 @@
 namespace forefeel {
 namespace {
 
-// okabe-ito: told apart with every kind of colour vision (Okabe, Ito 2008, without yellow); bright: Paul Tol's.
+// okabe-ito: told apart with every kind of colour vision (Okabe, Ito 2008, without yellow); bright: Paul
+// Tol's.
 const std::pair<const char*, const char*> named[] = {
     {"okabe-ito", "#0072b2,#d55e00,#009e73,#cc79a7,#e69f00,#56b4e9,#1b1b1b,#8a8a8a"},
     {"bright", "#4477aa,#ee6677,#228833,#ccbb44,#66ccee,#aa3377,#bbbbbb"},

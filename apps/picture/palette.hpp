@@ -9,7 +9,8 @@ namespace forefeel {
 
 using Palette = std::vector<std::string>;  // "#rrggbb", at least one
 
-// By name: okabe-ito (default), bright, grey; or a list "#0072b2,#d55e00". InputError("--palette") for another text.
+// By name: okabe-ito (default), bright, grey; or a list "#0072b2,#d55e00". InputError("--palette") for
+// another text.
 Palette palette_from_text(const std::string& text);
 std::vector<std::string> palette_names();
 inline constexpr std::string_view usual_palette = "okabe-ito";

@@ -153,8 +153,7 @@ std::optional<std::string> draw_svg(const std::string& name, int width, int heig
 }
 
 std::optional<std::string> draw_png(int width, int height, const std::string& script) {
-  const auto picture =
-      drawn(fmt::format("pngcairo size {},{} font 'sans,10'", width, height), script);
+  const auto picture = drawn(fmt::format("pngcairo size {},{} font 'sans,10'", width, height), script);
   return picture && picture->starts_with("\x89PNG") ? picture : std::nullopt;
 }
 

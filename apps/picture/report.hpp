@@ -14,8 +14,8 @@ namespace forefeel {
 
 using Picture = std::shared_future<std::string>;  // HTML
 
-// Each is made on its own thread. All but the slices read the result meanwhile, so it must outlive them. Slices,
-// still (curves for browsers without scripts) and deadlines are drawn by gnuplot; empty without it.
+// Each is made on its own thread. All but the slices read the result meanwhile, so it must outlive them.
+// Slices, still (curves for browsers without scripts) and deadlines are drawn by gnuplot; empty without it.
 struct ReportPictures {
   Picture slices, still, deadlines;  // deadlines: only with a real clock
   Picture charts, moments;           // curves that can be zoomed; the worst moments

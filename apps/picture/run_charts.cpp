@@ -23,10 +23,10 @@ std::string curves(std::size_t samples) {
   html += "<p class=\"legend\">" + key(ink::rendered, "line", "rendered, before the safety rules") +
           key(ink::sent, "dash", "sent to the device") + key(ink::limit, "dash", "force limit") +
           key("rgba(192,32,32,.2)", "box", "clamped") + key(ink::undamped, "line", "newest model, undamped") +
-          key(ink::reference_light, "dot", "reference") +
-          "</p>\n<p class=\"legend\"><span>error:</span>" + key(ink::rendered, "line", "rendered") +
-          key(ink::approximation, "dot", "approximation") + key(ink::switching, "dot", "switch") +
-          key(ink::staleness, "dot", "staleness") + key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
+          key(ink::reference_light, "dot", "reference") + "</p>\n<p class=\"legend\"><span>error:</span>" +
+          key(ink::rendered, "line", "rendered") + key(ink::approximation, "dot", "approximation") +
+          key(ink::switching, "dot", "switch") + key(ink::staleness, "dot", "staleness") +
+          key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
   html +=
       "<figure><p class=\"bar\"><button id=\"run-all\">whole run</button><button id=\"run-in\">+</button>"
       "<button id=\"run-out\">−</button><button id=\"run-here\">switch at the pointer</button>"

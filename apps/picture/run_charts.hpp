@@ -8,8 +8,8 @@
 
 namespace forefeel {
 
-// Curves over time, a view around each switch, maps of the errors, with data and script. without_script: HTML that
-// browsers without scripts show instead.
+// Curves over time, a view around each switch, maps of the errors, with data and script. without_script: HTML
+// that browsers without scripts show instead.
 std::string run_charts(const SessionResult& result, const RunView& view, const std::string& without_script);
 std::string worst_moments(const SessionResult& result, const RunView& view);
 

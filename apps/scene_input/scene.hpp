@@ -59,8 +59,8 @@ Scene load_scene(const std::filesystem::path& file, std::span<const std::string>
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
 
-// Full paths of the keys that the reader asks for in a scene with this text, for the test that every declared key
-// is read.
+// Full paths of the keys that the reader asks for in a scene with this text, for the test that every declared
+// key is read.
 std::set<std::string> scene_keys_read(std::string_view text, std::span<const std::string> overrides = {});
 
 // The scene's state space on a lattice of another spacing [m]. The box changes with it where the scene gives

@@ -32,8 +32,8 @@ class StudyCellResult {
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);
 
-// The columns of cells.csv behind the varied keys and the seed, for `forefeel help`: those of the summary, then
-// those that only studies have.
+// The columns of cells.csv behind the varied keys and the seed, for `forefeel help`: those of the summary,
+// then those that only studies have.
 std::vector<Declared> declared_cells();
 
 // Share of first visits within the tolerance of the reference force, |F - f| <= max(tolerance |f|, F_abs).

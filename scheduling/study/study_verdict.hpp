@@ -17,13 +17,13 @@ namespace forefeel {
 // exclude zero.
 std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells);
 
-// What to do next, one line each: how many more motions would show the difference that the verdict does not show,
-// whether a ceiling or a floor hides it, and at which load to look. Empty if no axis has two values.
+// What to do next, one line each: how many more motions would show the difference that the verdict does not
+// show, whether a ceiling or a floor hides it, and at which load to look. Empty if no axis has two values.
 std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells);
 
-// Motions (groups) for which both ends of Student's 95 % interval of this difference lie on one side of zero with a
-// chance of 80 %, if mean and spread stay as they are; nothing if one group gives no spread, or the mean is zero, or
-// a thousand are not enough.
+// Motions (groups) for which both ends of Student's 95 % interval of this difference lie on one side of zero
+// with a chance of 80 %, if mean and spread stay as they are; nothing if one group gives no spread, or the
+// mean is zero, or a thousand are not enough.
 std::optional<std::size_t> motions_needed(const Comparison& difference);
 
 // One device (a value of the axis `device`, or the device of all cells): means over its cells. Shares in [0,

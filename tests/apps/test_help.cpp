@@ -1,4 +1,5 @@
-// The reference of `forefeel help`: it says what the readers accept and the writers write, no more and no less.
+// The reference of `forefeel help`: it says what the readers accept and the writers write, no more and no
+// less.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
