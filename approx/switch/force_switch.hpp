@@ -1,21 +1,22 @@
 #pragma once
 // The damped coefficient switch (paper 3.2): from model f~ to model f~' without a jump that the hand feels.
-//   paper   F = (1 - w) f~ + w f~'   w changes every tenth frame by |dF| <= max(10 mN, 7 % |F|)
-//   smooth  F = f~' + e              e = F - f~' at the moment of the switch, then shrinks in every frame by
-//                                    |dF| <= max(1 mN, 0.7 % |F|); a newer model only redefines e
-//   none    F = f~'                  at once
-// F [N] is the rendered force. dF [N] is the change by the switch at the frame's own x; motion does not
-// count. The bound holds for |F| before and after the change. The first model fades in from zero by the same
-// rule. paper: models that arrive during a switch wait; only the latest of them is used. If f~ and f~' differ
-// by d at the HIP, the switch takes at most d / 10 mN steps of 10 ms, which bounds the delay. smooth: no
-// delay; the offset is gone after at most |e| / 1 mN frames. step() does not allocate, lock or throw.
+// At the HIP x, F [N] is the rendered force. dF [N] is the part of a frame's change that the switch makes;
+// the change by the motion is not counted.
+//   paper   F = (1 - w) f~(x) + w f~'(x). Every tenth frame w grows from 0 towards 1, with
+//           |dF| <= max(10 mN, 7 % |F|). Models that arrive before w = 1 wait; only the latest is used. If
+//           the models differ by d at the HIP, w = 1 is reached after at most d / 10 mN steps of 10 ms.
+//   smooth  F = f~'(x) + e. At a switch e becomes F - f~'(x), so that F does not jump. Then e shrinks in
+//           every frame, with |dF| <= max(1 mN, 0.7 % |F|), for at most |e| / 1 mN frames. No model waits.
+//   none    F = f~'(x) at once.
+// |F| in a bound is the smaller of the forces before and after the change. The first model fades in from zero
+// by the same rule. step() does not allocate, lock or throw.
 //
 // How large F can be. paper: F lies between the forces of the two models at the HIP. smooth: e was measured
-// where the HIP was at the switch, and switches add to it. So it is bounded as the HIP moves:
-//   |F| <= S             S: the largest |f~| of the newest model so far, that is what rule none renders
-//   e <- e exp(-(s - s0) / l)   where the HIP moves by s > s0 in a frame: a jump, faster than any hand.
-//                        s0 = 1 mm in 1 ms, l = 5 mm. After 5 cm nothing of e is left.
-// Both belong to the motion: they change nothing while the HIP rests, and dF does not count them.
+// where the HIP was at the switch, and several switches add up. Two rules bound it while the HIP moves:
+//   |F| <= S                    S [N]: the largest force so far of what rule none renders
+//   e <- e exp(-(s - s0) / l)   in a frame in which the HIP moves by s > s0: a jump, faster than any hand.
+//                               s0 = 1 mm in 1 ms, l = 5 mm. After 5 cm nothing of e is left.
+// They act only while the HIP moves, and dF does not count them.
 
 #include <string_view>
 

@@ -57,6 +57,7 @@ void add_cache(CommandLine& line) {
   const auto arguments = std::make_shared<CacheArguments>();
   Command sub =
       line.add("cache", "Where results are kept between runs, how large that is, and how to empty it");
+  sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_cache(globals, *arguments); });
   sub.flag("--empty", arguments->empty,
            "Remove what is kept: meshes of phantoms, tight solves, measured spacings and costs. All of it is "

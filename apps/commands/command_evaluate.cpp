@@ -306,24 +306,30 @@ void add_evaluate(CommandLine& line) {
          "without stiffness if none of kernel, data, neighbours and ridge is given, else rbf")
       .one_of(
           {"auto", "rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"});
-  sub.option("--kernel", arguments->kernel, "Default of rbf: quintic with stiffness, else cubic")
+  sub.option("--kernel", arguments->kernel,
+             "Radial function. Default of rbf: quintic for states with stiffness, else cubic")
       .one_of({"linear", "cubic", "quintic"});
-  sub.option("--data", arguments->data, "Default: force+stiffness if the states have it")
+  sub.option("--data", arguments->data, "What a model fits. Default: force+stiffness if the states have it")
       .one_of({"force", "force+stiffness"});
-  sub.option(
-         "--neighbours", arguments->neighbours,
-         "Neighbours: states in a model. Default 25, or 100 for sets without stiffness. By label a model has "
-         "at least 16 outside safe regions (20 without stiffness, everywhere), and up to 32 more in a gap; "
-         "1 stays 1. For rbf-network: the number of centres")
+  sub.option("--neighbours", arguments->neighbours,
+             "Number of states in a model. Default: 25, or 100 for states without stiffness. With --select "
+             "label a "
+             "model has more where they are needed: at least 16 outside safe regions (without stiffness at "
+             "least 20 "
+             "everywhere), and up to 32 more in a gap; 1 stays 1. For rbf-network: number of centres")
       .check(above_zero)
       .check([](const std::string& text) {
         const double n = std::strtod(text.c_str(), nullptr);
         return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
       });
-  sub.option("--select", arguments->select, "Neighbour rule; default of rbf: label")
+  sub.option("--select", arguments->select,
+             "Which states a model uses: nearest, or label (outside safe regions from all sides of the "
+             "point). Default "
+             "of rbf: label")
       .one_of({"label", "nearest"});
-  sub.option("--spacing", arguments->spacing,
-             "h [m]; default: as in the file, else the median distance of states")
+  sub.option(
+         "--spacing", arguments->spacing,
+         "Distance of states that counts as dense [m]. Default: that of the file, else the median distance")
       .check(above_zero);
   sub.option("--ridge", arguments->ridge,
              "For noisy states: added to the kernel's diagonal; auto: chosen by leaving out single states. "

@@ -151,6 +151,7 @@ int run_info(const Globals& globals, const std::string& file) {
 void add_info(CommandLine& line) {
   auto file = std::make_shared<std::string>();
   Command sub = line.add("info", "Show what a file holds: states, mesh or surface");
+  sub.reads_no_scene();
   sub.runs([file](const Globals& globals) { return run_info(globals, *file); });
   sub.option("file", *file, "State file, CSV of states, mesh or surface").required().shows("FILE");
 }

@@ -178,6 +178,7 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 void add_mesh(CommandLine& line) {
   auto arguments = std::make_shared<MeshArguments>();
   Command sub = line.add("mesh", "Make a tetrahedral mesh from a surface, a volume mesh or a built-in body");
+  sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
   sub.option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")
       .shows("SURFACE");

@@ -10,6 +10,7 @@
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/console/suggest.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/scene_input/given_states.hpp"
@@ -29,6 +31,8 @@
 #include "geometry/common/result_folder.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/policy.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/workers/rank_workers.hpp"
@@ -158,15 +162,13 @@ struct Meanwhile {
 };
 
 // summary.json.
-nlohmann::ordered_json document_of(const SessionSummary& summary,
-                                   const std::vector<PredictorErrors>& predictors,
-                                   const SessionResult& result, const SessionPlan& plan, const Scene& scene) {
+nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene) {
   nlohmann::ordered_json document = to_json(summary);
-  document["interrupted"] = result.interrupted();
-  document["frames_asked"] = plan.frames;
-  document["spacing"] = scene.space.spacing;
+  document["interrupted"] = summary.run.interrupted;
+  document["frames_asked"] = summary.run.frames_asked;
+  document["spacing"] = summary.settings.spacing;
   if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
-  document["prediction"] = to_json(predictors);
+  document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
   document["provenance"] = provenance(scene.hash);
   return document;
 }
@@ -229,7 +231,6 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   end_if_interrupted("the session began");
   plan = take_states(scene, given, globals, std::move(plan));
   const SessionOptions& options = plan.options;
-  const SessionInput& input = plan.input;
   keep_replayed(options, run);
   claim_folder(run,
                {"frames.csv", "dispatch.csv", "switches.csv", "states.csv", "summary.json", "report.html"});
@@ -260,10 +261,10 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   Salvage salvage(result.failures);
   salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
-  SessionSummary summary = summarise(result, input, options);
-  summary.safety.force_limit = limit;
+  SessionSummary summary = summarise(result, plan);
+  summary.motion.prediction = predictions.report();
   summary.run.failures = salvage.failures();
-  nlohmann::ordered_json document = document_of(summary, predictions.report(), result, plan, scene);
+  nlohmann::ordered_json document = document_of(summary, scene);
   salvage.attempt("summary.json", [&] {
     OutputFile file(run / "summary.json");
     file.write(json_text(document, 2) + "\n");
@@ -297,7 +298,8 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
 
 void add_session(CommandLine& line) {
   const auto given = std::make_shared<SessionArguments>();
-  Command sub = line.add("session", "A headless haptic session: workers solve while a 1 kHz loop renders");
+  Command sub =
+      line.add("session", "A haptic session with a simulated hand: workers solve while a 1 kHz loop renders");
   sub.runs([given](const Globals& globals) {
     return given->mpi.on ? run_with_mpi(globals, *given) : run_session_command(globals, *given, nullptr);
   });
@@ -310,23 +312,28 @@ void add_session(CommandLine& line) {
   const Option extend = sub.flag("--extend", given->states.extend,
                                  "Append what is solved to the file of --states; it is made if missing");
   sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
-  sub.option("--device", given->device,
-             "path:NAME[,speed=…,amplitude=…,tremor=…,noise=…] trace:FILE[,scale=…,offset=x/y/z] or "
-             "hand:PROFILE[,target=NAME,grip=…]");
+  sub.option(
+      "--device", given->device,
+      "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], trace:FILE[,scale=…,offset=x/y/z] or "
+      "hand:PROFILE[,target=NAME,grip=…]");
   sub.option("--clock", given->clock, "real or virtual");
   sub.option("--seconds", given->seconds, "Length [s]");
   sub.option("--workers", given->workers, "Workers that solve");
   sub.option("--workers-kind", given->workers_kind, "threads, or a kind that this program registers");
   add_mpi_options(sub, given->mpi,
                   "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
-  sub.option("--policy", given->policy,
-             "Rule that chooses what is solved next. clairvoyant is an upper bound: it simulates all seven "
-             "schedules, then runs the best; it takes about seven times as long");
-  sub.option("--predictor", given->predictor, "kalman or constant-velocity");
-  sub.option("--switch", given->switching, "paper, smooth or none");
-  sub.option("--cost", given->cost, "Virtual clock: constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
+  sub.option(
+      "--policy", given->policy,
+      "What is solved next: " + listed(policy_names()) +
+          ". clairvoyant is an upper bound: it simulates all seven schedules, then runs the best; it takes "
+          "about seven times as long");
+  sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
+  sub.option("--switch", given->switching, "How one model follows another: paper, smooth or none");
+  sub.option("--cost", given->cost,
+             "Virtual clock: time of a solve [s], constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
   sub.option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
-  sub.option("--select", given->select, "Neighbour set: label or nearest");
+  sub.option("--select", given->select,
+             "Which states a model uses: nearest, or label (outside safe regions from all sides of the HIP)");
   const Option arrivals = sub.option("--arrivals", given->arrivals,
                                      "CSV t,x,y,z, rows in any order: states become known at given times");
   sub.option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")

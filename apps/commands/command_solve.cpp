@@ -243,18 +243,18 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
 
 void add_solve(CommandLine& line) {
   const auto arguments = std::make_shared<SolveArguments>();
-  Command sub =
-      line.add("solve", "Tight solves on the reference branch (the equilibrium reached straight from rest)");
+  Command sub = line.add(
+      "solve", "Exact forces at given positions: the equilibria that the body reaches straight from rest");
   sub.runs([arguments](const Globals& globals) { return run_solve(globals, *arguments); });
   sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
   const Option at = sub.option("--at", arguments->at,
-                               "Position of the HIP (haptic interaction point, the tip) from rest [m]; may "
-                               "be repeated: --at=X,Y,Z")
+                               "Position of the HIP (haptic interaction point, the tip), from rest [m]; "
+                               "repeat --at for more positions")
                         .takes_one()
                         .shows("X,Y,Z");
   sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").shows("F.csv").excludes(at);
   sub.flag("--discretisation-error", arguments->discretisation_error,
-           "Estimate the error of the mesh by quadratic elements on it");
+           "Estimate the error of the mesh: solve with quadratic elements too, and compare");
   sub.option("-o,--output", arguments->output, "States as CSV").shows("OUT.csv");
 }
 

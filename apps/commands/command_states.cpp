@@ -108,6 +108,7 @@ void add_import(CommandLine& line) {
   auto arguments = std::make_shared<ImportArguments>();
   Command sub =
       line.add("import", "Convert states from a CSV, measured or from elsewhere, into a state file");
+  sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
   sub.option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
   sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
@@ -119,6 +120,7 @@ void add_import(CommandLine& line) {
 void add_export(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
   Command sub = line.add("export", "Write states as a table or for ParaView");
+  sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_export(globals, *arguments); });
   sub.option("states", arguments->input, "State file or CSV").required().shows("STATES");
   sub.option("-o,--output", arguments->output, "File to write").required().shows("F.csv|F.vtu");

@@ -149,20 +149,19 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   claim_folder(folder, {"frames.csv", "dispatch.csv", "switches.csv", "summary.json", "report.html",
                         "gantt.svg", "gantt.png", "gantt.pdf"});
   Progress progress(globals, "session");
+  const SessionPlan session = make_plan(input, options);
   const SessionResult result =
-      run_session(input, options, {.progress = [&](const SessionProgress& p) {
+      run_session(session, {.progress = [&](const SessionProgress& p) {
                     progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
                   }});
   write_run_files(folder, result, options);
-  const double limit = make_plan(input, options).render.safety.force_limit;
-  SessionSummary summary = summarise(result, input, options);
-  summary.safety.force_limit = limit;
+  const SessionSummary summary = summarise(result, session);
   nlohmann::ordered_json document = to_json(summary);
   document["provenance"] = provenance(scene.hash);
   write_whole(folder / "summary.json", json_text(document, 2) + "\n");
-  write_report(
-      folder, summary, document, scene,
-      begin_pictures(result, begin_slices(result, scene.space), view_of(scene.space, options, limit)));
+  write_report(folder, summary, document, scene,
+               begin_pictures(result, begin_slices(result, scene.space),
+                              view_of(scene.space, options, summary.safety.force_limit)));
   const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
   std::vector<std::string> formats = arguments.figures;
   if (std::ranges::find(formats, "svg") == formats.end()) formats.emplace_back("svg");
@@ -193,7 +192,7 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
     const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
                                                     study.axes[c.slice->axis].values[c.slice->value].text)
                                       : "";
-    const char* verdict = c.comparison.verdict() == 0                               ? "not shown"
+    const char* verdict = c.comparison.verdict() == 0                               ? "not significant"
                           : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
                                                                                     : "worse";
     const auto interval = [&](const ConfidenceInterval& of) {
@@ -328,23 +327,24 @@ int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
 
 void add_study(CommandLine& line) {
   const auto arguments = std::make_shared<StudyArguments>();
-  Command sub =
-      line.add("study", "Run every combination of policies, devices, models …; table, ranking, report");
+  Command sub = line.add(
+      "study",
+      "Run every combination of policies, devices, models …, and compare them: table, ranking, report");
   sub.runs([arguments](const Globals& globals) {
     return arguments->mpi.on ? run_with_mpi(globals, *arguments) : run_command(globals, *arguments, nullptr);
   });
-  sub.option("STUDY", arguments->study,
-             "Study (TOML). target_load = [L, …] in [vary] makes solves cost so much that the states "
-             "which the motion needs per "
-             "second, but for those known at the start, are L times what the workers solve per second, "
-             "messages included. A session ends with its motion (a trace's own length), or after the study's "
-             "session.seconds if that is less")
+  sub.option(
+         "STUDY", arguments->study,
+         "Study (TOML). target_load = [L, …] in [vary] chooses the cost of a solve: the motion then needs L "
+         "times as many new states per second as the workers solve, messages included. A session ends with "
+         "its motion, or after session.seconds of the study if that is earlier")
       .required();
   sub.option("-o,--output", arguments->output, "Folder of the results; resumed if it exists")
       .required()
       .shows("DIR/");
   sub.option("--gantt", arguments->gantt,
-             "Only draw the dispatch Gantt of this cell: a row of cells.csv, counted from 1")
+             "Only run this cell again (a row of cells.csv, counted from 1) and draw when each worker solved "
+             "what")
       .check(above_zero)
       .shows("CELL");
   sub.option("--figures", arguments->figures,

@@ -6,15 +6,68 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <deque>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "apps/console/suggest.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
+
+// ---- checks of values ----
+// A refusal continues the option's name: "--seed: is '1.5', expected a whole number".
+
+namespace {
+
+using Refusal = std::function<std::string(const std::string&)>;
+
+template <class Number>
+bool reads_as(const std::string& text, Number& number) {
+  return CLI::detail::lexical_cast(text, number);
+}
+
+template <class Number>
+CLI::Validator range(Number low, Number high) {
+  const std::string words = fmt::format("{} to {}", low, high);
+  const Refusal refusal = [low, high, words](const std::string& text) {
+    Number number{};
+    const bool fits = reads_as(text, number) && number >= low && number <= high;
+    return fits ? std::string() : fmt::format("is {}, expected {}", text, words);
+  };
+  return {refusal, words};
+}
+
+// What a value must be, for variables that are not text.
+template <class Number>
+void check_type(CLI::Option* option) {
+  const bool whole = std::is_integral_v<Number>;
+  option->check([whole](const std::string& text) {
+    Number number{};
+    return reads_as(text, number) ? std::string()
+                                  : fmt::format("is '{}', expected a {}number{}", text, whole ? "whole " : "",
+                                                std::is_unsigned_v<Number> ? " of at least 0" : "");
+  });
+}
+
+template <class Value>
+struct NumberIn {
+  using Type = void;  // text
+};
+template <class Number>
+requires std::is_arithmetic_v<Number>
+struct NumberIn<Number> {
+  using Type = Number;
+};
+template <class Value>
+struct NumberIn<std::optional<Value>> : NumberIn<Value> {};
+template <class Value>
+struct NumberIn<std::vector<Value>> : NumberIn<Value> {};
+
+}  // namespace
 
 // ---- one option ----
 
@@ -44,22 +97,26 @@ Option& Option::check(const std::function<std::string(const std::string&)>& refu
 }
 
 Option& Option::one_of(const std::vector<std::string>& words) {
-  option_->check(CLI::IsMember(words));
+  const Refusal refusal = [words](const std::string& text) {
+    const bool known = std::ranges::find(words, text) != words.end();
+    return known ? std::string() : fmt::format("is '{}'{}", text, expected_instead(text, words));
+  };
+  option_->check(CLI::Validator(refusal, fmt::format("{{{}}}", fmt::join(words, ","))));
   return *this;
 }
 
 Option& Option::between(int low, int high) {
-  option_->check(CLI::Range(low, high));
+  option_->check(range(low, high));
   return *this;
 }
 
 Option& Option::between(double low, double high) {
-  option_->check(CLI::Range(low, high));
+  option_->check(range(low, high));
   return *this;
 }
 
 Option& Option::between(std::size_t low, std::size_t high) {
-  option_->check(CLI::Range(low, high));
+  option_->check(range(low, high));
   return *this;
 }
 
@@ -87,7 +144,10 @@ Option& Option::excludes(const Option& other) {
 
 template <class Value>
 Option Command::option(const std::string& names, Value& variable, const std::string& help) {
-  return Option(app_->add_option(names, variable, help));
+  CLI::Option* option = app_->add_option(names, variable, help);
+  using Number = typename NumberIn<Value>::Type;
+  if constexpr (!std::is_void_v<Number>) check_type<Number>(option);
+  return Option(option);
 }
 
 using std::optional, std::string, std::vector;
@@ -109,6 +169,14 @@ Option Command::flag(const std::string& names, bool& variable, const std::string
 
 bool Command::given(const std::string& name) const {
   return app_->count(name) > 0;
+}
+
+void Command::reads_no_scene() {
+  CLI::Option* set = app_->get_option("--set");
+  set->description("For commands that read a scene; refused here");
+  set->check([name = app_->get_name()](const std::string&) {
+    return fmt::format("is about keys of a scene, but {} reads none, expected no --set", name);
+  });
 }
 
 // ---- errors of a command line ----
@@ -154,7 +222,30 @@ void check_options(const CLI::App& app, int argc, const char* const* argv) {
   }
 }
 
-// Turns CLI11's messages, which have several lines and forms, into one line.
+// "SCENE is required": a positional argument is named with its command.
+InputError missing(const std::string& option, const std::string& where) {
+  if (option.starts_with("-")) return {option, fmt::format("is missing, see forefeel {} --help", where)};
+  return {where, fmt::format("{} is missing, see forefeel {} --help", option, where)};
+}
+
+// "--seed: 1 required N missing", "--clock: At Most 1 required but received 2", or another form.
+std::optional<InputError> wrong_count(const CLI::App& sub, const std::string& option,
+                                      const std::string& problem) {
+  const CLI::Option* known = sub.get_option_no_throw(option);
+  const std::string type = known ? known->get_type_name() : "";
+  if (problem.ends_with(" missing"))
+    return InputError(option,
+                      fmt::format("has no value, expected {} {}", option, type.substr(0, type.find(':'))));
+  const std::size_t received = problem.find(" required but received ");
+  if (received == std::string::npos) return {};
+  const std::string given = problem.substr(received + 23), limit = problem.substr(0, received);
+  if (limit == "At Most 1") return InputError(option, fmt::format("is given {} times, expected once", given));
+  if (limit.starts_with("At least "))
+    return InputError(option, fmt::format("has {} of its values, expected {}", given, limit.substr(9)));
+  return {};
+}
+
+// CLI11's messages as the others: place, what was given, what was expected.
 InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   const CLI::App& sub = chosen.empty() ? app : *chosen.front();
@@ -162,10 +253,23 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty())
     return {where, fmt::format("unexpected argument '{}', see forefeel {} --help",
                                app.remaining(true).front(), where)};
-  std::string text = error.what();
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
-  while (text.ends_with("; ")) text.resize(text.size() - 2);
-  return {where, text + fmt::format(" (see forefeel {}--help)", chosen.empty() ? "" : where + " ")};
+  const std::string text = error.what();
+  const std::string conversion = "Could not convert: ";  // of a flag: values of options are checked before
+  if (const std::size_t end = text.find(" = "); text.starts_with(conversion) && end != std::string::npos)
+    return {text.substr(conversion.size(), end - conversion.size()),
+            fmt::format("is '{}', expected no value", text.substr(end + 3))};
+  const std::size_t colon = text.find(": ");
+  if (dynamic_cast<const CLI::ValidationError*>(&error) && colon != std::string::npos)
+    return {text.substr(0, colon), text.substr(colon + 2)};
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && colon != std::string::npos)
+    if (const auto found = wrong_count(sub, text.substr(0, colon), text.substr(colon + 2))) return *found;
+  if (const std::size_t end = text.find(" is required"); dynamic_cast<const CLI::RequiredError*>(&error))
+    if (end != std::string::npos) return missing(text.substr(0, end), where);
+  if (const std::size_t end = text.find(" excludes "); dynamic_cast<const CLI::ExcludesError*>(&error))
+    if (end != std::string::npos)
+      return {text.substr(0, end),
+              fmt::format("is given with {}, expected one of the two", text.substr(end + 10))};
+  return {where, fmt::format("{}, see forefeel {}--help", text, chosen.empty() ? "" : where + " ")};
 }
 
 // Refuses an empty value: it usually comes from an unset shell variable and must not look like a missing
@@ -181,10 +285,11 @@ void check_values(const CLI::App& app) {
 }
 
 std::string refuse_seed(const std::string& text) {
+  std::uint64_t seed = 0;
   errno = 0;
   std::strtoull(text.c_str(), nullptr, 0);
-  const bool fits = errno == 0 && !text.starts_with('-');
-  return fits ? std::string() : "is " + text + ", expected a whole number of at least 0, below 2^64";
+  const bool fits = errno == 0 && !text.starts_with('-') && reads_as(text, seed);
+  return fits ? std::string() : "is '" + text + "', expected a whole number of at least 0, below 2^64";
 }
 
 void add_shared_options(CLI::App& sub, Globals& globals) {
@@ -194,7 +299,7 @@ void add_shared_options(CLI::App& sub, Globals& globals) {
       ->group(heading);
   sub.add_flag("--quiet", globals.quiet, "Nothing but results, warnings and errors")->group(heading);
   sub.add_option("--threads", globals.threads, "Threads; 0: all cores")
-      ->check(CLI::Range(0, 4096))
+      ->check(range(0, 4096))
       ->type_name("N")
       ->group(heading);
   sub.add_option("--seed", globals.seed, "Seed of everything random")

@@ -61,6 +61,9 @@ class Command {
   // Called after parsing; returns the exit code and may throw InputError (exit 2).
   void runs(std::function<int(const Globals&)> run) { *run_ = std::move(run); }
 
+  // The command refuses --set.
+  void reads_no_scene();
+
   bool given(
       const std::string& name) const;  // true if the option was on the command line; call after parsing
 

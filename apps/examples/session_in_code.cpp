@@ -24,8 +24,9 @@ int main() {
   options.model.fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
 
   // 3. The run. Its result holds every frame; the summary holds what they amount to.
-  const SessionResult result = run_session(input, options);
-  const SessionSummary summary = summarise(result, input, options);
+  const SessionPlan plan = make_plan(input, options);
+  const SessionResult result = run_session(plan);
+  const SessionSummary summary = summarise(result, plan);
   fmt::print("frames {}, states solved {}\n", summary.run.frames, summary.states.solved);
   fmt::print("in safe places {:.0f} % of the time\n", 100 * summary.time_in[Label::safe]);
   fmt::print("error below what a hand can tell: {:.0f} % of the path\n",

@@ -12,4 +12,6 @@ endforeach()
 file(READ ${SOURCE}/scheduling/library/forefeel.hpp text)
 string(REGEX REPLACE "#include \"(geometry|solver|approx|scheduling)/" "#include \"forefeel/\\1/" text "${text}")
 file(WRITE ${FOLDER}/forefeel.hpp "${text}")
+file(READ ${SOURCE}/apps/commands/command_main.hpp text)   # it includes nothing
+file(WRITE ${FOLDER}/command.hpp "${text}")
 message(STATUS "Installing: headers in ${FOLDER}")

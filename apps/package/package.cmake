@@ -33,6 +33,19 @@ if(FOREFEEL_HAS_MPI)
   target_link_libraries(forefeel_library INTERFACE Boost::mpi MPI::MPI_CXX)
 endif()
 
+# The command as a library: the objects of apps, and what the benches compare with.
+set(command_objects $<TARGET_OBJECTS:forefeel_apps> $<TARGET_OBJECTS:forefeel_bench>)
+foreach(objects IN LISTS object_libraries)
+  list(APPEND command_objects $<FILTER:$<TARGET_OBJECTS:${objects}>,INCLUDE,/baselines/>)
+endforeach()
+foreach(folder solver approx)
+  list(APPEND command_objects $<FILTER:$<TARGET_OBJECTS:forefeel_${folder}>,INCLUDE,/baselines/>)
+endforeach()
+find_package(tomlplusplus REQUIRED)
+add_library(forefeel_command STATIC ${command_objects})
+set_target_properties(forefeel_command PROPERTIES EXPORT_NAME command LINKER_LANGUAGE CXX)
+target_link_libraries(forefeel_command INTERFACE forefeel_library $<LINK_ONLY:tomlplusplus::tomlplusplus> cholmod)
+
 # Manual page and completion come from the command's own --help at each build, so they are never out of date.
 set(manual_folder ${PROJECT_BINARY_DIR}/manual)
 add_custom_command(OUTPUT ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.bash
@@ -41,7 +54,10 @@ add_custom_command(OUTPUT ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.
   DEPENDS forefeel ${package_folder}/manual.cmake COMMENT "Manual page and completion of forefeel" VERBATIM)
 add_custom_target(forefeel_manual ALL DEPENDS ${manual_folder}/forefeel.1 ${manual_folder}/forefeel.bash)
 # All that `cmake --install` and `cpack` need.
-add_custom_target(forefeel_installable DEPENDS forefeel forefeel_library forefeel_manual)
+add_custom_target(forefeel_installable DEPENDS forefeel forefeel_library forefeel_command forefeel_manual)
+if(TARGET forefeel_python)
+  add_dependencies(forefeel_installable forefeel_python)
+endif()
 
 include(CMakePackageConfigHelpers)
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/forefeel)
@@ -51,7 +67,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/forefeelConfigVersion.cma
 
 install(TARGETS forefeel RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS forefeel_library EXPORT forefeel ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS forefeel_command EXPORT forefeel_command ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT forefeel NAMESPACE forefeel:: FILE forefeelTargets.cmake DESTINATION ${config_folder})
+install(EXPORT forefeel_command NAMESPACE forefeel:: FILE forefeelCommandTargets.cmake DESTINATION ${config_folder})
 install(FILES ${PROJECT_BINARY_DIR}/forefeelConfig.cmake ${PROJECT_BINARY_DIR}/forefeelConfigVersion.cmake
         DESTINATION ${config_folder})
 install(CODE "set(SOURCE \"${PROJECT_SOURCE_DIR}\")\nset(FOLDER \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/forefeel\")\ninclude(\"${package_folder}/install_headers.cmake\")")
@@ -65,7 +83,17 @@ install(FILES ${manual_folder}/forefeel.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/ma
 install(FILES ${manual_folder}/forefeel.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME forefeel)
 install(DIRECTORY apps/scenes apps/studies apps/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/forefeel)
-install(FILES ${package_folder}/copyright README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
+# The README with the files that it links to. Its other paths are those of the source tree.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS README.md)
+file(READ README.md readme)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/installed/README.md @ONLY CONTENT
+"> Installed: `apps/scenes`, `apps/studies` and `apps/examples` are in `share/forefeel`, the headers in
+> `include/forefeel`. Scripts and tests are in the source tree alone.
+
+@readme@")
+install(FILES ${package_folder}/copyright ${PROJECT_BINARY_DIR}/installed/README.md LICENSE
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
+install(FILES apps/pictures/speed_error.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/apps/pictures)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME forefeel)
@@ -76,7 +104,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # gnuplot draws the reports' plots; the rest is what programs built with the library need.
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libgmp-dev, libmpfr-dev, zlib1g-dev")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libgmp-dev, libmpfr-dev, libtomlplusplus-dev, libsuitesparse-dev, zlib1g-dev")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake")
 set(CPACK_STRIP_FILES ON)
 include(CPack)

@@ -52,7 +52,7 @@ std::string shown_difference(const StudyMetric& metric, const ConfidenceInterval
 
 std::string verdict(const StudyMetric& metric, const Comparison& c) {
   if (c.won == 0 && c.lost == 0) return "tie: equal in all";
-  if (c.verdict() == 0) return "not shown";
+  if (c.verdict() == 0) return "not significant";
   return (c.verdict() > 0) == metric.larger_is_better ? "better" : "worse";
 }
 
@@ -89,7 +89,7 @@ std::string verdict_section(const StudyResults& results) {
   const auto verdict = study_verdict(results.study, results.cells);
   if (!verdict) return "";
   const std::vector<std::string> advice = study_advice(results.study, results.cells);
-  const bool shown = verdict->find("the difference is shown") != std::string::npos;
+  const bool shown = verdict->find("the difference is significant") != std::string::npos;
   std::string html = fmt::format("<div class=\"verdict {}\"><p><b>{}</b></p>\n", shown ? "good" : "warn",
                                  html_escaped(*verdict));
   if (!advice.empty()) {

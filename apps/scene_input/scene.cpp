@@ -88,19 +88,21 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
 }
 
 ModelOptions read_model(const SceneTable& table) {
-  ModelOptions model;
+  const ModelOptions usual = SessionModelOptions().fit;
+  ModelOptions model = usual;
   model.kernel =
       table
           .word<Kernel>("kernel",
                         {{"linear", Kernel::linear}, {"cubic", Kernel::cubic}, {"quintic", Kernel::quintic}})
-          .value_or(Kernel::quintic);
+          .value_or(usual.kernel);
   model.data =
       table.word<Data>("data", {{"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}})
-          .value_or(model.kernel == Kernel::linear ? Data::force : Data::force_and_stiffness);
+          .value_or(model.kernel == Kernel::linear ? Data::force : usual.data);
   if (model.kernel == Kernel::linear && model.data == Data::force_and_stiffness)
     throw table.wrong("data", "\"force\" with the linear kernel, which has no derivative at a state");
   model.neighbours = static_cast<std::size_t>(
-      table.integer("neighbours", 1, 100'000).value_or(model.data == Data::force ? 100 : 25));
+      table.integer("neighbours", 1, 100'000)
+          .value_or(model.data == usual.data ? static_cast<std::int64_t>(usual.neighbours) : 100));
   model.select = table.word("select", select_words()).value_or(model.select);
   model.ridge = table.number("ridge", not_negative()).value_or(model.ridge);
   return model;

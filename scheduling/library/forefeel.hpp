@@ -6,7 +6,7 @@
 // Programs to start from are in apps/examples (installed: share/forefeel/examples).
 // Not included here, but installed beside it: geometry/coverage/estimate_spacing.hpp (the spacing of given
 // states), geometry/common/csv_table.hpp (tables), scheduling/record/run_files.hpp (the files of a run),
-// scheduling/study/study.hpp (many sessions compared).
+// scheduling/study/study.hpp (many sessions compared), forefeel/command.hpp (the command as a function).
 
 // What is known, and where?
 #include "geometry/common/error.hpp"

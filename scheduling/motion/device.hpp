@@ -16,8 +16,8 @@
 //     return std::make_unique<Tap>(with.arguments.number("rate", 1, 0.01, 20), 0.01 * with.inward);
 //   }), true);
 //
-// In code, options.motion.device = Registered("tap", {{"rate", "2"}}) then selects it. A command that is
-// built with it knows "tap" and "tap:rate=2" too, in scenes, studies and --device
+// In code, options.motion.device = Registered("tap", {{"rate", "2"}}) then selects it. Scenes, studies
+// and --device know "tap" and "tap:rate=2" only in a command that is built with it; `forefeel` itself is not
 // (apps/examples/command_policy.cpp).
 // A measured motion: read_trace() and make_trace_device() in scheduling/motion/trace.hpp.
 //

@@ -13,8 +13,8 @@
 //   const bool known = (forefeel::register_predictor("still", [](forefeel::FactoryContext&) {
 //     return std::make_unique<Still>(); }), true);
 //
-// In code, options.motion.predictor = Registered("still") then selects it. A command that is built with it
-// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
+// In code, options.motion.predictor = Registered("still") then selects it. Scenes, studies and options
+// know the name only in a command built with it (apps/examples/command_policy.cpp); `forefeel` itself is not.
 //
 // Order of calls: observe() for each new sample of the HIP. After each sample, predict() is called at least
 // once, for several horizons. Under the virtual clock there is a sample each frame; under the real clock the

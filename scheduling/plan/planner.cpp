@@ -331,6 +331,11 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
     result.notes.push_back(
         fmt::format("policy {} gave {} priorities that are not numbers: they counted as the lowest",
                     setup_.policy->name(), not_numbers_));
+  if (predictions_refused_ > 0)
+    result.notes.push_back(fmt::format(
+        "the predictor gave {} positions that are not finite or deviations that are not at least 0: the hand "
+        "counted as staying where it was, the deviation as 0",
+        predictions_refused_));
 }
 
 }  // namespace forefeel

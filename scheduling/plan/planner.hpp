@@ -90,6 +90,7 @@ class Planner {
   bool insert(const State& state, std::int64_t dispatch);
   bool is_idle(std::size_t worker) const;
   void predict(double now);
+  Prediction checked(Prediction p);
   PlannerView view(double now) const;
   void rank(double now);  // priorities of the open candidates
   double ranked_by(double priority);
@@ -138,7 +139,7 @@ class Planner {
   std::vector<Vec3> pending_;  // where states are being solved
   std::vector<DispatchRecord> dispatches_;
   StateCounts counts_;
-  std::size_t jobs_ = 0, not_numbers_ = 0;
+  std::size_t jobs_ = 0, not_numbers_ = 0, predictions_refused_ = 0;
   std::vector<std::string> notes_;
 };
 

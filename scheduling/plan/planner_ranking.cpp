@@ -34,9 +34,17 @@ void Planner::predict(double now) {
     Prediction p = truth ? Prediction{.horizon = horizon, .at = hooks_.future(now + horizon), .deviation = 0}
                          : setup_.predictor->predict(horizon);
     p.horizon = horizon;
-    if (!p.at.allFinite()) p.at = hip_.at;
-    predicted_.push_back(p);
+    predicted_.push_back(checked(p));
   }
+}
+
+// A prediction that is no number counts as the hand staying where it is; how often is said at the end.
+Prediction Planner::checked(Prediction p) {
+  const bool somewhere = p.at.allFinite(), spread = p.deviation >= 0;
+  if (!somewhere) p.at = hip_.at;
+  if (!spread) p.deviation = 0;
+  predictions_refused_ += !somewhere || !spread;
+  return p;
 }
 
 PlannerView Planner::view(double now) const {

@@ -14,8 +14,8 @@
 //   const bool known = (forefeel::register_policy("deepest", [](forefeel::FactoryContext&) {
 //     return std::make_unique<Deepest>(); }), true);
 //
-// In code, options.planning.policy = Registered("deepest") then selects it. A command that is built with it
-// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
+// In code, options.planning.policy = Registered("deepest") then selects it. Scenes, studies and options
+// know the name only in a command built with it (apps/examples/command_policy.cpp); `forefeel` itself is not.
 // Each built-in policy has a file of its own, policy_NAME.cpp.
 //
 // Order of calls in each planning step (each frame under the virtual clock, about every millisecond under the

@@ -43,8 +43,8 @@ ExactRendering render_exact(std::span<const Vec3> motion, std::span<const std::s
 
 double first_possible(const CostModel& cost, const StateSpaceOptions& space, double latency,
                       bool rest_first) {
-  double least = rest_first ? cost.rest_seconds() : std::numeric_limits<double>::infinity();
-  for (const Vec3& x : lattice(space.box, space.spacing)) least = std::min(least, cost.seconds(x));
+  double least = rest_first ? checked_rest_seconds(cost) : std::numeric_limits<double>::infinity();
+  for (const Vec3& x : lattice(space.box, space.spacing)) least = std::min(least, checked_seconds(cost, x));
   return least + 2 * latency;
 }
 

@@ -182,6 +182,7 @@ SessionSummary::Settings settings_of(const SessionInput& input, const SessionOpt
           .policy = policy_that_ran(input, options),
           .select = options.model.fit.select,
           .seed = options.seed,
+          .spacing = input.touched.space.spacing,
           .device = device_that_ran(input, options)};
 }
 
@@ -192,6 +193,8 @@ SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& op
   const bool whole = passed > options.clock.seconds / options.clock.frame - 0.75;
   return {.seconds = whole ? options.clock.seconds : passed * options.clock.frame,
           .frames = result.frames.size(),
+          .frames_asked = static_cast<std::size_t>(std::llround(options.clock.seconds / options.clock.frame)),
+          .interrupted = result.interrupted(),
           .first_guess = !result.switches.empty() && result.switches.front().cause == SwitchCause::guess,
           .guess_softness = result.guess_softness,
           .wall_seconds = result.wall_seconds,
@@ -261,6 +264,13 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .safety = safety_of(result),
           .loop = loop_of(result.loop, options),
           .motion = motion_of(result, input.touched.space, options)};
+}
+
+SessionSummary summarise(const SessionResult& result, const SessionPlan& plan) {
+  SessionSummary summary = summarise(result, plan.input, plan.options);
+  summary.run.frames_asked = plan.frames;
+  summary.safety.force_limit = plan.render.safety.force_limit;
+  return summary;
 }
 
 }  // namespace forefeel

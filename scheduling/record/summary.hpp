@@ -1,6 +1,14 @@
 #pragma once
-// The summary of a session: every value of summary.json, as a type. Times are in s and forces in N unless the
-// name says otherwise; shares are in [0, 1]. NaN: not measured.
+// The summary of a session as a type. Times are in s and forces in N unless the name says otherwise; shares
+// are in [0, 1]. NaN: not measured. summary.json prints it and adds `attention` (record/attention.hpp),
+// `spacing_auto` of the scene and `provenance` of the command.
+//
+//   const SessionPlan plan = make_plan(input, options);
+//   PredictorScores scores(options.clock.frame);                       // only for motion.prediction
+//   const SessionResult result =
+//       run_session(plan, {.each_position = [&](const Vec3& at) { scores.add(at); }});
+//   SessionSummary summary = summarise(result, plan);
+//   summary.motion.prediction = scores.report();
 //
 // `rendered` is one thing everywhere, in errors, plots and the columns rendered_x … of frames.csv: the force
 // of the model after the switch, before the safety rules. `sent`, the columns fx, fy, fz, is what is left of
@@ -13,6 +21,7 @@
 #include <vector>
 
 #include "geometry/coverage/coverage.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/session/session.hpp"
 
 namespace forefeel {
@@ -78,7 +87,8 @@ struct SessionSummary {
   struct Safety {
     std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
     double clamped_share = 0, slewed_share = 0;
-    double force_limit = unknown;  // what `clamped` cuts at, where the caller gives it [N]
+    // What `clamped` cuts at: the lower limit of options and device [N]. Known where the plan is given.
+    double force_limit = unknown;
   };
   // Where the motion went. The first frame: the force of a tight solve there, what was rendered, and the time
   // of the first sample whose error is below the just noticeable difference [s]; unknown: none is.
@@ -86,6 +96,8 @@ struct SessionSummary {
     double outside = 0;  // share of the frames outside the box of states
     double start_reference = unknown, start_rendered = unknown, start_within_jnd = unknown;
     bool starts_wrong = false;  // the first frame's error is above the JND, at a reference above error_floor
+    // How well each registered predictor foresaw it, where the caller measured that (PredictorScores).
+    std::vector<PredictorErrors> prediction = {};
   };
   // How the frames came, and how the force ended (LoopReport of log/session_result.hpp).
   struct Loop {
@@ -101,12 +113,14 @@ struct SessionSummary {
     std::string policy;
     Select select = Select::label;
     std::uint64_t seed = 0;
+    double spacing = 0;  // of the states [m]
     std::string device;  // "replay:RUN" where a run is replayed, "object" where an object was given
   };
   // How the run itself went.
   struct Run {
     double seconds = 0;  // of motion
-    std::size_t frames = 0;
+    std::size_t frames = 0, frames_asked = 0;
+    bool interrupted = false;         // ended early, or samples have no reference (RunEnd)
     bool first_guess = false;         // began with a guessed stiffness
     double guess_softness = unknown;  // of the body against it (solver/body/contact_softness.hpp)
     double wall_seconds = 0;
@@ -129,6 +143,9 @@ struct SessionSummary {
   Motion motion;
 };
 
+SessionSummary summarise(const SessionResult& result, const SessionPlan& plan);
+// The same from what the plan was made of. safety.force_limit is then unknown, and frames_asked counts
+// options.clock.seconds, whatever the length of the motion.
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,
                          const SessionOptions& options);
 

@@ -12,9 +12,9 @@ enum class SessionMethod {
 };
 
 struct SessionModelOptions {
-  // Of method rbf. A scene without [model] uses quintic on force and stiffness with 25 neighbours, which needs
-  // states with stiffness; the default here does not.
-  ModelOptions fit = {};
+  // Of method rbf. A scene without [model] has the same. It uses the stiffness of states, which every solved
+  // state has.
+  ModelOptions fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
   // While no state is known, render the stiffness of a rigid disc on a half-space of the body's material

@@ -15,13 +15,17 @@ namespace {
 
 void check_near(const Vec3& at, double farthest, const std::filesystem::path& file, std::size_t line) {
   if (!(at.norm() <= farthest))
-    throw InputError(
-        {.file = file.string(), .line = line},
-        fmt::format("is {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
-                    at.norm(), farthest));
+    throw InputError({.file = file.string(), .line = line}, too_far(at.norm(), farthest));
 }
 
 }  // namespace
+
+std::string too_far(double distance, double farthest) {
+  std::string text = fmt::format("is {:.6g} m from rest, expected at most {:.6g} m, twice the body's length",
+                                 distance, farthest);
+  if (distance > 10 * farthest) text += " (are the values in metres?)";
+  return text;
+}
 
 std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest) {
   constexpr std::string_view columns[] = {"t", "x", "y", "z"};

@@ -2,6 +2,7 @@
 // States that become known at given times, read from a file (--arrivals) or from an earlier run (--replay).
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "geometry/common/types.hpp"
@@ -17,6 +18,10 @@ struct Arrival {
 // Reads CSV t,x,y,z and sorts by time. InputError with file and line for a position farther than `farthest`
 // [m] from rest.
 std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest);
+
+// "is 20 m from rest, expected at most 0.4 m, twice the body's length". Asks about the unit where it is much
+// farther.
+std::string too_far(double distance, double farthest);
 
 struct Replay {
   Trace motion = {};

@@ -67,10 +67,7 @@ Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog
       return motion[std::min(k, motion.size() - 1)];
     };
   if (cost) {  // a body that has been solved before: its median is known
-    std::vector<double> seconds;
-    for (const Vec3& x :
-         lattice(plan.input.touched.space.box, plan.input.touched.space.box.size().maxCoeff() / 4))
-      seconds.push_back(cost->seconds(x));
+    std::vector<double> seconds = coarse_costs(*cost, plan.input.touched.space.box);
     if (!seconds.empty()) hooks.expected_solve = median(std::move(seconds));
   }
   return hooks;

@@ -40,22 +40,20 @@ void check_known(const std::vector<State>& known) {
 }
 
 // Refuses motions in units other than metres: they lead too far from rest, and their references would take
-// for ever.
+// for ever. The farthest position is named, as it shows the unit best.
 void check_motion(const SessionPlan& plan) {
   const double most = farthest(*plan.input.touched.body);
+  const InputPlace place{.key = "device",
+                         .value = plan.input.parts.device ? "object" : to_text(plan.options.motion.device)};
+  double greatest = 0;
   for (std::size_t k = 0; k < plan.frames; k += 10) {
     const double t = frame_time(k, plan.options.clock.frame);
     const double distance = plan.device->position(t, Vec3::Zero()).norm();
-    const std::string name = plan.input.parts.device ? "object" : to_text(plan.options.motion.device);
     if (!std::isfinite(distance))
-      throw InputError({.key = "device", .value = name},
-                       fmt::format("its position at {:g} s is not finite, expected metres", t));
-    if (!(distance <= most))
-      throw InputError(
-          {.key = "device", .value = name},
-          fmt::format("leads {:.4g} m from rest, expected metres, at most {:.4g} (twice the body's length)",
-                      distance, most));
+      throw InputError(place, fmt::format("its position at {:g} s is not finite, expected metres", t));
+    greatest = std::max(greatest, distance);
   }
+  if (!(greatest <= most)) throw InputError(place, "leads to a position that " + too_far(greatest, most));
 }
 
 void take_replay(SessionPlan& plan) {
@@ -114,8 +112,11 @@ void check_registered(const SessionPlan& plan) {
   const SessionParts& parts = plan.input.parts;
   const bool is_virtual = plan.options.clock.kind == Clock::virtual_time;
   predictor_of(plan);
-  if (is_virtual && !parts.cost && std::holds_alternative<Registered>(workers.cost.cost()))
-    make_cost(workers.cost, factory_context(plan), {});
+  const Box& box = plan.input.touched.space.box;
+  if (is_virtual && parts.cost)
+    coarse_costs(*parts.cost, box);
+  else if (is_virtual && std::holds_alternative<Registered>(workers.cost.cost()))
+    coarse_costs(*make_cost(workers.cost, factory_context(plan), {}), box);
   if (is_virtual ? !parts.virtual_workers : !parts.workers && !workers.ranks)
     check_workers(workers.kind, is_virtual);
 }
@@ -191,6 +192,12 @@ bool is_rehearsed(const SessionPlan& plan) {
   return options.planning.policy.name == "clairvoyant" && !plan.input.parts.policy &&
          options.clock.kind == Clock::virtual_time && !options.planning.arrivals && !options.motion.replay &&
          !plan.input.foreign;
+}
+
+std::vector<double> coarse_costs(const CostModel& cost, const Box& box) {
+  std::vector<double> seconds;
+  for (const Vec3& x : lattice(box, box.size().maxCoeff() / 4)) seconds.push_back(checked_seconds(cost, x));
+  return seconds;
 }
 
 std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references) {

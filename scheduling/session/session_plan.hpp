@@ -30,6 +30,10 @@ bool is_rehearsed(const SessionPlan& plan);
 // The cost model of simulated workers. Measures solves of the body if the cost is RecordedCost.
 std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references);
 
+// The costs at a coarse grid of positions, whose median is the planner's first estimate of a solve [s].
+// InputError for a cost that is no time.
+std::vector<double> coarse_costs(const CostModel& cost, const Box& box);
+
 // The plan's settings for the planner and the judge.
 PlannerSetup planner_setup(const SessionPlan& plan);
 JudgeSetup judge_setup(const SessionPlan& plan);

@@ -86,8 +86,8 @@ std::string against_next(const StudyAxis& axis, std::span<const Observation> see
       beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
   return fmt::format("; the next, {}, has {} (difference {}, over {}): the difference is {}{}", name,
                      amount(metric, all[1].mean), difference_in_words(metric, next), over(next),
-                     is_shown(next, metric) ? "shown" : "not shown",
-                     beaten.empty() ? "" : fmt::format("; that to {} is shown", beaten));
+                     is_shown(next, metric) ? "significant" : "not significant",
+                     beaten.empty() ? "" : fmt::format("; that to {} is significant", beaten));
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
       "Best {}: {}, with {} ({}){}.{}", axis.column, axis.values[all[0].level].text,
       amount(metric, all[0].mean), metric.title,
       all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
-      bounds.empty() ? "" : fmt::format(" Not compared, for it knows the motion: {}.", bounds));
+      bounds.empty() ? "" : fmt::format(" Not compared, because it knows the motion: {}.", bounds));
 }
 
 // ---- what to do next

@@ -11,10 +11,10 @@
 
 namespace forefeel {
 
-// "Best policy: coverage, with 93.1 % of first visits within the JND …: the difference is shown." For the
-// axis of policies, or the first axis with two values; nothing if no axis has them. Policies that know the
-// motion (clairvoyant …) are bounds: they do not compete. A difference is shown if both 95 % intervals
-// exclude zero.
+// "Best policy: coverage, with 93.1 % of first visits within the JND …: the difference is significant." For
+// the axis of policies, or else the first axis with two values; nothing if there is none. Policies that know
+// the motion (clairvoyant …) are upper bounds: they do not compete. A difference is significant if both 95 %
+// intervals exclude zero.
 std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells);
 
 // What to do next, one line each: how many more motions would show the difference that the verdict does not

@@ -21,6 +21,26 @@ double CostModel::rest_seconds() const {
 
 namespace {
 
+double checked(double seconds, const std::string& of) {
+  if (seconds >= 0) return seconds;
+  throw InputError("cost", fmt::format("the cost model charges {} s for {}, expected a time of at least 0 s",
+                                       seconds, of));
+}
+
+}  // namespace
+
+double checked_seconds(const CostModel& cost, const Vec3& at) {
+  const double seconds = cost.seconds(at);
+  if (seconds >= 0) return seconds;  // the text below is made only where it is needed
+  return checked(seconds, fmt::format("a state at {:.4g}, {:.4g}, {:.4g} m", at.x(), at.y(), at.z()));
+}
+
+double checked_rest_seconds(const CostModel& cost) {
+  return checked(cost.rest_seconds(), "the state at rest");
+}
+
+namespace {
+
 class ConstantModel final : public CostModel {
  public:
   explicit ConstantModel(double seconds) : seconds_(seconds) {}

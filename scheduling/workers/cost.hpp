@@ -10,8 +10,8 @@
 //   const bool known = (forefeel::register_cost("deeper", [](forefeel::FactoryContext& with) {
 //     return std::make_unique<Deeper>(with.arguments.number("least", 0.01, 1e-6, 10)); }), true);
 //
-// In code, options.workers.cost = Registered("deeper") then selects it. A command that is built with it
-// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
+// In code, options.workers.cost = Registered("deeper") then selects it. Scenes, studies and options
+// know the name only in a command built with it (apps/examples/command_policy.cpp); `forefeel` itself is not.
 //
 // Order of calls: before the session for a coarse grid of positions, whose median is the planner's first
 // estimate; then once for each dispatched state. Thread: that of the session. The cost must depend on
@@ -42,6 +42,12 @@ class CostModel {
   virtual double seconds(const Vec3& at) const = 0;  // of the state there, solved from a neighbour
   virtual double rest_seconds() const;               // of the state at rest, requested as such
 };
+
+// cost.seconds(at), or cost.rest_seconds() for the state at rest. InputError for an answer that is no time:
+// not a number, or negative. Sessions ask through these; the planning of a session that has begun then ends
+// early.
+double checked_seconds(const CostModel& cost, const Vec3& at);
+double checked_rest_seconds(const CostModel& cost);
 
 struct RecordedCosts {
   std::vector<double> solves;  // from a neighbour [s]

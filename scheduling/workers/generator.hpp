@@ -12,8 +12,8 @@
 //   const bool known = (forefeel::register_workers("pool", {.real = [](forefeel::RealWorkersContext& with) {
 //     return std::make_unique<Pool>(with.body, with.solving, with.count); }}), true);
 //
-// In code, options.workers.kind = Registered("pool") then selects it. A command that is built with it
-// knows the name too, in scenes, studies and flags (apps/examples/command_policy.cpp).
+// In code, options.workers.kind = Registered("pool") then selects it. Scenes, studies and options
+// know the name only in a command built with it (apps/examples/command_policy.cpp); `forefeel` itself is not.
 //
 // Order of calls, real clock: begin() once; then dispatch(), cancel() and collect() from the planner's
 // thread; at the end stop() and a last collect(). If serves() is true, the session starts a team of threads,

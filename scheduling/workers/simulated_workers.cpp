@@ -112,7 +112,8 @@ class SimulatedWorkers final : public VirtualWorkers {
 
   Time add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share,
            Time begin) {
-    Time cost = time_of(share * (rest_first_ && at.isZero(0) ? cost_.rest_seconds() : cost_.seconds(at)));
+    Time cost = time_of(
+        share * (rest_first_ && at.isZero(0) ? checked_rest_seconds(cost_) : checked_seconds(cost_, at)));
     if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
     const Time end = begin + std::max(Time(1), cost);
     solves.push_back(

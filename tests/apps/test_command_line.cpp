@@ -76,6 +76,43 @@ TEST_CASE("--set is refused where there is no scene, and is that of the built-in
   check_refused(shop, "reproduce timing --set state_space.spacings=0.01 -o out", {"state_space.spacings"});
 }
 
+TEST_CASE("--set is refused where a command reads no scene, and its help says so", "[command-line]") {
+  const Workshop shop;
+  for (const std::string command : {"info s.states", "import s.csv -o s.states", "export s.states -o s.csv",
+                                    "mesh beam.obj -o beam.msh", "cache"}) {
+    const std::string name = command.substr(0, command.find(' '));
+    check_refused(shop, command + " --set nosuch=1",
+                  {"--set: is about keys of a scene, but " + name + " reads none, expected no --set"});
+    CHECK_THAT(shop.forefeel(name + " --help").out, Catch::Contains("refused here"));
+  }
+}
+
+TEST_CASE("errors of the command line name the option, what was given and what was expected",
+          "[command-line]") {
+  const Workshop shop;
+  const std::pair<std::string, std::string> wrong[] = {
+      {"session b.toml -o r --seed 1.5",
+       "--seed: is '1.5', expected a whole number of at least 0, below 2^64"},
+      {"session b.toml -o r --seed", "--seed: has no value, expected --seed N"},
+      {"session b.toml -o r --workers two", "--workers: is 'two', expected a whole number"},
+      {"session b.toml -o r --seconds long", "--seconds: is 'long', expected a number"},
+      {"session b.toml -o r --threads 99999", "--threads: is 99999, expected 0 to 4096"},
+      {"session b.toml -o r --clock real --clock virtual", "--clock: is given 2 times, expected once"},
+      {"session b.toml -o r --states s --extend --foreign",
+       "--extend: is given with --foreign, expected one of the two"},
+      {"session b.toml", "--output: is missing, see forefeel session --help"},
+      {"session -o r", "session: SCENE is missing, see forefeel session --help"},
+      {"classify s --diff a", "--diff: has 1 of its values, expected 2"},
+      {"session b.toml -o r --json=maybe", "--json: is 'maybe', expected no value"},
+      {"bench solvr",
+       "WHAT: is 'solvr', did you mean 'solver'? Expected one of approx, solver, coverage, switch"},
+      {"evaluate s --points q --kernel x", "--kernel: is 'x', expected one of linear, cubic, quintic"}};
+  for (const auto& [command, message] : wrong) {
+    INFO(command);
+    check_refused(shop, command, {"forefeel: " + message + "\n"});
+  }
+}
+
 TEST_CASE("an output folder that is a file is called one", "[command-line]") {
   const Workshop shop;
   shop.write("taken.csv", "x\n");
@@ -236,7 +273,10 @@ TEST_CASE("states, devices and outputs that cannot be used", "[command-line]") {
   check_refused(shop, "session beam.toml --device trace:short.csv -o run", {"short.csv:3"});
   shop.write("mm.csv", "t,x,y,z\n0,0,0,0\n1,0,0,-20\n");
   check_refused(shop, "session beam.toml --seconds 1 --device trace:mm.csv -o run",
-                {"mm.csv", "expected metres"});
+                {"mm.csv", " m from rest, expected at most 0.2 m", "are the values in metres?"});
+  shop.write("just.csv", "t,x,y,z\n0,0,0,0\n1,0,0,-0.201\n");
+  check_refused(shop, "session beam.toml --seconds 1.001 --device trace:just.csv -o run",
+                {"0.201 m from rest, expected at most 0.2 m, twice the body's length\n"});
   shop.write("spiral.toml", beam_scene("[session]\ndevice = \"path:spiral\"\n"));
   check_refused(shop, "session spiral.toml -o run", {"spiral.toml", "session", "'spiral'"});
   check_refused(shop, "session beam.toml --clock wooden -o run", {"wooden"});

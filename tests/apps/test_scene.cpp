@@ -68,6 +68,17 @@ stale = 1
   CHECK(scene.space.box.low == Vec3::Constant(-0.004));
 }
 
+TEST_CASE("a session in code and a scene without [model] have the same model", "[scene]") {
+  const Workshop shop;
+  const ModelOptions scene = load_scene(shop.write("plain.toml", beam_scene())).session.model.fit;
+  const ModelOptions code = SessionOptions().model.fit;
+  CHECK(scene.kernel == code.kernel);
+  CHECK(scene.data == code.data);
+  CHECK(scene.neighbours == code.neighbours);
+  CHECK(scene.select == code.select);
+  CHECK(scene.ridge == code.ridge);
+}
+
 TEST_CASE("meshes of phantoms are kept: the same bits, and damaged ones are made anew", "[scene]") {
   const Workshop shop;
   const TetMesh made = phantom("beam", 240);

@@ -82,7 +82,7 @@ TEST_CASE(
                              ", bootstrap " + interval("bootstrap") + ", Student's " + interval("student")));
   const auto single = shop.forefeel("study one.toml -o one");
   REQUIRE(single.code == 0);
-  CHECK_THAT(single.out, Catch::Contains("bootstrap none, Student's none: not shown"));
+  CHECK_THAT(single.out, Catch::Contains("bootstrap none, Student's none: not significant"));
 }
 
 TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {

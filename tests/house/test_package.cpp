@@ -50,7 +50,8 @@ void check_headers(const Workshop& shop) {
   CHECK(shop.shell(unprefixed).out.empty());
   CHECK(shop.shell("grep -rlE '#include <(CGAL|nlohmann|CLI|toml|sqlite3)' " + include).out.empty());
   CHECK(shop.shell("find " + include + " -name '*_cgal.hpp' -o -path '*/baselines/*'").out.empty());
-  CHECK(fs::exists(shop.path() / include / "forefeel.hpp"));
+  for (const char* header : {"forefeel.hpp", "command.hpp"})
+    CHECK(fs::exists(shop.path() / include / header));
   // All headers compile with what is installed beside them.
   ran(shop,
       "cd prefix/include && find forefeel -name '*.hpp' | sed 's/.*/#include <&>/' | tee ../../all.cpp");
@@ -74,6 +75,34 @@ void check_manual(const Workshop& shop) {
                       "session --devi); COMP_CWORD=2; _forefeel; echo ${COMPREPLY[@]}'") == "--device\n");
 }
 
+// The example command has all of `forefeel` and knows its own policy; the installed command does not.
+void check_command(const Workshop& shop) {
+  shop.write("beam.toml", beam_scene());
+  const std::string session =
+      " session beam.toml --clock virtual --seconds 0.1 --cost constant:0.01 --policy ahead --json -o run";
+  const auto summary = nlohmann::json::parse(ran(shop, "build/command_policy" + session));
+  CHECK(summary["policy"] == "ahead");
+  const Workshop::Outcome unknown = shop.shell("prefix/bin/forefeel" + session);
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, Catch::Contains("'ahead'") && Catch::Contains("nearest"));
+  CHECK_THAT(ran(shop, "build/command_policy --help"),
+             Catch::Contains("reproduce") && Catch::Contains("bench"));
+}
+
+// Every link of the installed README leads to an installed file.
+void check_readme(const Workshop& shop) {
+  const fs::path folder = shop.path() / "prefix/share/doc/forefeel";
+  const std::string text = ran(shop, "cat prefix/share/doc/forefeel/README.md");
+  CHECK_THAT(text, Catch::Contains("`share/forefeel`") && Catch::Contains("# Forefeel\n"));
+  const std::regex link(R"(\]\(([^)]+)\))");
+  int found = 0;
+  for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match, ++found) {
+    INFO((*match)[1]);
+    CHECK(fs::exists(folder / (*match)[1].str()));
+  }
+  CHECK(found >= 2);
+}
+
 }  // namespace
 
 TEST_CASE("examples are built against the installed library in a clean prefix, and run", "[package]") {
@@ -84,6 +113,7 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   ran(shop, "cmake --install '" + build_folder().string() + "' --prefix prefix");
   check_headers(shop);
   check_manual(shop);
+  check_readme(shop);
   ran(shop,
       "cmake -S prefix/share/forefeel/examples -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "
       "-DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build build");
@@ -114,4 +144,6 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   CHECK(count(forces, "\n") == 1000);
   CHECK(value_after(forces, "\n0.900,") > 0.001);  // [N]
   CHECK(shop.shell("build/device none.csv").code == 2);
+
+  check_command(shop);
 }

@@ -90,7 +90,7 @@ inline SessionOptions virtual_options(double seconds = 1) {
   options.clock.kind = Clock::virtual_time;
   options.clock.seconds = seconds;
   options.motion.device = PathMotion{.path = PathName::tour, .speed = 0.06};
-  options.model.fit.neighbours = 30;
+  options.model.fit = {.neighbours = 30};
   return options;
 }
 

@@ -25,6 +25,26 @@ struct Careless final : Policy {
   }
 };
 
+// Zero divided by zero from some distance of rest on.
+struct CarelessCost final : CostModel {
+  explicit CarelessCost(double from) : from_(from) {}
+  double seconds(const Vec3& at) const override {
+    return at.norm() < from_ ? 0.02 : std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  double from_;  // [m]
+};
+
+struct CarelessPredictor final : Predictor {
+  HipSample last;
+  void observe(const HipSample& sample) override { last = sample; }
+  Prediction predict(double horizon) const override {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    return {.horizon = horizon, .at = horizon > 0.2 ? Vec3::Constant(nan) : last.at, .deviation = nan};
+  }
+};
+
 std::string note_about(const SessionResult& result, const std::string& word) {
   for (const std::string& note : result.notes)
     if (note.find(word) != std::string::npos) return note;
@@ -42,6 +62,40 @@ TEST_CASE("priorities that are not numbers are counted in a note that names the 
   CHECK_THAT(note_about(result, "not numbers"),
              Catch::StartsWith("policy careless gave ") && Catch::EndsWith("they counted as the lowest"));
   CHECK(result.counts.solved > 0);
+}
+
+TEST_CASE("predictions that are not numbers are counted in a note, and the session goes on without them") {
+  SessionInput input = small_input(Law::linear);
+  SessionOptions options = virtual_options(0.3);
+  CHECK(note_about(run_session(input, options), "predictor").empty());
+  input.parts.predictor = std::make_shared<CarelessPredictor>();
+  const SessionResult result = run_session(input, options);
+  CHECK_THAT(note_about(result, "predictor"),
+             Catch::StartsWith("the predictor gave ") &&
+                 Catch::Contains("the hand counted as staying where it was"));
+  CHECK(result.counts.solved > 0);
+  CHECK(result.failures.empty());
+}
+
+TEST_CASE(
+    "a cost model that answers no time is refused before the session, or named where it ends the session") {
+  SessionInput input = small_input(Law::linear);
+  const SessionOptions options = virtual_options(0.3);
+  input.parts.cost = std::make_shared<CarelessCost>(1e-6);
+  CHECK_THROWS_WITH(make_plan(input, options),
+                    Catch::StartsWith("cost: the cost model charges nan s for a state at ") &&
+                        Catch::EndsWith("expected a time of at least 0 s"));
+
+  // Wrong at one position that the coarse grid leaves out: the planner asks for it while the session runs.
+  struct AtRest final : CostModel {
+    double seconds(const Vec3&) const override { return 0.02; }
+    double rest_seconds() const override { return -1; }
+  };
+  input.parts.cost = std::make_shared<AtRest>();
+  const SessionResult result = run_session(input, options);
+  REQUIRE(result.failures.size() == 1);
+  CHECK_THAT(result.failures.front(), Catch::StartsWith("planning failed: cost: ") &&
+                                          Catch::Contains("charges -1 s for the state at rest"));
 }
 
 TEST_CASE("a setting that a part requires is refused where it is missing or empty, with the part's text") {

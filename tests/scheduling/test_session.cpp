@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
@@ -79,6 +80,32 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   CHECK(shares == Approx(1));
   CHECK(summary.error.samples.samples > 40);
   CHECK(summary.load > 0);
+}
+
+TEST_CASE(
+    "the summary of a plan knows the force limit, the frames asked for, and how the motion was foreseen") {
+  const SessionInput input = small_input(Law::linear);
+  SessionOptions options = virtual_options(0.2);
+  options.safety.force_limit = 3;
+  const SessionPlan plan = make_plan(input, options);
+  PredictorScores scores(options.clock.frame);
+  std::atomic<bool> stop = false;
+  const SessionResult whole = run_session(plan, {.each_position = [&](const Vec3& at) { scores.add(at); }});
+  SessionSummary summary = summarise(whole, plan);
+  summary.motion.prediction = scores.report();
+  CHECK(summary.safety.force_limit == 3);
+  CHECK(summary.run.frames_asked == 200);
+  CHECK(summary.settings.spacing == input.touched.space.spacing);
+  CHECK_FALSE(summary.run.interrupted);
+  REQUIRE(summary.motion.prediction.size() == predictor_names().size());
+  CHECK(summary.motion.prediction.front().by_horizon.front().p95 < 0.01);  // [m]
+
+  SessionPlan stopped = make_plan(input, options);
+  stopped.options.stop.interrupted = &stop;
+  stop = true;
+  const SessionSummary part = summarise(run_session(stopped), stopped);
+  CHECK(part.run.interrupted);
+  CHECK(part.run.frames < part.run.frames_asked);
 }
 
 TEST_CASE("summary: every key of the contract") {

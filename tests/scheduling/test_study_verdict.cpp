@@ -44,19 +44,19 @@ StudyPlan one_device(const DeviceSpec& device, double seconds) {
 
 }  // namespace
 
-TEST_CASE("the verdict names the best policy, the next, their difference and whether it is shown") {
+TEST_CASE("the verdict names the best policy, the next, their difference and whether it is significant") {
   const Study study = policies();
   const auto sure = study_verdict(study, cells_with(study, {0.6, 0.9, 0.5, 0.95}, 0.0002));
   REQUIRE(sure);
   CHECK_THAT(*sure, Catch::StartsWith("Best policy: coverage, with 90") &&
                         Catch::Contains("the next, nearest, has 60") && Catch::Contains("30 points") &&
                         Catch::Contains("12 pairs on 3 motions") &&
-                        Catch::Contains("the difference is shown") &&
-                        Catch::Contains("that to fifo is shown") &&
+                        Catch::Contains("the difference is significant") &&
+                        Catch::Contains("that to fifo is significant") &&
                         Catch::EndsWith("it knows the motion: clairvoyant."));
   const auto unsure = study_verdict(study, cells_with(study, {0.6, 0.601, 0.5, 0.95}, 0.05));
   REQUIRE(unsure);
-  CHECK_THAT(*unsure, Catch::Contains("the difference is not shown"));
+  CHECK_THAT(*unsure, Catch::Contains("the difference is not significant"));
   const auto equal = study_verdict(study, cells_with(study, {0.6, 0.6, 0.5, 0.95}, 0));
   REQUIRE(equal);
   CHECK_THAT(*equal, Catch::Contains("equal") && Catch::Contains("no difference is shown"));
@@ -66,7 +66,7 @@ TEST_CASE("a verdict on one motion and one seed is never shown") {
   const Study study{.seeds = {1}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
   const auto verdict = study_verdict(study, cells_with(study, {0.2, 0.9}, 0));
   REQUIRE(verdict);
-  CHECK_THAT(*verdict, Catch::Contains("without an interval") && Catch::Contains("is not shown"));
+  CHECK_THAT(*verdict, Catch::Contains("without an interval") && Catch::Contains("is not significant"));
 }
 
 TEST_CASE("there is no verdict where nothing competes") {
