@@ -2,9 +2,9 @@
 // Forces at points from known states: the computation of `forefeel evaluate`.
 //
 //   const std::vector<State> states = measured_states(positions, forces);
-//   const Evaluation found = evaluate(states, points, {});       // chooses the model, as states have no
-// stiffness
-//   found.forces;  found.chosen->p95;                            // [N]; the error to expect [N]
+//   const Evaluation found = evaluate(states, points, {});       // states without stiffness: the model is
+//                                                                // chosen (judge/auto_model.hpp)
+//   found.made.forces;  found.chosen->p95;                       // [N]; the error to expect [N]
 
 #include <cstddef>
 #include <functional>

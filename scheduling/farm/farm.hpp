@@ -1,7 +1,7 @@
 #pragma once
-// Work in pieces, solved by all ranks of a run as they become free: by the other ranks, and by one thread of rank 0,
-// whose calling thread gives out the pieces and takes their results as they come. The pieces of a rank that is lost
-// are given out again.
+// Distributes pieces of work over all ranks of a run. The calling thread of rank 0 gives each free rank its
+// next piece and collects the results. A second thread of rank 0 solves pieces like the other ranks. If a rank
+// is lost, its pieces are given out again.
 
 #include <functional>
 #include <optional>
@@ -21,15 +21,15 @@ class FarmWork {
     Bytes content = {};
   };
   virtual ~FarmWork() = default;
-  // A piece for that worker; nullopt: there is none, or none before another is done.
+  // The next piece for that worker; nullopt: none is left, or none until another one is done.
   virtual std::optional<Piece> next(int worker) = 0;
-  // MalformedMessage: the result has no meaning. Called once for each piece.
+  // Called once for each piece. Throws MalformedMessage for a result that cannot be read.
   virtual void done(std::uint64_t id, int worker, Unpacker result) = 0;
   virtual void again(std::uint64_t id) = 0;  // it was not done: next() must offer it again
-  virtual void lost(int /*worker*/) {}       // what that process was sent before must be sent again
+  virtual void lost(int /*worker*/) {}       // that process is gone, with all data that it was sent
   virtual bool finished() const = 0;
 
-  // Questions of hands (RankContext), and what has been found to say to them since the last call.
+  // Questions of the workers (RankContext::ask), and the answers found since the last call.
   struct Answer {
     int worker = 0;
     Bytes content = {};
@@ -51,8 +51,8 @@ struct FarmReport {
   int lost = 0;   // of them, and not back at the end
 };
 
-// Rank 0. `own` makes the hand of its own thread. The pool has begun; at the end its ranks are told to stop. Throws
-// what the own thread throws; an exception in another rank loses that rank.
+// Runs on rank 0, after pool.begin(). `own` makes the hand of rank 0's solving thread. At the end all ranks are
+// told to stop. Throws what the solving thread throws; an exception in another rank loses that rank.
 FarmReport run_farm(RankPool& pool, FarmWork& work, const LoadHand& own, const FarmOptions& options);
 
 }  // namespace forefeel

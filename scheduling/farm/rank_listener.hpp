@@ -1,5 +1,5 @@
 #pragma once
-// Hands what comes for a rank to whom it may concern. Any thread.
+// Passes the answers that a rank receives to the function that is set. For any thread.
 
 #include <functional>
 #include <mutex>

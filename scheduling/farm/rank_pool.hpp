@@ -1,6 +1,6 @@
 #pragma once
-// The other ranks of a run, as rank 0 sees them: who takes jobs, what comes back, who hangs. A rank that sends a
-// message without meaning counts as failed; the message is dropped.
+// The other ranks of a run, as rank 0 sees them: which take jobs, what they return, which hang. A rank that sends
+// a message that cannot be read counts as failed; the message is dropped.
 
 #include <chrono>
 #include <cstdint>
@@ -18,18 +18,18 @@ struct RankEvent {
   enum class Kind { ready, result, question, lost };
   Kind kind = Kind::result;
   int rank = 0;
-  std::uint64_t job = 0;  // of a result, as is
+  std::uint64_t job = 0;  // that a result names, unchecked
   Bytes content = {};
 };
 
 class RankPool {
  public:
   using Clock = std::function<double()>;  // [s]
-  // patience: seconds of silence after which a rank counts as hanging. Time in which rank 0 itself stood still is
-  // not counted. clock: the steady one if it is empty.
+  // patience: seconds of silence after which a rank counts as hanging; while rank 0 itself is stopped, no time
+  // counts. clock: empty for the steady clock.
   explicit RankPool(Transport& transport, double patience = 10, Clock clock = {});
 
-  // The other ranks load their input. identity: of the build and the input; a rank with another one gets no work.
+  // Tells the other ranks to load. identity: of build and input; a rank with another one gets no work.
   // said: what only rank 0 knows, as a spacing that it measured (RankContext::begun()).
   void begin(std::string identity, const Bytes& said = {});
   int ranks() const;                // without rank 0
@@ -42,7 +42,7 @@ class RankPool {
   // What has happened since the last call; does not wait. A rank that answers again after it was lost is ready
   // again.
   std::vector<RankEvent> poll();
-  // Polls until no rank is pending, or for so long [s].
+  // Polls until no rank is pending, but at most so long [s].
   std::vector<RankEvent> wait_until_loaded(double seconds);
   // Tells all ranks to stop, and waits until they have left or hang. Results that came until then are returned.
   std::vector<RankEvent> stop();
@@ -51,7 +51,7 @@ class RankPool {
   // Ranks that were lost and have not come back, and what else a person should know, one line each.
   int lost() const;
   const std::vector<std::string>& notes() const { return notes_; }
-  void distrust(int rank);  // a result of it has no meaning
+  void distrust(int rank);  // a result of it cannot be read
 
  private:
   enum class Life { waiting, loading, working, failed, left };

@@ -27,8 +27,8 @@ class RankHand {
 struct RankContext {
   std::stop_token ended = {};           // the rank must end
   std::function<void(Bytes)> ask = {};  // a question to rank 0, which may answer, at once, later or never
-  // Where answers go from now on: it is called by the thread that exchanges messages. Null: nowhere; none is under way
-  // afterwards.
+  // Sets the function that takes the answers; the thread that exchanges messages calls it. Null: answers are
+  // dropped, and no call of the former function is running when listen() returns.
   std::function<void(std::function<void(Bytes)>)> listen = {};
   // What rank 0 said when the work began (RankPool::begin()); waits for it. nullopt: the rank must end.
   std::function<std::optional<Bytes>()> begun = {};
@@ -43,7 +43,7 @@ using LoadHand = std::function<LoadedHand(const RankContext& context)>;
 
 enum class ServedRank {
   done,      // rank 0 said stop
-  busy,      // the same, but the solving thread still runs and heeds nothing: the process must end at once
+  busy,      // the same, but the solving thread does not stop: the process must end at once
   orphaned,  // rank 0 has been silent for orphaned_seconds
 };
 // Returns when the rank has nothing more to do. With `at_once`, loads before rank 0 says begin.

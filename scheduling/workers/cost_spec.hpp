@@ -1,6 +1,6 @@
 #pragma once
-// The cost model of the virtual clock, as a typed choice. The command parses the user's
-// text for it ("lognormal:0.1,0.5"); to_text() returns that text.
+// The cost model of the virtual clock, as a typed choice. A command makes it from the user's text
+// ("lognormal:0.1,0.5"); to_text() returns that text.
 //
 //   options.workers.cost = LogNormalCost{.median = 0.1, .sigma = 0.5};
 //   options.workers.cost = Registered("mine", {{"gain", "2"}});   // registered with register_cost()

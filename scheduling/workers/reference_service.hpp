@@ -45,8 +45,8 @@ class ReferenceExchange {
   virtual void tell(const State& state) = 0;  // it was solved here
 };
 
-// Threads that solve, for a wish of so many (0: all of the machine). More than four for each core, or eight,
-// would only take memory.
+// Number of threads that solve, if `wanted` are asked for (0: all of the machine). At most four for each core,
+// or eight: more would only take memory.
 int reference_threads(int wanted);
 
 class ReferenceService {
@@ -65,8 +65,8 @@ class ReferenceService {
   std::size_t solved() const;  // number of solves not found in the cache
   // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
   void learn(std::span<const State> states);
-  // From now on every position that the cache does not hold is asked for before it is solved. Null: no longer; what
-  // was asked for is solved here.
+  // From now on the other processes are asked about each position that the cache does not hold, before it is
+  // solved. Null ends this; positions without an answer are then solved here.
   void share(std::shared_ptr<ReferenceExchange> exchange);
   void grant(const Vec3& x);                       // solve it here
   void put_off(const Vec3& x);                     // it is solved elsewhere: learn() or grant() will follow
