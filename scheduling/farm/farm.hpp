@@ -1,7 +1,7 @@
 #pragma once
 // Distributes pieces of work over all ranks of a run. The calling thread of rank 0 gives each free rank its
-// next piece and collects the results. A second thread of rank 0 solves pieces like the other ranks. If a rank
-// is lost, its pieces are given out again.
+// next piece and collects the results. A second thread of rank 0 solves pieces like the other ranks. If a
+// rank is lost, its pieces are given out again.
 
 #include <functional>
 #include <optional>
@@ -51,8 +51,8 @@ struct FarmReport {
   int lost = 0;   // of them, and not back at the end
 };
 
-// Runs on rank 0, after pool.begin(). `own` makes the hand of rank 0's solving thread. At the end all ranks are
-// told to stop. Throws what the solving thread throws; an exception in another rank loses that rank.
+// Runs on rank 0, after pool.begin(). `own` makes the hand of rank 0's solving thread. At the end all ranks
+// are told to stop. Throws what the solving thread throws; an exception in another rank loses that rank.
 FarmReport run_farm(RankPool& pool, FarmWork& work, const LoadHand& own, const FarmOptions& options);
 
 }  // namespace forefeel

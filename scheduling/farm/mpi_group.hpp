@@ -21,14 +21,14 @@ class MpiGroup {
   int rank() const;
   int ranks() const;
   Transport& transport();
-  // After this call the destructor does not wait for ranks that hang. If this process then ends with an error,
-  // mpirun ends the others.
+  // After this call the destructor does not wait for ranks that hang. If this process then ends with an
+  // error, mpirun ends the others.
   void abandon();
   // Ends MPI as the destructor does. If that takes longer than `seconds`, because a rank hangs, `expired` is
   // called from another thread; it must end the process.
   void end_within(double seconds, const std::function<void()>& expired);
-  // Ends this process with that code at once. mpirun then ends the others, also those that hang, and itself with an
-  // error.
+  // Ends this process with that code at once. mpirun then ends the others, also those that hang, and itself
+  // with an error.
   [[noreturn]] void end_all(int exit_code);
 
  private:

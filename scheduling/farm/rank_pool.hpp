@@ -1,6 +1,6 @@
 #pragma once
-// The other ranks of a run, as rank 0 sees them: which take jobs, what they return, which hang. A rank that sends
-// a message that cannot be read counts as failed; the message is dropped.
+// The other ranks of a run, as rank 0 sees them: which take jobs, what they return, which hang. A rank that
+// sends a message that cannot be read counts as failed; the message is dropped.
 
 #include <chrono>
 #include <cstdint>
@@ -25,8 +25,8 @@ struct RankEvent {
 class RankPool {
  public:
   using Clock = std::function<double()>;  // [s]
-  // patience: seconds of silence after which a rank counts as hanging; while rank 0 itself is stopped, no time
-  // counts. clock: empty for the steady clock.
+  // patience: seconds of silence after which a rank counts as hanging; while rank 0 itself is stopped, no
+  // time counts. clock: empty for the steady clock.
   explicit RankPool(Transport& transport, double patience = 10, Clock clock = {});
 
   // Tells the other ranks to load. identity: of build and input; a rank with another one gets no work.
@@ -39,12 +39,13 @@ class RankPool {
   void send(int rank, std::uint64_t job, const Bytes& content);
   void cancel(int rank);
   void answer(int rank, Bytes content);  // a question
-  // What has happened since the last call; does not wait. A rank that answers again after it was lost is ready
-  // again.
+  // What has happened since the last call; does not wait. A rank that answers again after it was lost is
+  // ready again.
   std::vector<RankEvent> poll();
   // Polls until no rank is pending, but at most so long [s].
   std::vector<RankEvent> wait_until_loaded(double seconds);
-  // Tells all ranks to stop, and waits until they have left or hang. Results that came until then are returned.
+  // Tells all ranks to stop, and waits until they have left or hang. Results that came until then are
+  // returned.
   std::vector<RankEvent> stop();
   bool all_left() const;  // after stop(); false: a rank hangs, and the run can only be ended from outside
 

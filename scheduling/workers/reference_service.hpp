@@ -36,7 +36,8 @@ struct ReferenceOptions {
   bool read_only = false;              // the cache is another process's to write
 };
 
-// Other processes that solve for the same body. Each position is solved by one of them. Any thread may call these.
+// Other processes that solve for the same body. Each position is solved by one of them. Any thread may call
+// these.
 class ReferenceExchange {
  public:
   virtual ~ReferenceExchange() = default;
@@ -45,8 +46,8 @@ class ReferenceExchange {
   virtual void tell(const State& state) = 0;  // it was solved here
 };
 
-// Number of threads that solve, if `wanted` are asked for (0: all of the machine). At most four for each core,
-// or eight: more would only take memory.
+// Number of threads that solve, if `wanted` are asked for (0: all of the machine). At most four for each
+// core, or eight: more would only take memory.
 int reference_threads(int wanted);
 
 class ReferenceService {
