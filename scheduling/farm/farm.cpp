@@ -15,7 +15,7 @@
 namespace forefeel {
 namespace {
 
-constexpr auto pause = std::chrono::microseconds(300), long_pause = std::chrono::microseconds(2000);
+constexpr auto pause = std::chrono::microseconds(300);
 constexpr auto tick_pause = std::chrono::milliseconds(100);
 
 // Worker 0.
@@ -48,9 +48,9 @@ class OwnThread {
   }
   void hear(Bytes answer) { listener_.hear(std::move(answer)); }
   // Waits a little for a result of this thread.
-  void rest(std::chrono::microseconds most) {
+  void rest() {
     std::unique_lock lock(mutex_);
-    done_.wait_for(lock, most, [&] { return !results_.empty() || !questions_.empty() || failure_; });
+    done_.wait_for(lock, pause, [&] { return !results_.empty() || !questions_.empty() || failure_; });
   }
   void end() {
     thread_.request_stop();
@@ -126,7 +126,7 @@ class Farm {
         ticked = now;
         options_.tick();
       }
-      if (!news) own_.rest(until_next_look());
+      if (!news) own_.rest();
     }
     return end();
   }
@@ -153,17 +153,6 @@ class Farm {
       else
         pool_.answer(answer.worker, std::move(answer.content));
     return news;
-  }
-
-  // While every rank has its next piece, a result may wait for a quarter of the time that a piece takes.
-  std::chrono::microseconds until_next_look() const {
-    for (int worker = 1; worker <= pool_.ranks(); ++worker)
-      if (pool_.takes_jobs(worker) && held_[static_cast<std::size_t>(worker)].size() < 2) return pause;
-    if (taken_ == 0) return pause;
-    const auto passed =
-        std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - started_);
-    const auto piece = passed * static_cast<std::int64_t>(1 + taken_part_.size()) / taken_;
-    return std::clamp(std::chrono::microseconds(piece / 4), pause, long_pause);
   }
 
   FarmReport end() {
@@ -208,7 +197,6 @@ class Farm {
     try {
       work_.done(id, worker, Unpacker(std::move(content)));
       open_.erase(id);
-      ++taken_;
     } catch (const MalformedMessage&) {
       if (worker == 0) throw;
       held_[static_cast<std::size_t>(worker)].push_back(id);
@@ -246,8 +234,6 @@ class Farm {
   std::set<std::uint64_t> open_;                  // given out, not done
   std::set<int> taken_part_;
   std::size_t told_ = 0;
-  std::int64_t taken_ = 0;  // results
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace

@@ -15,8 +15,7 @@ namespace forefeel {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-// Between two looks at the messages: while the solving thread has its next job, and otherwise.
-constexpr auto long_pause = std::chrono::microseconds(2000), pause = std::chrono::microseconds(300);
+constexpr auto pause = std::chrono::microseconds(300);
 constexpr auto patience_with_thread = std::chrono::seconds(3);
 constexpr double longest_step = 0.1;  // [s] between two polls; what is longer, this process stood still
 
@@ -66,10 +65,10 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     const std::lock_guard lock(mutex_);
     return std::exchange(outgoing_, {});
   }
-  // Waits for something to send, for as long as no message is in a hurry.
+  // Waits a little for something to send.
   void rest() {
     std::unique_lock lock(mutex_);
-    said_.wait_for(lock, jobs_.empty() ? pause : long_pause, [&] { return !outgoing_.empty(); });
+    said_.wait_for(lock, pause, [&] { return !outgoing_.empty(); });
   }
 
  private:
