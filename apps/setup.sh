@@ -4,7 +4,7 @@
 #   setup.sh tests        also the tests' reference programs, the formatter, and tools to make a package
 #   setup.sh sanitizers   also clang for the thread sanitizer
 #   setup.sh mpi          also Open MPI for workers in other processes
-#   setup.sh python       also what the Python module needs
+#   setup.sh python       also what the Python module and its examples need
 set -euo pipefail
 
 packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboost-dev libtet1.5-dev libsqlite3-dev libcli11-dev
@@ -15,7 +15,7 @@ case "${1:-}" in
   tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx
                     clang-format-14 dpkg-dev file pybind11-dev python3-dev) ;;
   sanitizers) packages+=(clang libomp-dev) ;;
-  python) packages+=(pybind11-dev python3-dev python3-numpy) ;;
+  python) packages+=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib) ;;
   mpi) packages+=(openmpi-bin libboost-mpi-dev libopenmpi-dev) ;;
   *) echo "setup.sh: '$1' is unknown, expected nothing, tests, sanitizers, mpi or python" >&2; exit 2 ;;
 esac

@@ -15,11 +15,13 @@
 #include "apps/scene_input/given_states.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
+#include "geometry/index/morton_order.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"
 
@@ -59,24 +61,6 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   }
 }
 
-// States in Morton order: neighbours in the order are close, so an insertion walks only one or two cells.
-std::vector<std::uint32_t> morton_order(const std::vector<State>& states, const Box& box, double spacing) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> code(states.size());
-  for (std::uint32_t i = 0; i < states.size(); ++i) {
-    std::uint64_t value = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::clamp((states[i].at[axis] - box.low[axis]) / spacing + 0.5, 0.0, 2097151.0);
-      auto bits = static_cast<std::uint64_t>(cell);
-      for (int b = 0; b < 21; ++b) value |= (bits >> b & 1) << (3 * b + axis);
-    }
-    code[i] = {value, i};
-  }
-  std::sort(code.begin(), code.end());
-  std::vector<std::uint32_t> order(states.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = code[i].second;
-  return order;
-}
-
 // Regions consist of cubes of h/4. A box with too many cubes is refused before memory is allocated.
 void check_extent(const Classified& set, const std::string& where) {
   double voxels = 1, points = 0;
@@ -97,6 +81,23 @@ void check_extent(const Classified& set, const std::string& where) {
         fmt::format("it lies up to {:.3g} m from rest, too far to tell states at a spacing of {:.3g} m "
                     "apart exactly, expected at most a million spacings",
                     points, set.spacing));
+}
+
+// Memory of a classification, for each state: its two copies, the triangulation and the octree (measured).
+// Regions come on top: little where most places have one label, up to three times as much where labels
+// alternate at the distance of states.
+constexpr double bytes_of_a_state = 1300;
+
+void check_memory(std::size_t states, const std::string& where, const Globals& globals) {
+  const double bytes = bytes_of_a_state * static_cast<double>(states), left = available_memory();
+  if (bytes > left)
+    throw InputError(where,
+                     fmt::format("the triangulation of its {} states needs about {}, expected fewer states "
+                                 "or more memory: {} are left",
+                                 states, bytes_in_words(bytes), bytes_in_words(left)));
+  if (states >= 1'000'000)
+    say(globals, fmt::format("{} states: at least {} of memory, {} are left", states, bytes_in_words(bytes),
+                             bytes_in_words(left)));
 }
 
 std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyArguments& arguments) {
@@ -282,6 +283,7 @@ Classified classify_states(const Globals& globals, const ClassifyArguments& argu
                            const std::string& file) {
   StatesInFrame loaded = load_set(file);
   Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.own, globals);
+  check_memory(result.states.size(), file, globals);
   label_regions(result, arguments, globals, true);
   return result;
 }

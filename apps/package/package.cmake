@@ -1,6 +1,7 @@
 # What `cmake --install` installs and what `cpack` packs: the command with its manual, the library with its headers,
 # and the scenes, studies and examples to copy.
 include(GNUInstallDirs)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME forefeel)
 set(package_folder ${PROJECT_SOURCE_DIR}/apps/package)
 
 # One archive of the four libraries, for `find_package(forefeel)` and the target forefeel::forefeel. What the benches
@@ -74,10 +75,20 @@ install(FILES ${PROJECT_BINARY_DIR}/forefeelConfig.cmake ${PROJECT_BINARY_DIR}/f
         DESTINATION ${config_folder})
 install(CODE "set(SOURCE \"${PROJECT_SOURCE_DIR}\")\nset(FOLDER \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/forefeel\")\ninclude(\"${package_folder}/install_headers.cmake\")")
 if(TARGET forefeel_python)
-  # Debian's Python looks here; for another prefix set PYTHONPATH.
-  install(TARGETS forefeel_python LIBRARY DESTINATION lib/python3/dist-packages/forefeel)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/apps/python/forefeel DESTINATION lib/python3/dist-packages
-          FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
+  get_directory_property(Python_VERSION_MINOR DIRECTORY ${PROJECT_SOURCE_DIR}/apps DEFINITION Python_VERSION_MINOR)
+  # Debian's Python looks into lib/python3 below /usr, and into a folder with its version below /usr/local.
+  install(CODE "
+    set(FOREFEEL_PYTHON_FOLDER lib/python3/dist-packages)
+    if(CMAKE_INSTALL_PREFIX STREQUAL \"/usr/local\")
+      set(FOREFEEL_PYTHON_FOLDER lib/python3.${Python_VERSION_MINOR}/dist-packages)
+    elseif(NOT CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
+      message(STATUS \"import forefeel: set PYTHONPATH=\${CMAKE_INSTALL_PREFIX}/\${FOREFEEL_PYTHON_FOLDER}\")
+    endif()" COMPONENT python)
+  install(TARGETS forefeel_python LIBRARY DESTINATION "\${FOREFEEL_PYTHON_FOLDER}/forefeel" COMPONENT python)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/apps/python/forefeel DESTINATION "\${FOREFEEL_PYTHON_FOLDER}" COMPONENT python
+          FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+  install(FILES ${package_folder}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-forefeel
+          COMPONENT python)
 endif()
 install(FILES ${manual_folder}/forefeel.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${manual_folder}/forefeel.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
@@ -95,16 +106,32 @@ install(FILES ${package_folder}/copyright ${PROJECT_BINARY_DIR}/installed/README
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
 install(FILES apps/pictures/speed_error.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/apps/pictures)
 
+# Two packages: forefeel, and python3-forefeel where the Python module is built.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME forefeel)
 set(CPACK_PACKAGE_CONTACT "Forefeel developers <forefeel@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Haptic rendering of soft bodies from states solved ahead of the hand")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL forefeel)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_FOREFEEL_PACKAGE_NAME forefeel)
+set(CPACK_DEBIAN_FOREFEEL_PACKAGE_SECTION science)
 # gnuplot draws the reports' plots; the rest is what programs built with the library need.
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libgmp-dev, libmpfr-dev, libtomlplusplus-dev, libsuitesparse-dev, zlib1g-dev")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake")
+set(CPACK_DEBIAN_FOREFEEL_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libgmp-dev, libmpfr-dev, libtomlplusplus-dev, libsuitesparse-dev, zlib1g-dev")
+set(CPACK_DEBIAN_FOREFEEL_PACKAGE_SUGGESTS "g++, cmake")
+set(CPACK_COMPONENT_FOREFEEL_DESCRIPTION "The command forefeel, the C++ library, scenes, studies and examples.")
+if(TARGET forefeel_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-forefeel)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "gnuplot-nox")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-pandas, python3-scipy")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package forefeel.")
+endif()
 set(CPACK_STRIP_FILES ON)
 include(CPack)

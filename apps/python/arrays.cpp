@@ -26,17 +26,26 @@ void register_state_dtype() {
                        iterations, status, multivalued);
 }
 
-std::vector<Vec3> points_of(const Doubles& array, const char* argument) {
+Points::Points(const Doubles& array, const char* argument) : data_(array.data()) {
   const bool one = array.ndim() == 1 && array.shape(0) == 3;
   expect(one || (array.ndim() == 2 && array.shape(1) == 3), array, argument, "(n, 3)");
-  std::vector<Vec3> points(one ? 1 : static_cast<std::size_t>(array.shape(0)));
-  const double* from = array.data();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = Vec3(from[3 * i], from[3 * i + 1], from[3 * i + 2]);
-    if (!points[i].allFinite())
-      throw InputError(argument, fmt::format("row {} (from 0) is not finite, expected three numbers", i));
+  size_ = one ? 1 : static_cast<std::size_t>(array.shape(0));
+  std::size_t wrong = size_;
+  {
+    const py::gil_scoped_release released;
+#pragma omp parallel for schedule(static) reduction(min : wrong) if (size_ > 100'000)
+    for (std::size_t i = 0; i < size_; ++i)
+      if (!(*this)[i].allFinite()) wrong = std::min(wrong, i);
   }
-  return points;
+  if (wrong < size_)
+    throw InputError(argument, fmt::format("row {} (from 0) is not finite, expected three numbers", wrong));
+}
+
+std::vector<Vec3> points_of(const Doubles& array, const char* argument) {
+  const Points points(array, argument);
+  std::vector<Vec3> copy(points.size());
+  for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = points[i];
+  return copy;
 }
 
 py::array_t<double> array_of(std::span<const Vec3> points) {
@@ -44,6 +53,10 @@ py::array_t<double> array_of(std::span<const Vec3> points) {
   double* to = out.mutable_data();
   for (std::size_t i = 0; i < points.size(); ++i) std::copy_n(points[i].data(), 3, to + 3 * i);
   return out;
+}
+
+py::array_t<double> array_of(const Vec3& vector) {
+  return py::array_t<double>(3, vector.data());
 }
 
 py::array_t<StateRow> array_of(std::span<const State> states) {

@@ -1,5 +1,6 @@
 #pragma once
-// NumPy arrays from and to the library's types. Arrays are C-ordered; lengths [m], forces [N], stiffness [N/m].
+// NumPy arrays from and to the library's types. Arrays are C-ordered; lengths [m], forces [N],
+// stiffness [N/m].
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/common/error.hpp"
 #include "geometry/common/types.hpp"
 #include "geometry/states/state.hpp"
 
@@ -40,6 +42,29 @@ py::array_t<Row> zero_rows(std::size_t n) {
 // (n, 3), or (3,) for one point. InputError names the argument if the shape differs or a value is not finite.
 std::vector<Vec3> points_of(const Doubles& array, const char* argument);
 py::array_t<double> array_of(std::span<const Vec3> points);  // (n, 3)
+py::array_t<double> array_of(const Vec3& vector);            // (3,)
+
+// The same, without a copy: valid while the array lives. Checked in parallel.
+class Points {
+ public:
+  Points(const Doubles& array, const char* argument);
+  std::size_t size() const { return size_; }
+  Vec3 operator[](std::size_t i) const { return Eigen::Map<const Vec3>(data_ + 3 * i); }
+
+ private:
+  const double* data_;
+  std::size_t size_;
+};
+
+// A value as T. InputError names the argument and the type that is expected.
+template <class T>
+T cast_to(const py::handle& value, const std::string& argument, const char* expected) {
+  try {
+    return py::cast<T>(value);
+  } catch (const py::cast_error&) {
+    throw InputError(argument, "is " + std::string(py::repr(value)).substr(0, 60) + ", expected " + expected);
+  }
+}
 
 py::array_t<StateRow> array_of(std::span<const State> states);
 // Usable and failed states as they are. Displacements are not part of the array.

@@ -1,4 +1,5 @@
 #include <pybind11/stl.h>
+#include <signal.h>
 
 #include <array>
 #include <string>
@@ -15,16 +16,34 @@ namespace forefeel::python {
 namespace py = pybind11;
 namespace {
 
+// Python's own handlers of signals: a command installs others and leaves the system's behind.
+class KeptSignals {
+ public:
+  KeptSignals() {
+    for (std::size_t i = 0; i < numbers.size(); ++i) sigaction(numbers[i], nullptr, &kept_[i]);
+  }
+  ~KeptSignals() {
+    for (std::size_t i = 0; i < numbers.size(); ++i) sigaction(numbers[i], &kept_[i], nullptr);
+  }
+  KeptSignals(const KeptSignals&) = delete;
+  KeptSignals& operator=(const KeptSignals&) = delete;
+
+ private:
+  static constexpr std::array numbers{SIGINT, SIGTERM, SIGHUP, SIGALRM, SIGPIPE, SIGXFSZ};
+  std::array<struct sigaction, numbers.size()> kept_{};
+};
+
 // The exit code of `forefeel WORDS`. Its errors are exceptions.
 int run_command(const std::vector<std::string>& words) {
   const py::gil_scoped_release released;
+  const KeptSignals kept;
   std::vector<const char*> argv{"forefeel"};
   for (const std::string& word : words) argv.push_back(word.c_str());
   const int argc = static_cast<int>(argv.size());
   remember_command(argc, argv.data());
   CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
   for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_classify,
-                         add_evaluate, add_session, add_study, add_reproduce, add_bench})
+                         add_evaluate, add_session, add_study, add_reproduce, add_bench, add_cache})
     add(line);
   try {
     return line.run(argc, argv.data());
@@ -49,7 +68,10 @@ void add_policy(const std::string& name, const py::function& factory) {
 
 void bind_command(py::module_& module) {
   module.def("_command", &run_command, py::arg("words"));
-  module.def("register_policy", &add_policy, py::arg("name"), py::arg("factory"));
+  module.def("register_policy", &add_policy, py::arg("name"), py::arg("factory"),
+             "Makes a policy known by a name, in studies and sessions of this process. factory(**settings) "
+             "returns an "
+             "object with the method prioritise(candidates, view); settings are texts.");
   module.attr("version") = py::str(version_text());
 }
 

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -43,31 +44,33 @@ void set_ridge(EvaluateOptions& options, const py::handle& value) {
     options.choose_ridge = options.choose != true;
     return;
   }
-  options.ridge = py::cast<double>(value);
+  options.ridge = cast_to<double>(value, "ridge", "a number or \"auto\"");
   if (!(*options.ridge >= 0) || !std::isfinite(*options.ridge))
     throw InputError("ridge", fmt::format("is {}, expected a number >= 0 or \"auto\"", *options.ridge));
 }
 
 void set_option(EvaluateOptions& options, const std::string& key, const py::handle& value) {
   if (key == "method") {
-    const auto method = py::cast<std::string>(value);
+    const auto method = cast_to<std::string>(value, key, "a text");
     options.choose = method == "auto";
     if (method != "auto") options.method = method_of(method);
   } else if (key == "kernel") {
-    options.kernel =
-        chosen(py::cast<std::string>(value), "kernel", {Kernel::linear, Kernel::cubic, Kernel::quintic});
+    options.kernel = chosen(cast_to<std::string>(value, key, "a text"), "kernel",
+                            {Kernel::linear, Kernel::cubic, Kernel::quintic});
   } else if (key == "data") {
-    options.data = chosen(py::cast<std::string>(value), "data", {Data::force, Data::force_and_stiffness});
+    options.data =
+        chosen(cast_to<std::string>(value, key, "a text"), "data", {Data::force, Data::force_and_stiffness});
   } else if (key == "neighbours") {
-    const auto n = py::cast<std::int64_t>(value);
+    const auto n = cast_to<std::int64_t>(value, key, "a whole number");
     if (n < 1 || n > 100'000) throw InputError("neighbours", fmt::format("is {}, expected 1 to 100000", n));
     options.neighbours = static_cast<std::size_t>(n);
   } else if (key == "select") {
-    options.select = chosen(py::cast<std::string>(value), "select", {Select::label, Select::nearest});
+    options.select =
+        chosen(cast_to<std::string>(value, key, "a text"), "select", {Select::label, Select::nearest});
   } else if (key == "ridge") {
     set_ridge(options, value);
   } else if (key == "spacing") {
-    options.spacing = py::cast<double>(value);
+    options.spacing = cast_to<double>(value, key, "a number");
     if (!(options.spacing > 0) || !std::isfinite(options.spacing))
       throw InputError("spacing", fmt::format("is {} m, expected a positive number", options.spacing));
   } else {
@@ -83,12 +86,6 @@ EvaluateOptions options_of(const py::kwargs& given) {
   for (const auto& [key, value] : given)
     if (!value.is_none()) set_option(options, py::cast<std::string>(key), value);
   return options;
-}
-
-std::vector<State> states_in(const StateSpace& space) {
-  std::vector<State> states;
-  for (std::uint32_t i = 0; i < space.size(); ++i) states.push_back(space[StateId{i}]);
-  return states;
 }
 
 // The settings in use, and the error to expect where they were chosen.
@@ -120,10 +117,11 @@ py::tuple forces_from(const std::vector<State>& states, const std::vector<Vec3>&
 }
 
 // The options of one model; `auto` is not for a single model.
-ModelOptions model_options(const EvaluateOptions& given, const StateSpace& space) {
+ModelOptions model_options(const EvaluateOptions& given, const PySpace& from) {
+  const StateSpace& space = *from.space;
   if (given.choose == true || given.method.value_or(Method::rbf) != Method::rbf)
     throw InputError("method", "expected rbf: model_at() makes one model");
-  const bool stiffness = std::ranges::any_of(states_in(space), &State::has_stiffness);
+  const bool stiffness = std::ranges::any_of(from.states(), &State::has_stiffness);
   ModelOptions options;
   options.kernel = given.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
   options.data = given.data.value_or(stiffness && options.kernel != Kernel::linear ? Data::force_and_stiffness
@@ -137,7 +135,12 @@ ModelOptions model_options(const EvaluateOptions& given, const StateSpace& space
   return options;
 }
 
-py::array_t<double> jacobians(const Model& model, const std::vector<Vec3>& points) {
+struct PyModel {
+  std::shared_ptr<const Model> model;
+  std::vector<std::int64_t> rows;
+};
+
+py::array_t<double> jacobians(const Model& model, const Points& points) {
   py::array_t<double> out({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}, py::ssize_t{3}});
   double* to = out.mutable_data();
   const py::gil_scoped_release released;
@@ -152,7 +155,7 @@ py::array_t<double> jacobians(const Model& model, const std::vector<Vec3>& point
   return out;
 }
 
-py::array_t<double> forces(const Model& model, const std::vector<Vec3>& points) {
+py::array_t<double> forces(const Model& model, const Points& points) {
   py::array_t<double> out({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
   double* to = out.mutable_data();
   const py::gil_scoped_release released;
@@ -164,30 +167,52 @@ py::array_t<double> forces(const Model& model, const std::vector<Vec3>& points) 
   return out;
 }
 
+// Seconds of the loop in C++ that force() is compared with: points and forces are C++ vectors.
+double loop_seconds(const PyModel& self, const Doubles& points) {
+  const std::vector<Vec3> at = points_of(points, "points");
+  const py::gil_scoped_release released;
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Vec3> out(at.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < at.size(); ++i) out[i] = self.model->force(at[i]);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 }  // namespace
 
 void bind_models(py::module_& module) {
-  py::class_<Model, std::shared_ptr<Model>>(module, "Model")
+  py::class_<PyModel>(module, "Model",
+                      "The force around a place, fitted to states near it. Made by StateSpace.model_at().")
       .def(
-          "force", [](const Model& self, const Doubles& at) { return forces(self, points_of(at, "points")); },
-          py::arg("points"))
+          "force",
+          [](const PyModel& self, const Doubles& at) { return forces(*self.model, Points(at, "points")); },
+          py::arg("points"), "Forces (m, 3) [N] at points (m, 3) [m]; uses all cores.")
       .def(
           "jacobian",
-          [](const Model& self, const Doubles& at) { return jacobians(self, points_of(at, "points")); },
-          py::arg("points"))
-      .def_property_readonly("states",
-                             [](const Model& self) {
-                               py::array_t<std::int64_t> ids(static_cast<py::ssize_t>(self.states().size()));
-                               std::ranges::transform(self.states(), ids.mutable_data(),
-                                                      [](StateId id) { return id.value; });
-                               return ids;
-                             })
-      .def_property_readonly("kernel", [](const Model& self) { return std::string(name(self.kernel())); })
-      .def_property_readonly("degree", &Model::degree)
-      .def_property_readonly("is_tangent", &Model::is_tangent)
-      .def_property_readonly("force_bound", &Model::force_bound)
-      .def_property_readonly("trust_distance", &Model::trust_distance)
-      .def_property_readonly("hold_distance", &Model::hold_distance);
+          [](const PyModel& self, const Doubles& at) { return jacobians(*self.model, Points(at, "points")); },
+          py::arg("points"), "Derivatives of the force (m, 3, 3) [N/m]: [k, i, j] is df_i/dx_j at points[k].")
+      .def("_loop_seconds", &loop_seconds, py::arg("points"))
+      .def_property_readonly(
+          "states", [](const PyModel& self) { return py::array_t<std::int64_t>(py::cast(self.rows)); },
+          "Rows int64 (n,) of the states that the model uses, in the array that the space was made from.")
+      .def_property_readonly(
+          "kernel", [](const PyModel& self) { return std::string(name(self.model->kernel())); },
+          "linear, cubic or quintic; a simpler one than asked for where the states do not determine it.")
+      .def_property_readonly(
+          "degree", [](const PyModel& self) { return self.model->degree(); },
+          "Of the polynomial part: 0, 1 or 2.")
+      .def_property_readonly(
+          "is_tangent", [](const PyModel& self) { return self.model->is_tangent(); },
+          "True: only the tangent of the nearest state.")
+      .def_property_readonly(
+          "force_bound", [](const PyModel& self) { return self.model->force_bound(); },
+          "No force of the model is larger [N].")
+      .def_property_readonly(
+          "trust_distance", [](const PyModel& self) { return self.model->trust_distance(); },
+          "Distance from its states beyond which the model fades to their tangents [m].")
+      .def_property_readonly(
+          "hold_distance", [](const PyModel& self) { return self.model->hold_distance(); },
+          "Distance from its states beyond which the force is held constant [m].");
 
   module.def(
       "model_at",
@@ -195,11 +220,13 @@ void bind_models(py::module_& module) {
         const std::vector<Vec3> at = points_of(hip, "hip");
         if (at.size() != 1) throw InputError("hip", "expected one position");
         const EvaluateOptions wanted = options_of(given);
-        ModelOptions options = model_options(wanted, *space.space);
+        ModelOptions options = model_options(wanted, space);
         const py::gil_scoped_release released;
         if (wanted.choose_ridge) options.ridge = choose_ridge(*space.space, options).ridge;
         ModelUpdater updater(*space.space, options);
-        return std::make_shared<Model>(updater.model_at(at.front()));
+        PyModel made{std::make_shared<const Model>(updater.model_at(at.front())), {}};
+        for (const StateId id : made.model->states()) made.rows.push_back(space.row(id));
+        return made;
       },
       py::arg("space"), py::arg("hip"));
 
@@ -232,7 +259,7 @@ void bind_models(py::module_& module) {
       [](const PySpace& space, const Doubles& points, const py::kwargs& given) {
         EvaluateOptions options = options_of(given);
         if (std::isnan(options.spacing)) options.spacing = space.space->options().spacing;
-        return forces_from(states_in(*space.space), points_of(points, "points"), options);
+        return forces_from(space.states(), points_of(points, "points"), options);
       },
       py::arg("space"), py::arg("points"));
 }

@@ -4,6 +4,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "apps/console/summary_json.hpp"
 #include "apps/python/bindings.hpp"
@@ -107,7 +108,11 @@ std::optional<T> taken(py::dict& given, const char* key) {
   if (!given.contains(key)) return std::nullopt;
   const py::object value = given.attr("pop")(key);
   if (value.is_none()) return std::nullopt;
-  return py::cast<T>(value);
+  constexpr const char* expected = std::is_same_v<T, std::string> ? "a text"
+                                   : std::is_floating_point_v<T>  ? "a number"
+                                   : std::is_integral_v<T>        ? "a whole number"
+                                                                  : "a structured array of states";
+  return cast_to<T>(value, key, expected);
 }
 
 template <class T>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -11,6 +12,7 @@
 #include "apps/python/space.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
+#include "geometry/index/morton_order.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel::python {
@@ -36,9 +38,20 @@ PySpace space_of(std::vector<State> states, std::optional<double> spacing,
   }
   const auto space = std::make_shared<StateSpace>(options);
   std::vector<std::int64_t> inserted;  // repeated positions are left out
-  for (std::size_t i = 0; i < states.size(); ++i)
+  inserted.reserve(states.size());
+  for (const std::uint32_t i : morton_order(states, options.box, options.spacing))  // as `forefeel classify`
     if (space->insert(std::move(states[i])).is_new) inserted.push_back(rows[i]);
   return {space, std::move(inserted)};
+}
+
+std::vector<State> PySpace::states() const {
+  std::vector<std::uint32_t> order(space->size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, {}, [&](std::uint32_t i) { return row({i}); });
+  std::vector<State> states;
+  states.reserve(order.size());
+  for (const std::uint32_t i : order) states.push_back((*space)[StateId{i}]);
+  return states;
 }
 
 namespace {
@@ -60,7 +73,7 @@ void for_all(std::size_t n, const Each& each) {
   for (std::size_t i = 0; i < n; ++i) each(i);
 }
 
-py::array_t<std::uint8_t> labels(const StateSpace& space, const std::vector<Vec3>& points) {
+py::array_t<std::uint8_t> labels(const StateSpace& space, const Points& points) {
   py::array_t<std::uint8_t> out(static_cast<py::ssize_t>(points.size()));
   std::uint8_t* to = out.mutable_data();
   const py::gil_scoped_release released;
@@ -74,15 +87,29 @@ py::array_t<std::uint8_t> labels(const StateSpace& space, const std::vector<Vec3
   return out;
 }
 
-py::array_t<double> measure(const StateSpace& space, const std::vector<Vec3>& points,
-                            double Coverage::*field) {
+// Seconds of the loop in C++ that label() is compared with: points and labels are C++ vectors.
+double loop_seconds(const PySpace& self, const Doubles& points) {
+  const std::vector<Vec3> at = points_of(points, "points");
+  const py::gil_scoped_release released;
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Label> out(at.size());
+#pragma omp parallel
+  {
+    PathWalk walk;
+#pragma omp for schedule(static)
+    for (std::size_t i = 0; i < at.size(); ++i) out[i] = self.space->label(at[i], walk);
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+py::array_t<double> measure(const StateSpace& space, const Points& points, double Coverage::*field) {
   py::array_t<double> out(static_cast<py::ssize_t>(points.size()));
   double* to = out.mutable_data();
   for_all(points.size(), [&](std::size_t i) { to[i] = space.coverage(points[i]).*field; });
   return out;
 }
 
-py::tuple nearest(const PySpace& self, const std::vector<Vec3>& points, std::size_t n) {
+py::tuple nearest(const PySpace& self, const Points& points, std::size_t n) {
   const StateSpace& space = *self.space;
   n = std::min(n, space.size());
   const auto rows = static_cast<py::ssize_t>(points.size()), columns = static_cast<py::ssize_t>(n);
@@ -99,12 +126,6 @@ py::tuple nearest(const PySpace& self, const std::vector<Vec3>& points, std::siz
     }
   });
   return py::make_tuple(ids, distances);
-}
-
-py::array_t<StateRow> states_in(const StateSpace& space) {
-  std::vector<State> states;
-  for (std::uint32_t i = 0; i < space.size(); ++i) states.push_back(space[StateId{i}]);
-  return array_of(states);
 }
 
 py::array_t<double> box_of(const Box& box) {
@@ -168,14 +189,21 @@ void bind_states(py::module_& module) {
       },
       py::arg("positions"), py::arg("forces"), py::arg("stiffness") = py::none());
 
-  py::class_<CoverageOptions>(module, "Thresholds")
+  py::class_<CoverageOptions>(
+      module, "Thresholds",
+      "Thresholds of the labels, as the options of `forefeel classify`; h is the spacing.")
       .def(py::init<>())
-      .def_readwrite("safe_spread", &CoverageOptions::safe_spread)
-      .def_readwrite("safe_cone_radius", &CoverageOptions::safe_cone_radius)
-      .def_readwrite("safe_angle_deg", &CoverageOptions::safe_angle_deg)
-      .def_readwrite("sparse_distance", &CoverageOptions::sparse_distance)
-      .def_readwrite("gap_cone_radius", &CoverageOptions::gap_cone_radius)
-      .def_readwrite("gap_angle_deg", &CoverageOptions::gap_angle_deg);
+      .def_readwrite("safe_spread", &CoverageOptions::safe_spread, "Safe: spread at most this many h")
+      .def_readwrite("safe_cone_radius", &CoverageOptions::safe_cone_radius,
+                     "Safe: enclosed by states within this many h")
+      .def_readwrite("safe_angle_deg", &CoverageOptions::safe_angle_deg,
+                     "Safe: largest empty cone below this half-angle [deg]")
+      .def_readwrite("sparse_distance", &CoverageOptions::sparse_distance,
+                     "Sparse: a state within this many h")
+      .def_readwrite("gap_cone_radius", &CoverageOptions::gap_cone_radius,
+                     "Gap: states on both sides within this many h")
+      .def_readwrite("gap_angle_deg", &CoverageOptions::gap_angle_deg,
+                     "Gap: largest empty cone at most this half-angle [deg]");
 
   py::class_<PySpace>(module, "StateSpace")
       .def(py::init([](const py::array_t<StateRow>& rows, std::optional<double> spacing,
@@ -188,34 +216,36 @@ void bind_states(py::module_& module) {
       .def("__len__", [](const PySpace& self) { return self.space->size(); })
       .def_property_readonly("spacing", [](const PySpace& self) { return self.space->options().spacing; })
       .def_property_readonly("box", [](const PySpace& self) { return box_of(self.space->options().box); })
-      .def_property_readonly("states", [](const PySpace& self) { return states_in(*self.space); })
+      .def_property_readonly("states", [](const PySpace& self) { return array_of(self.states()); })
       .def_property_readonly("rows",
                              [](const PySpace& self) {
                                py::array_t<std::int64_t> rows(static_cast<py::ssize_t>(self.space->size()));
-                               for (std::uint32_t i = 0; i < self.space->size(); ++i)
-                                 rows.mutable_data()[i] = self.row(StateId{i});
+                               std::int64_t* to = rows.mutable_data();
+                               for (std::uint32_t i = 0; i < self.space->size(); ++i) to[i] = self.row({i});
+                               std::sort(to, to + rows.size());
                                return rows;
                              })
       .def(
           "label",
-          [](const PySpace& self, const Doubles& at) { return labels(*self.space, points_of(at, "points")); },
+          [](const PySpace& self, const Doubles& at) { return labels(*self.space, Points(at, "points")); },
           py::arg("points"))
       .def(
           "spread",
           [](const PySpace& self, const Doubles& at) {
-            return measure(*self.space, points_of(at, "points"), &Coverage::spread);
+            return measure(*self.space, Points(at, "points"), &Coverage::spread);
           },
           py::arg("points"))
       .def(
           "distance",
           [](const PySpace& self, const Doubles& at) {
-            return measure(*self.space, points_of(at, "points"), &Coverage::delta);
+            return measure(*self.space, Points(at, "points"), &Coverage::delta);
           },
           py::arg("points"))
+      .def("_loop_seconds", &loop_seconds, py::arg("points"))
       .def(
           "nearest",
           [](const PySpace& self, const Doubles& at, std::size_t n) {
-            return nearest(self, points_of(at, "points"), n);
+            return nearest(self, Points(at, "points"), n);
           },
           py::arg("points"), py::arg("n") = 1);
 
@@ -228,7 +258,7 @@ void bind_states(py::module_& module) {
           s.at = at;
           s.force = Vec3::Zero();
         }
-        const std::vector<Vec3> at = points_of(points, "points");
+        const Points at(points, "points");
         PySpace made;
         {
           const py::gil_scoped_release released;

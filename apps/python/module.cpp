@@ -16,6 +16,7 @@ PYBIND11_MODULE(_core, module) {
   register_state_dtype();
   bind_states(module);
   bind_models(module);
+  bind_body(module);
   bind_scene(module);
   bind_session(module);
   bind_command(module);

@@ -6,6 +6,7 @@
 
 #include "apps/python/arrays.hpp"
 #include "apps/python/space.hpp"
+#include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel::python {
@@ -172,9 +173,7 @@ class PythonPredictor final : public Predictor {
     if (failure_->raised()) return;
     try {
       const py::gil_scoped_acquire locked;
-      const Vec3 values[] = {sample.at, sample.velocity};
-      const py::array_t<double> both = array_of(values);
-      (*object_).attr("observe")(sample.t, both[py::int_(0)], both[py::int_(1)]);
+      (*object_).attr("observe")(sample.t, array_of(sample.at), array_of(sample.velocity));
     } catch (...) {
       failure_->keep(std::current_exception());
     }
@@ -215,8 +214,7 @@ class PythonDevice final : public Device {
     if (failure_->raised()) return last_;
     try {
       const py::gil_scoped_acquire locked;
-      const py::array_t<double> given = array_of(std::span(&force, 1));
-      last_ = vector_of((*object_).attr("position")(t, given[py::int_(0)]), "device.position()");
+      last_ = vector_of((*object_).attr("position")(t, array_of(force)), "device.position()");
     } catch (...) {
       failure_->keep(std::current_exception());
     }
@@ -234,6 +232,36 @@ class PythonDevice final : public Device {
   DeviceLimits limits_;
   Vec3 last_ = Vec3::Zero();
 };
+
+py::array_t<PredictionRow> predictions(const PlannerViewForPython& self) {
+  const auto predicted = (*self).predicted;
+  py::array_t<PredictionRow> rows(static_cast<py::ssize_t>(predicted.size()));
+  PredictionRow* row = rows.mutable_data();
+  for (const Prediction& p : predicted) *row++ = {p.horizon, {p.at[0], p.at[1], p.at[2]}, p.deviation};
+  return rows;
+}
+
+// The priorities that a built-in policy gives, made anew for this call.
+py::array_t<double> built_in_priorities(const PlannerViewForPython& self, const std::string& policy,
+                                        const py::array_t<CandidateRow>& rows) {
+  std::vector<Candidate> candidates;
+  candidates.reserve(static_cast<std::size_t>(rows.size()));
+  for (const CandidateRow& row : std::span(rows.data(), static_cast<std::size_t>(rows.size())))
+    candidates.push_back({.at = Vec3(row.at[0], row.at[1], row.at[2]),
+                          .region = static_cast<Label>(row.region),
+                          .requested = row.requested,
+                          .delta = row.delta,
+                          .order = row.order,
+                          .passing = row.passing});
+  py::array_t<double> out(rows.size());
+  const std::span<double> values(out.mutable_data(), candidates.size());
+  const PlannerView& view = *self;
+  const std::unique_ptr<Policy> made = make_policy(part_from_text("policy", policy));
+  const py::gil_scoped_release released;
+  made->look(view);
+  made->prioritise(candidates, view, values);
+  return out;
+}
 
 }  // namespace
 
@@ -255,30 +283,41 @@ void bind_parts(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(PredictionRow, horizon, at, deviation);
   module.attr("candidate_dtype") = py::dtype::of<CandidateRow>();
   using View = PlannerViewForPython;
-  py::class_<View, std::shared_ptr<View>>(module, "PlannerView")
-      .def_property_readonly("now", [](const View& self) { return (*self).now; })
+  py::class_<View, std::shared_ptr<View>>(
+      module, "PlannerView",
+      "What a policy may read, and only during prioritise(). Positions count from rest [m].")
       .def_property_readonly(
-          "hip", [](const View& self) { return array_of(std::span(&(*self).hip.at, 1))[py::int_(0)]; })
+          "now", [](const View& self) { return (*self).now; }, "[s]")
       .def_property_readonly(
-          "velocity",
-          [](const View& self) { return array_of(std::span(&(*self).hip.velocity, 1))[py::int_(0)]; })
-      .def_property_readonly("predicted",
-                             [](const View& self) {
-                               const auto predicted = (*self).predicted;
-                               py::array_t<PredictionRow> rows(static_cast<py::ssize_t>(predicted.size()));
-                               PredictionRow* row = rows.mutable_data();
-                               for (const Prediction& p : predicted)
-                                 *row++ = {p.horizon, {p.at[0], p.at[1], p.at[2]}, p.deviation};
-                               return rows;
-                             })
-      .def_property_readonly("solve_seconds", [](const View& self) { return (*self).solve_seconds; })
-      .def_property_readonly("workers", [](const View& self) { return (*self).workers; })
-      .def_property_readonly("pending", [](const View& self) { return array_of((*self).pending); })
-      .def_property_readonly("spacing", [](const View& self) { return (*self).space.options().spacing; })
-      .def_property_readonly("space", [](const View& self) {
-        // Shared without ownership: it is the planner's, and valid as long as the view.
-        return PySpace{std::shared_ptr<const StateSpace>(std::shared_ptr<void>(), &(*self).space)};
-      });
+          "hip", [](const View& self) { return array_of((*self).hip.at); }, "(3,): where the tip is [m]")
+      .def_property_readonly(
+          "velocity", [](const View& self) { return array_of((*self).hip.velocity); }, "(3,) [m/s]")
+      .def_property_readonly(
+          "predicted", &predictions,
+          "Structured array, by increasing horizon, the first is now: horizon [s], at (3,) [m], "
+          "deviation [m].")
+      .def_property_readonly(
+          "solve_seconds", [](const View& self) { return (*self).solve_seconds; },
+          "Running median of a solve and its messages [s]")
+      .def_property_readonly(
+          "workers", [](const View& self) { return (*self).workers; }, "Number of workers")
+      .def_property_readonly(
+          "pending", [](const View& self) { return array_of((*self).pending); },
+          "(k, 3): where states are being solved [m]")
+      .def_property_readonly(
+          "spacing", [](const View& self) { return (*self).space.options().spacing; },
+          "Distance of states that counts as dense [m]")
+      .def_property_readonly(
+          "space",
+          [](const View& self) {
+            // Shared without ownership: it is the planner's, and valid as long as the view.
+            return PySpace{std::shared_ptr<const StateSpace>(std::shared_ptr<void>(), &(*self).space)};
+          },
+          "The states known now; valid as long as the view.")
+      .def("prioritise", &built_in_priorities, py::arg("policy"), py::arg("candidates"),
+           "Priorities (n,) that a built-in policy, such as \"nearest\", gives the candidates: to mix it "
+           "with one's "
+           "own, or to compare.");
 }
 
 }  // namespace forefeel::python

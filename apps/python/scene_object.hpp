@@ -1,5 +1,5 @@
 #pragma once
-// A scene as Python sees it: read once, never changed.
+// A scene and a body as Python sees them: made once, never changed.
 
 #include <memory>
 
@@ -7,6 +7,11 @@
 #include "apps/scene_input/scene.hpp"
 
 namespace forefeel::python {
+
+struct PyBody {
+  std::shared_ptr<const Body> body;
+  std::vector<std::string> warnings = {};
+};
 
 struct PyScene {
   std::shared_ptr<const Scene> scene;

@@ -13,11 +13,13 @@ struct PySpace {
   // Row of the caller's array for each state id. Empty: the ids themselves.
   std::vector<std::int64_t> rows = {};
 
+  // Its states in the order of the rows.
+  std::vector<State> states() const;
   std::int64_t row(StateId id) const { return rows.empty() ? std::int64_t{id.value} : rows[id.value]; }
 };
 
-// Usable states only, in the order of the rows; the first of repeated positions is kept. spacing [m]: nullopt takes
-// the median distance of the states.
+// Usable states only, inserted as `forefeel classify` does; the first of repeated positions is kept.
+// spacing [m]: nullopt takes the median distance of the states.
 PySpace space_of(std::vector<State> states, std::optional<double> spacing,
                  const CoverageOptions& thresholds = {});
 

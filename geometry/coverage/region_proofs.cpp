@@ -72,11 +72,11 @@ bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec
 // For a node whose voxels are all within kappa_p h of a state: proves that none of them is enclosed.
 bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
                               const Vec3& nearest) {
-  // If the corners of the cell around q are all in reach, they enclose q: no cone is empty.
+  // If the corners of the cell around q are all among the states that find_axis() looks at, they enclose q:
+  // no cone of 90 degrees is empty.
   const Spread spread = delaunay_.spread(q, walk_);
-  const auto within = [&](const Vec3& corner) {
-    return (corner - q).squaredNorm() <= limits.safe_radius * limits.safe_radius;
-  };
+  const double looked_at = limits.safe_radius + e;
+  const auto within = [&](const Vec3& corner) { return (corner - q).squaredNorm() <= looked_at * looked_at; };
   if (spread.inside && std::ranges::all_of(spread.at, within)) return false;
   Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
   if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
@@ -120,10 +120,14 @@ void RegionTree::resolve_voxel(std::int32_t index) {
   const bool coarse = spread.inside && spread.spread > limits.safe_spread;
   const bool enclosed = coarse || query_.safe_cone(q, spread, limits, &axis);
   if (enclosed && spread.spread <= limits.safe_spread) return become_leaf(here, Label::safe);
-  if (was_sparse || query_.points().nearest(q, limits.sparse_distance).id != nobody) {
+  const auto near = [&](const Vec3& state) {
+    return (state - q).squaredNorm() <= limits.sparse_distance * limits.sparse_distance;
+  };
+  if (was_sparse || (spread.inside && std::ranges::any_of(spread.at, near)) ||
+      query_.points().nearest(q, limits.sparse_distance).id != nobody) {
     if (coarse)
-      delaunay_.watch(walk_, static_cast<std::uint32_t>(index));
-    else if (enclosed && !delaunay_.watch(q, walk_.near, static_cast<std::uint32_t>(index)))
+      watch_cell(index);
+    else if (enclosed && !watch_place(q, index))
       restless_.push_back(index);
     return become_leaf(here, Label::sparse, enclosed ? Vec3(Vec3::Zero()) : axis);
   }

@@ -223,6 +223,7 @@ bool RegionTree::settle(std::size_t budget, const std::function<void(double)>& p
   for (const std::int32_t root : waiting_roots_) pass_on_all(root);
   waiting_roots_.clear();
   if (complete_) return settle_marked(budget);
+  if (budget == static_cast<std::size_t>(-1) && is_fresh()) settle_fresh(progress);
   for (std::size_t root = 0; root < roots_ && budget > 0; ++root) {
     settle_below(static_cast<std::int32_t>(root), budget);
     if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(roots_));

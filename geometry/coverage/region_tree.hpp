@@ -15,11 +15,16 @@
 // settle() all of them, and settle() visits nothing else. On an adaptive lattice a leaf is proven only where
 // h(q) is constant, and the coarsest h decides what an insertion may break.
 //
-// region_tree.cpp: structure and settling. region_proofs.cpp: the labels of voxels and the bounds for larger
-// leaves. region_insertion.cpp: what an insertion marks. Lengths in [m].
+// The first settle() shares the root cubes among threads. Each root is settled in a tree of its own, and
+// these are joined in the order of the roots. So nodes and labels are the same for any number of threads.
+//
+// region_tree.cpp: structure and settling. region_threads.cpp: the first settling. region_proofs.cpp: the
+// labels of voxels and the bounds for larger leaves. region_insertion.cpp: what an insertion marks.
+// Lengths in [m].
 
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -128,6 +133,12 @@ class RegionTree {
   void branch(std::int32_t index);
   void collapse(std::int32_t index);
   void settle_below(std::int32_t index, std::size_t& budget);
+  bool is_fresh() const;  // no leaf was ever resolved, and no insertion waits
+  void settle_fresh(const std::function<void(double)>& progress);
+  std::exception_ptr settle_root(const RegionNode& root);
+  void take_root(std::int32_t root, RegionTree& part);  // what part.nodes_ holds below its only root
+  void watch_cell(std::int32_t index);                  // the one that walk_ has found
+  bool watch_place(const Vec3& q, std::int32_t index);
   bool settle_marked(std::size_t budget);
   void refresh_above(std::int32_t index);
   bool reaches(const RegionNode& node, const Vec3& at) const;
@@ -155,6 +166,14 @@ class RegionTree {
   std::vector<RegionNode> nodes_;
   std::vector<std::int32_t> free_;      // first of eight unused nodes, each
   std::vector<std::int32_t> restless_;  // voxels that no watch covers: marked by every insertion
+  struct WishedWatch {                  // of a part of the tree, which must not change the triangulation
+    const void* cell;                   // null: of the cell at q
+    Vec3 q;
+    StateId near;
+    std::int32_t index;
+  };
+  std::vector<WishedWatch> wished_;
+  bool is_part_ = false;
   struct Waiting {
     Vec3 at;
     std::int32_t next;

@@ -98,19 +98,42 @@ LeafTable list_leaves(const RegionTree& tree) {
   return table;
 }
 
+struct Facet {
+  std::uint32_t leaf, past;  // past: the leaf across one of the upper faces of `leaf`
+};
+
+// Calls visit(facet) for every facet that two leaves share, by rising `leaf`. All threads find them; the
+// visits follow one another.
+template <class Visit>
+void for_each_facet(const RegionTree& tree, const LeafTable& table, Visit&& visit) {
+  constexpr std::size_t block = 2048, blocks = 64;
+  std::vector<std::vector<Facet>> found(blocks);
+  const std::size_t leaves = table.node.size();
+  for (std::size_t start = 0; start < leaves; start += block * blocks) {
+#pragma omp parallel for schedule(dynamic)
+    for (std::size_t b = 0; b < blocks; ++b) {
+      found[b].clear();
+      const std::size_t first = std::min(leaves, start + b * block), last = std::min(leaves, first + block);
+      for (std::size_t i = first; i < last; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          across(tree, tree.node(table.node[i]), axis, [&](std::int32_t other, const RegionNode&) {
+            found[b].push_back({static_cast<std::uint32_t>(i), table.leaf[static_cast<std::size_t>(other)]});
+          });
+    }
+    for (const std::vector<Facet>& some : found)
+      for (const Facet& facet : some) visit(facet);
+  }
+}
+
 // Components by union over shared facets, numbered by label, then by falling volume. Returns the component of
 // each leaf.
 std::vector<std::uint32_t> find_components(const RegionTree& tree, const LeafTable& table,
                                            std::vector<RegionComponent>& components) {
   UnionFind sets(table.node.size());
-  for (std::size_t i = 0; i < table.node.size(); ++i) {
-    const RegionNode& leaf = tree.node(table.node[i]);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      across(tree, leaf, axis, [&](std::int32_t found, const RegionNode& other) {
-        if (other.label == leaf.label)
-          sets.join(static_cast<std::uint32_t>(i), table.leaf[static_cast<std::size_t>(found)]);
-      });
-  }
+  const auto label = [&](std::uint32_t leaf) { return tree.node(table.node[leaf]).label; };
+  for_each_facet(tree, table, [&](const Facet& facet) {
+    if (label(facet.leaf) == label(facet.past)) sets.join(facet.leaf, facet.past);
+  });
   std::vector<std::uint32_t> number(table.node.size(), 0xffffffffu), component(table.node.size());
   std::vector<RegionComponent> found;
   std::vector<double> largest;
@@ -150,17 +173,12 @@ void find_safe_neighbours(const RegionTree& tree, const LeafTable& table,
                           std::vector<RegionComponent>& components) {
   std::vector<std::set<std::uint32_t>> beside(components.size()), near_safe(components.size());
   std::vector<bool> rim(table.node.size());
-  for (std::size_t i = 0; i < table.node.size(); ++i) {
-    const RegionNode& leaf = tree.node(table.node[i]);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      across(tree, leaf, axis, [&](std::int32_t found, const RegionNode& other) {
-        if (other.label == leaf.label) return;
-        const std::uint32_t past = table.leaf[static_cast<std::size_t>(found)];
-        rim[i] = rim[past] = true;
-        beside[component[i]].insert(component[past]);
-        beside[component[past]].insert(component[i]);
-      });
-  }
+  for_each_facet(tree, table, [&](const Facet& facet) {
+    if (tree.node(table.node[facet.leaf]).label == tree.node(table.node[facet.past]).label) return;
+    rim[facet.leaf] = rim[facet.past] = true;
+    beside[component[facet.leaf]].insert(component[facet.past]);
+    beside[component[facet.past]].insert(component[facet.leaf]);
+  });
   for (std::size_t i = 0; i < table.node.size(); ++i) {
     const RegionNode& leaf = tree.node(table.node[i]);
     if (leaf.label != Label::gap || !rim[i]) continue;

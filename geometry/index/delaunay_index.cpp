@@ -261,8 +261,11 @@ bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
 
 void DelaunayIndex::watch(const PathWalk& walk, std::uint32_t token) {
   assert(walk.version == impl_->version && walk.cell);
-  impl_->add_watch(Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(walk.cell))),
-                   token);
+  watch(walk.cell, token);
+}
+
+void DelaunayIndex::watch(const void* cell, std::uint32_t token) {
+  impl_->add_watch(Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(cell))), token);
 }
 
 std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {

@@ -62,7 +62,8 @@ class DelaunayIndex {
   bool watch(const Vec3& q, StateId near, std::uint32_t token);
   // The same after spread(q, walk) has found q inside.
   void watch(const PathWalk& walk, std::uint32_t token);
-  std::span<const std::uint32_t> disturbed() const;  // tokens that the last insert() reports, each once
+  void watch(const void* cell, std::uint32_t token);  // walk.cell of such a walk; no insert() in between
+  std::span<const std::uint32_t> disturbed() const;   // tokens that the last insert() reports, each once
 
   struct Cell {
     std::array<StateId, 4> states;  // positively oriented

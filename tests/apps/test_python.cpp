@@ -1,4 +1,4 @@
-// The Python package forefeel: the same numbers as the command, parts written in Python, errors as exceptions.
+// The Python package forefeel: the numbers of the command, parts written in Python, examples.
 
 #include <catch2/catch.hpp>
 
@@ -8,17 +8,85 @@
 
 using namespace forefeel::test;
 
-TEST_CASE("the Python package gives the command's numbers and runs parts written in Python") {
-  const auto package = build_folder() / "apps" / "python";
-  if (!std::filesystem::exists(package / "forefeel" / "__init__.py"))
-    return skip("the Python module is not built: pybind11 is not installed");
-  if (!has_python_module("scipy")) return skip("python3-scipy is not installed");
+namespace {
+
+std::filesystem::path package() {
+  return build_folder() / "apps" / "python";
+}
+
+bool is_missing() {
+  if (!std::filesystem::exists(package() / "forefeel" / "__init__.py")) {
+    skip("the Python module is not built: pybind11 is not installed");
+    return true;
+  }
+  if (has_python_module("scipy")) return false;
+  skip("python3-scipy is not installed");
+  return true;
+}
+
+// Runs a script below the sources with the package of this build.
+Workshop::Outcome python(const Workshop& shop, const std::string& script, const std::string& arguments) {
+  return shop.shell("MPLCONFIGDIR=. PYTHONPATH='" + package().string() + "' /usr/bin/python3 '" +
+                    (source_folder() / script).string() + "' " + arguments);
+}
+
+double number_after(const std::string& text, const std::string& words) {
+  const std::size_t at = text.find(words);
+  INFO(text);
+  REQUIRE(at != std::string::npos);
+  return std::stod(text.substr(at + words.size()));
+}
+
+void run_checks(const std::string& script) {
+  if (is_missing()) return;
   const Workshop shop;
   const auto scene = shop.write("beam.toml", beam_scene());
-  const auto script = source_folder() / "tests" / "apps" / "python_module.py";
-  const Workshop::Outcome done =
-      shop.shell("PYTHONPATH='" + package.string() + "' /usr/bin/python3 '" + script.string() + "' '" +
-                 executable() + "' '" + scene.string() + "'");
+  const Workshop::Outcome done = python(shop, script, "'" + executable() + "' '" + scene.string() + "'");
   INFO(done.err);
   CHECK(done.code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("the Python package gives the command's numbers and runs parts written in Python") {
+  run_checks("tests/apps/python_module.py");
+}
+
+TEST_CASE("bodies, files, interruption, errors and documentation of the Python package") {
+  run_checks("tests/apps/python_package.py");
+}
+
+TEST_CASE("the Python example of the paper's figure finds blank space worse than sparse") {
+  if (is_missing()) return;
+  if (!has_python_module("matplotlib")) return skip("python3-matplotlib is not installed");
+  const Workshop shop;
+  const auto scene = shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome done = python(shop, "apps/examples/fig2.py", "'" + scene.string() + "' fig2.png");
+  INFO(done.err);
+  REQUIRE(done.code == 0);
+  CHECK(number_after(done.out, "blank: error") > 5 * number_after(done.out, "sparse: error"));
+  CHECK(std::filesystem::file_size(shop.path() / "fig2.png") > 10'000);
+}
+
+TEST_CASE("the Python example of a policy compares it in a study and times a plan") {
+  if (is_missing()) return;
+  const Workshop shop;
+  const auto scene = shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome done = python(shop, "apps/examples/own_policy.py", "'" + scene.string() + "' own");
+  INFO(done.err);
+  REQUIRE(done.code == 0);
+  CHECK(number_after(done.out, "nearest:") > 10);
+  CHECK(number_after(done.out, "ahead:") > 10);
+  CHECK(number_after(done.out, "Python ") > 0);
+  CHECK(number_after(done.out, "built-in ") > 0);
+}
+
+TEST_CASE("the Python example of ask and tell learns a solver of SciPy to 2 % with 40 states") {
+  if (is_missing()) return;
+  const Workshop shop;
+  const Workshop::Outcome done = python(shop, "apps/examples/ask_and_tell.py", "");
+  INFO(done.err);
+  REQUIRE(done.code == 0);
+  CHECK(done.out.starts_with("40 states"));
+  CHECK(number_after(done.out, "median ") < 2);
 }

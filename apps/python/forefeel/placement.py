@@ -1,6 +1,11 @@
 """Where to solve or measure next: ask and tell."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 
@@ -21,13 +26,19 @@ class Placement:
     low, high  (3,): corners of the box [m]
     spacing    finest distance of states; candidates are its lattice [m]
     floor      force below which errors count in newtons [N]
+    rule       an object of yours with doubt(states, candidates) -> (n,): how much each candidate (n, 3) [m] is worth,
+               from the structured array of the states so far; None: the estimates above
     """
 
-    def __init__(self, low, high, spacing, floor=0.05):
+    def __init__(self, low: ArrayLike, high: ArrayLike, spacing: float, floor: float = 0.05,
+                 rule: Any = None) -> None:
+        self.rule = rule
         self.low, self.high = np.asarray(low, float), np.asarray(high, float)
         self.spacing, self.floor = float(spacing), float(floor)
-        if not (np.all(self.low < self.high) and self.spacing > 0):
-            raise _core.InputError("Placement: expected low < high and spacing > 0")
+        if not (self.low.shape == self.high.shape == (3,) and np.all(self.low < self.high) and self.spacing > 0):
+            raise _core.InputError("Placement: expected corners (3,) with low < high, and spacing > 0")
+        if not np.prod((self.high - self.low) / self.spacing + 1) <= 1e6:
+            raise _core.InputError("Placement: the box holds more than 1e6 candidates, expected a larger spacing")
         axes = [np.arange(np.ceil(l / spacing), np.floor(h / spacing) + 1) * spacing
                 for l, h in zip(self.low, self.high)]
         self.candidates = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -36,18 +47,18 @@ class Placement:
         self._at, self._force, self._stiffness = [], [], []
         self._open = []  # asked, not told yet
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._at)
 
     @property
-    def states(self):
+    def states(self) -> NDArray[Any]:
         """Structured array of the states told so far."""
         if not self._at:
             return np.empty(0, _core.state_dtype)
         stiffness = np.array([np.full((3, 3), np.nan) if k is None else k for k in self._stiffness])
         return _core.measured(np.array(self._at), np.array(self._force), stiffness)
 
-    def tell(self, at, force, stiffness=None):
+    def tell(self, at: ArrayLike, force: ArrayLike, stiffness: ArrayLike | None = None) -> None:
         """The force (3,) [N] at a position (3,) [m], and its stiffness (3, 3) [N/m] with K = -df/dx if known."""
         at, force = np.asarray(at, float).reshape(3), np.asarray(force, float).reshape(3)
         if not (np.all(np.isfinite(at)) and np.all(np.isfinite(force))):
@@ -57,7 +68,7 @@ class Placement:
         self._stiffness.append(None if stiffness is None else np.asarray(stiffness, float).reshape(3, 3))
         self._open = [x for x in self._open if not np.array_equal(x, at)]
 
-    def ask(self, n=1):
+    def ask(self, n: int = 1) -> NDArray[np.float64]:
         """The next n positions (n, 3) [m]; fewer if the lattice is full. Positions that were asked and not told yet
         are not asked again."""
         chosen = []
@@ -99,6 +110,12 @@ class Placement:
 
     def _doubt(self):
         states = self.states
+        if self.rule is not None:
+            doubt = np.asarray(self.rule.doubt(states, self.candidates), float)
+            if doubt.shape != (len(self.candidates),) or not np.all(np.isfinite(doubt)):
+                raise _core.InputError(f"doubt() gave the shape {doubt.shape}, expected ({len(self.candidates)},) "
+                                       "finite numbers")
+            return np.maximum(doubt, 0)
         if len(states) == 0:
             return np.ones(len(self.candidates))
         space = _core.StateSpace(states, self.spacing)

@@ -1,0 +1,196 @@
+#include <fmt/format.h>
+#include <omp.h>
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "apps/python/bindings.hpp"
+#include "apps/python/interruptible.hpp"
+#include "apps/python/scene_object.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "solver/equilibrium/solver.hpp"
+#include "solver/lattice/generate.hpp"
+
+namespace forefeel::python {
+namespace {
+
+using Integers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+
+std::vector<NodeIndex> node_set(const Integers& given, std::size_t nodes, const char* argument) {
+  std::vector<NodeIndex> set;
+  for (const std::int64_t node : std::span(given.data(), static_cast<std::size_t>(given.size()))) {
+    if (node < 0 || node >= static_cast<std::int64_t>(nodes))
+      throw InputError(argument, fmt::format("holds node {}, expected 0 to {}", node, nodes - 1));
+    set.push_back(static_cast<NodeIndex>(node));
+  }
+  std::ranges::sort(set);
+  set.erase(std::unique(set.begin(), set.end()), set.end());
+  return set;
+}
+
+template <class Choice, class All>
+Choice named(const std::string& text, const char* argument, const All& all) {
+  std::string names;
+  for (const Choice choice : all) {
+    if (name(choice) == text) return choice;
+    names += (names.empty() ? "" : ", ") + std::string(name(choice));
+  }
+  throw InputError(argument, fmt::format("is '{:.40}', expected {}", text, names));
+}
+
+PyBody make_body(const Doubles& nodes, const Integers& tets, const Integers& clamp, const Integers& contact,
+                 const std::string& law, double young, double poisson, const std::string& element) {
+  auto body = std::make_shared<Body>();
+  body->mesh.nodes = points_of(nodes, "nodes");
+  if (tets.ndim() != 2 || tets.shape(1) != 4)
+    throw InputError("tets", "expected the shape (t, 4): numbers of nodes, from 0");
+  const std::size_t count = body->mesh.nodes.size();
+  for (py::ssize_t t = 0; t < tets.shape(0); ++t) {
+    Tet& tet = body->mesh.tets.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::int64_t node = tets.data()[4 * t + static_cast<py::ssize_t>(i)];
+      if (node < 0 || node >= static_cast<std::int64_t>(count))
+        throw InputError("tets",
+                         fmt::format("row {} (from 0) holds node {}, expected 0 to {}", t, node, count - 1));
+      tet[i] = static_cast<NodeIndex>(node);
+    }
+  }
+  body->material.law = named<Law>(law, "law", all_laws());
+  body->material.young = young;
+  body->material.poisson = poisson;
+  body->clamp = node_set(clamp, count, "clamp");
+  body->contact = node_set(contact, count, "contact");
+  body->element = named<Element>(element, "element", std::array{Element::linear, Element::quadratic});
+  std::vector<std::string> warnings = check_and_orient(body->mesh, "Body").warnings;
+  for (std::string& warning : check(*body, "Body")) warnings.push_back(std::move(warning));
+  return {std::move(body), std::move(warnings)};
+}
+
+py::array_t<std::int32_t> tets_of(const TetMesh& mesh) {
+  py::array_t<std::int32_t> tets({static_cast<py::ssize_t>(mesh.tets.size()), py::ssize_t{4}});
+  std::int32_t* to = tets.mutable_data();
+  for (const Tet& tet : mesh.tets) to = std::ranges::copy(tet, to).out;
+  return tets;
+}
+
+py::array_t<std::int32_t> indices(const std::vector<NodeIndex>& nodes) {
+  return py::array_t<std::int32_t>(static_cast<py::ssize_t>(nodes.size()), nodes.data());
+}
+
+// As `forefeel solve`: each state on the reference branch, and whether another path ends elsewhere.
+std::vector<State> solve_all(const std::shared_ptr<const Body>& body, const std::vector<Vec3>& at,
+                             double spacing, bool displacements, const ShowShare& progress) {
+  std::vector<State> states(at.size());
+  run_interruptibly(progress, [&](const std::stop_token& stop, const std::function<void(double)>& tell) {
+    const int threads = std::min(omp_get_max_threads(), std::max(1, static_cast<int>(at.size())));
+    std::atomic<std::size_t> done = 0;
+#pragma omp parallel num_threads(threads)
+    {
+      Solver solver(body);
+#pragma omp for schedule(dynamic)
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        if (stop.stop_requested()) continue;
+        states[i] = solver.reference(at[i], spacing, {.want_displacements = displacements}).state;
+        states[i].multivalued = second_way_differs(solver, states[i], spacing);
+        tell(static_cast<double>(++done) / static_cast<double>(at.size()));
+      }
+    }
+  });
+  return states;
+}
+
+py::object solve(const PyBody& self, const Doubles& positions, double spacing, bool displacements,
+                 const ShowShare& progress) {
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
+  const std::vector<Vec3> at = points_of(positions, "positions");
+  const double farthest = 100 * longest_side(self.body->mesh);  // as `forefeel solve`
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (!(at[i].cwiseAbs().maxCoeff() <= farthest))
+      throw InputError("positions",
+                       fmt::format("row {} (from 0) is farther from rest than {:.3g} m, 100 times the "
+                                   "body's longest side; expected metres",
+                                   i, farthest));
+  const std::vector<State> states = solve_all(self.body, at, spacing, displacements, progress);
+  if (!displacements) return array_of(states);
+  const auto nodes = static_cast<py::ssize_t>(self.body->mesh.nodes.size());
+  py::array_t<double> u({static_cast<py::ssize_t>(at.size()), nodes, py::ssize_t{3}});
+  std::fill_n(u.mutable_data(), u.size(), unknown);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (states[i].displacements)
+      std::ranges::copy(std::span(*states[i].displacements).first(static_cast<std::size_t>(3 * nodes)),
+                        u.mutable_data() + 3 * nodes * static_cast<py::ssize_t>(i));
+  return py::make_tuple(array_of(states), u);
+}
+
+py::array_t<StateRow> generate(const PyBody& self, double spacing, const Doubles& box, int threads,
+                               const ShowShare& progress) {
+  const std::vector<Vec3> corners = points_of(box, "box");
+  if (corners.size() != 2 || (corners[0].array() > corners[1].array()).any())
+    throw InputError("box", "expected the shape (2, 3): low corner, high corner");
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
+  if (!((corners[1] - corners[0]).array() / spacing + 1).isFinite().all() ||
+      ((corners[1] - corners[0]).array() / spacing + 1).prod() > 1e8)
+    throw InputError("spacing", "gives more than 1e8 positions in the box, expected a larger one");
+  std::vector<State> states;
+  run_interruptibly(progress, [&](const std::stop_token& stop, const std::function<void(double)>& tell) {
+    GenerateOptions options;
+    options.spacing = spacing;
+    options.box = {corners[0], corners[1]};
+    options.threads = threads;
+    options.stop = stop;
+    generate_lattice(
+        self.body, options, {}, [&](State state) { states.push_back(std::move(state)); },
+        [&](std::size_t done, std::size_t total) {
+          tell(static_cast<double>(done) / static_cast<double>(total));
+        });
+  });
+  // By position, so that the order does not depend on the threads.
+  std::ranges::sort(states, [](const State& a, const State& b) {
+    return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
+  });
+  return array_of(states);
+}
+
+py::dict mesh_dict(const TetMesh& mesh) {
+  py::dict out, groups;
+  out["nodes"] = array_of(mesh.nodes);
+  out["tets"] = tets_of(mesh);
+  for (const auto& [group, nodes] : mesh.groups) groups[py::str(group)] = indices(nodes);
+  out["groups"] = groups;
+  return out;
+}
+
+}  // namespace
+
+void bind_body(py::module_& module) {
+  py::class_<PyBody>(module, "Body")
+      .def(py::init(&make_body), py::arg("nodes"), py::arg("tets"), py::arg("clamp"), py::arg("contact"),
+           py::arg("law"), py::arg("young"), py::arg("poisson"), py::arg("element"))
+      .def_property_readonly("nodes", [](const PyBody& self) { return array_of(self.body->mesh.nodes); })
+      .def_property_readonly("tets", [](const PyBody& self) { return tets_of(self.body->mesh); })
+      .def_property_readonly("clamp", [](const PyBody& self) { return indices(self.body->clamp); })
+      .def_property_readonly("contact", [](const PyBody& self) { return indices(self.body->contact); })
+      .def_property_readonly("warnings", [](const PyBody& self) { return self.warnings; })
+      .def("solve", &solve, py::arg("positions"), py::arg("spacing"), py::arg("displacements"),
+           py::arg("progress"))
+      .def("generate", &generate, py::arg("spacing"), py::arg("box"), py::arg("threads"),
+           py::arg("progress"));
+  module.def("read_mesh", [](const std::filesystem::path& file) {
+    TetMesh mesh;
+    {
+      const py::gil_scoped_release released;
+      mesh = read_mesh(file);
+    }
+    return mesh_dict(mesh);
+  });
+}
+
+}  // namespace forefeel::python

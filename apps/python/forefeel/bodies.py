@@ -1,0 +1,198 @@
+"""Bodies and scenes: exact forces, lattices of states, haptic sessions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .states import States, numbers
+
+Progress = Callable[[float], Any]
+
+
+class Body:
+    """What is pressed: a tetrahedral mesh with material, clamped nodes, and contact nodes that move with the tip.
+
+    nodes    (v, 3): rest positions [m]
+    tets     (t, 4): numbers of nodes, from 0
+    clamp    numbers of the nodes that never move
+    contact  numbers of the nodes that move by the position of the tip
+    law      "linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean" or "mooney-rivlin"
+    young    Young's modulus [Pa]
+    poisson  Poisson's ratio, in (-1, 0.5)
+    element  "linear", or "quadratic", which does not lock above a ratio of 0.45
+    """
+
+    def __init__(self, nodes: ArrayLike, tets: ArrayLike, clamp: ArrayLike, contact: ArrayLike,
+                 law: str = "neo-hookean", young: float = 5e3, poisson: float = 0.45,
+                 element: str = "linear") -> None:
+        self._body = nodes if isinstance(nodes, _core.Body) else _core.Body(
+            nodes, tets, clamp, contact, law, young, poisson, element)
+
+    @classmethod
+    def _of(cls, body: _core.Body) -> Body:
+        made = cls.__new__(cls)
+        made._body = body
+        return made
+
+    def __repr__(self) -> str:
+        return f"<forefeel.Body: {len(self.nodes)} nodes, {len(self.tets)} tetrahedra>"
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """(v, 3): rest positions [m]"""
+        return self._body.nodes
+
+    @property
+    def tets(self) -> NDArray[np.int32]:
+        """(t, 4): numbers of nodes; positive volume"""
+        return self._body.tets
+
+    @property
+    def clamp(self) -> NDArray[np.int32]:
+        """Numbers of the clamped nodes, sorted."""
+        return self._body.clamp
+
+    @property
+    def contact(self) -> NDArray[np.int32]:
+        """Numbers of the contact nodes, sorted."""
+        return self._body.contact
+
+    @property
+    def warnings(self) -> list[str]:
+        """What may make its forces wrong, such as locking."""
+        return self._body.warnings
+
+    def keys(self) -> tuple[str, ...]:
+        return ("nodes", "tets", "clamp", "contact")
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        if key not in self.keys():
+            raise KeyError(key)
+        return getattr(self, key)
+
+    def solve(self, positions: ArrayLike, displacements: bool = False, spacing: float = 0.006,
+              progress: Progress | None = None) -> Any:
+        """Exact states at positions (n, 3) [m], on all cores: a structured array (n,). With displacements=True also
+        (n, v, 3) [m]. Each is reached straight from rest in steps of at most `spacing` [m]. Ctrl-C ends it."""
+        return self._body.solve(numbers(positions, "positions"), spacing, displacements, progress)
+
+    def generate(self, spacing: float, box: ArrayLike, threads: int = 0, progress: Progress | None = None) -> States:
+        """All states of the lattice {k spacing} in the box (2, 3) [m], sorted by position. threads 0: all cores.
+        progress(share) is called a few times a second; Ctrl-C ends it."""
+        array = self._body.generate(spacing, numbers(box, "box"), threads, progress)
+        return States(array, spacing, np.array(box, float), {}, {})
+
+
+class Run:
+    """Result of a session.
+
+    frames, dispatches, switches  structured arrays; `frames.dtype` lists the fields [m, N, s]
+    states       structured array with `state_dtype`: known at its end
+    summary      dict with the keys of summary.json
+    interrupted  True: Ctrl-C ended it
+    """
+
+    def __init__(self, run: Any) -> None:
+        self._run = run
+        self.frames, self.dispatches, self.switches = run.frames, run.dispatches, run.switches
+        self.states = run.states
+        self.summary: dict[str, Any] = json.loads(run._summary)
+        self.interrupted: bool = run.interrupted
+
+    def __repr__(self) -> str:
+        return f"<forefeel.Run: {len(self.frames)} frames, {len(self.dispatches)} dispatches>"
+
+    def write(self, folder: Any) -> None:
+        """Writes frames.csv, dispatch.csv and switches.csv into a folder, as `forefeel session` does."""
+        self._run.write(folder)
+
+
+class Scene:
+    """A scene file (TOML). set: overrides of keys, as ["material.poisson=0.4"]."""
+
+    def __init__(self, file: Any, set: Iterable[str] = ()) -> None:
+        self._scene = _core.Scene(file, list(set))
+
+    def __repr__(self) -> str:
+        return f"<forefeel.Scene {self.file}>"
+
+    @property
+    def file(self) -> str:
+        return self._scene.file
+
+    @property
+    def spacing(self) -> float:
+        """Of states [m]."""
+        return self._scene.spacing
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """(2, 3): where states are placed [m]"""
+        return self._scene.box
+
+    @property
+    def warnings(self) -> list[str]:
+        return self._scene.warnings
+
+    @property
+    def identity(self) -> dict[str, str]:
+        """The body that its states belong to."""
+        return self._scene.identity
+
+    @property
+    def body(self) -> Body:
+        """Its mesh, material, clamped and contact nodes."""
+        return Body._of(self._scene._body())
+
+    def solve(self, positions: ArrayLike, displacements: bool = False, progress: Progress | None = None) -> Any:
+        """Exact states at positions (n, 3) [m], on all cores: a structured array (n,). With displacements=True also
+        (n, v, 3) [m]. Same states as `forefeel solve`. Ctrl-C ends it."""
+        return self._scene._body().solve(numbers(positions, "positions"), self.spacing, displacements, progress)
+
+    def generate(self, spacing: float | None = None, threads: int = 0, progress: Progress | None = None) -> States:
+        """All states of the lattice in the box, sorted by position. spacing [m], None: the scene's; threads 0: all
+        cores. progress(share) is called a few times a second; Ctrl-C ends it. Same states as `forefeel generate`."""
+        spacing, box = self._scene._lattice(spacing)
+        array = self._scene._body().generate(spacing, box, threads, progress)
+        return States(array, spacing, box, self.identity, {})
+
+    def session(self, progress: Progress | None = None, **options: Any) -> Run:
+        """A haptic session. Options as of `forefeel session`, by the same names: clock, seconds, device, policy,
+        predictor, workers, cost, latency, switch, select, seed, threads, arrivals, replay; states: States or
+        structured array known at the start. progress(share) is called meanwhile; Ctrl-C ends it.
+
+        policy, predictor and device may also be Python objects:
+          policy.prioritise(candidates, view) -> (n,) priorities >= 0; the largest is solved next. candidates:
+            structured array with candidate_dtype. view: PlannerView. Called once per planning step; with
+            reads_pending = True also after each dispatch; with reads_regions = True candidates carry labels.
+          predictor.observe(t, at, velocity), predictor.predict(horizon) -> (at, deviation)
+          device.position(t, force) -> (3,), at rest for t = 0; duration [s] and force_limit [N] if it has them
+        Under the virtual clock the same options give the same arrays, bit by bit.
+        """
+        if isinstance(options.get("states"), States):
+            options["states"] = options["states"].array
+        return Run(_core._run_session(self._scene, progress, options))
+
+
+def solve(what: Scene | Body, positions: ArrayLike, displacements: bool = False) -> Any:
+    """Exact states of a Scene or Body at positions (n, 3) [m]: a structured array (n,); with displacements=True also
+    (n, v, 3) [m]."""
+    return what.solve(positions, displacements)
+
+
+def generate(what: Scene | Body, spacing: float | None = None, box: ArrayLike | None = None,
+             progress: Progress | None = None) -> States:
+    """All states of a lattice: of a Scene (its own box and spacing), or of a Body in a box (2, 3) [m]."""
+    if isinstance(what, Scene):
+        if box is not None:
+            raise _core.InputError("box: a scene has its own, expected none")
+        return what.generate(spacing, progress=progress)
+    if spacing is None or box is None:
+        raise _core.InputError("generate: a body needs spacing [m] and box (2, 3) [m]")
+    return what.generate(spacing, box, progress=progress)

@@ -1,0 +1,112 @@
+"""What is known where, and the force between and beyond states."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .states import States, numbers, rows_of
+
+
+def _length(spacing: Any) -> float | None:
+    if spacing is None:
+        return None
+    try:
+        return float(spacing)
+    except (TypeError, ValueError):
+        raise _core.InputError(f"spacing: is {spacing!r}, expected metres") from None
+
+
+def classify(positions: ArrayLike, points: ArrayLike, spacing: float | None = None) -> NDArray[np.uint8]:
+    """Labels of points from the positions of known states: uint8 (m,), 0 safe, 1 sparse, 2 gap, 3 blank.
+
+    positions (n, 3) [m]; points (m, 3) [m]; spacing that counts as dense [m], None: the median distance of the
+    states to their nearest neighbour. Same labels as `forefeel classify`. `label_names` has the words.
+    """
+    return _core.classify(numbers(positions, "positions"), numbers(points, "points"), _length(spacing))
+
+
+def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffness: ArrayLike | None = None,
+             **options: Any) -> NDArray[np.float64]:
+    """Forces (m, 3) [N] at points (m, 3) [m], approximated from states at positions (n, 3) [m].
+
+    forces (n, 3) [N]; stiffness (n, 3, 3) [N/m] with K = -df/dx, or None. Options as of `forefeel evaluate`:
+    method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m]. Same forces as the command.
+    States without stiffness have method="auto" if nothing is given: it chooses kernel, neighbours and ridge by
+    leaving out groups of neighbouring states; evaluation() says what it chose.
+    """
+    return evaluation(positions, forces, points, stiffness, **options)[0]
+
+
+def evaluation(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffness: ArrayLike | None = None,
+               **options: Any) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    """evaluate(), and a dict of what was used: method, kernel, data, neighbours, ridge, spacing [m], averaged (states
+    that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N]."""
+    return _core.evaluate(numbers(positions, "positions"), numbers(forces, "forces"), numbers(points, "points"),
+                          None if stiffness is None else numbers(stiffness, "stiffness"), **options)
+
+
+class StateSpace:
+    """Known states, indexed by position. Made once; every method is vectorised and uses all cores.
+
+    states      structured array, States, or positions (n, 3) [m]
+    spacing     that counts as dense [m]; None: of the States, else the median distance of states
+    thresholds  of the labels
+    """
+
+    def __init__(self, states: Any, spacing: float | None = None, thresholds: _core.Thresholds | None = None) -> None:
+        if isinstance(states, _core.StateSpace):
+            self._space = states
+            return
+        if spacing is None and isinstance(states, States) and np.isfinite(states.spacing):
+            spacing = states.spacing
+        self._space = _core.StateSpace(rows_of(states), _length(spacing), thresholds or _core.Thresholds())
+
+    def __len__(self) -> int:
+        return len(self._space)
+
+    @property
+    def spacing(self) -> float:
+        """That counts as dense [m]."""
+        return self._space.spacing
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """(2, 3): low and high corner of the states [m]"""
+        return self._space.box
+
+    @property
+    def states(self) -> NDArray[Any]:
+        """Structured array (n,) of its states: those given, without failed and repeated ones."""
+        return self._space.states
+
+    def label(self, points: ArrayLike) -> NDArray[np.uint8]:
+        """uint8 (m,) at points (m, 3) [m]: 0 safe, 1 sparse, 2 gap, 3 blank"""
+        return self._space.label(numbers(points, "points"))
+
+    def spread(self, points: ArrayLike) -> NDArray[np.float64]:
+        """(m,) [m] at points (m, 3) [m]: sqrt(R^2 - |q - c|^2) in the Delaunay cell of q with circumcentre c and
+        circumradius R; inf outside the hull of the states"""
+        return self._space.spread(numbers(points, "points"))
+
+    def distance(self, points: ArrayLike) -> NDArray[np.float64]:
+        """(m,) [m]: from points (m, 3) [m] to the nearest state"""
+        return self._space.distance(numbers(points, "points"))
+
+    def nearest(self, points: ArrayLike, n: int = 1) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The n nearest states of points (m, 3) [m], by distance: int64 (m, n), rows of the array that the space was
+        made from, and distances (m, n) [m]."""
+        if not (isinstance(n, (int, np.integer)) and n >= 1):
+            raise _core.InputError(f"n: is {n!r}, expected a whole number >= 1")
+        return self._space.nearest(numbers(points, "points"), n)
+
+    def evaluate(self, points: ArrayLike, **options: Any) -> NDArray[np.float64]:
+        """Forces (m, 3) [N] at points (m, 3) [m]; each has the model of its own neighbours. Options: evaluate()."""
+        return _core.evaluate_in(self._space, numbers(points, "points"), **options)[0]
+
+    def model_at(self, hip: ArrayLike, **options: Any) -> _core.Model:
+        """The Model around a HIP position (3,) [m]; evaluate it anywhere near. Options as of evaluate()."""
+        return _core.model_at(self._space, numbers(hip, "hip"), **options)
