@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "geometry/common/output_file.hpp"
+#include "geometry/coverage/region_cells.hpp"
 #include "geometry/index/delaunay_index.hpp"
 
 namespace forefeel {
@@ -23,6 +24,15 @@ class AppendedArrays {
     data_.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
     if (bytes > 0) data_.append(reinterpret_cast<const char*>(values.data()), bytes);
     return head;
+  }
+  // One text for each cell or point: vtkStringArray.
+  std::string add_texts(std::string_view name, const std::vector<std::string_view>& values) {
+    std::vector<char> bytes;  // each text ends with a zero
+    for (const std::string_view value : values) {
+      bytes.insert(bytes.end(), value.begin(), value.end());
+      bytes.push_back('\0');
+    }
+    return add("String", name, 1, bytes);
   }
   const std::string& data() const { return data_; }
 
@@ -63,52 +73,59 @@ void write_grid(const std::filesystem::path& file, const Grid& grid, const std::
 
 namespace {
 
-void add_voxel(const Box& box, Grid& grid) {
-  grid.corners = 8;
-  grid.type = 11;  // VTK_VOXEL: x fastest, then y, then z
-  for (int corner = 0; corner < 8; ++corner) {
-    grid.connectivity.push_back(static_cast<std::int64_t>(grid.points.size() / 3));
-    for (int axis = 0; axis < 3; ++axis)
-      grid.points.push_back((corner >> axis) & 1 ? box.high[axis] : box.low[axis]);
+Grid voxels_of(const RegionCells& cells) {
+  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};  // VTK_VOXEL: x fastest, y, z
+  for (const Vec3& point : cells.points) grid.points.insert(grid.points.end(), point.begin(), point.end());
+  for (const auto& corners : cells.corners)
+    grid.connectivity.insert(grid.connectivity.end(), corners.begin(), corners.end());
+  return grid;
+}
+
+// The array of numbers, and the names beside it.
+std::string labels(const std::string& array, const std::vector<Label>& label, AppendedArrays& arrays) {
+  std::vector<std::uint8_t> numbers;
+  std::vector<std::string_view> names;
+  for (const Label l : label) {
+    numbers.push_back(static_cast<std::uint8_t>(l));
+    names.push_back(name(l));
   }
+  return arrays.add("UInt8", array, 1, numbers) + arrays.add_texts(array + "_name", names);
 }
 
 }  // namespace
 
 void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
                        std::span<const RegionComponent> components) {
-  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};
-  grid.points.reserve(24 * leaves.size());
-  grid.connectivity.reserve(8 * leaves.size());
-  std::vector<std::uint8_t> label;
+  const RegionCells cells = cells_with_shared_corners(leaves);
+  std::vector<Label> label;
   std::vector<std::int32_t> component, safe, sides;
-  for (const RegionLeaf& leaf : leaves) {
-    add_voxel(leaf.box, grid);
-    label.push_back(static_cast<std::uint8_t>(leaf.label));
+  for (const std::uint32_t i : cells.leaf) {
+    const RegionLeaf& leaf = leaves[i];
+    label.push_back(leaf.label);
     component.push_back(static_cast<std::int32_t>(leaf.component));
     if (components.empty()) continue;
     safe.push_back(static_cast<std::int32_t>(components[leaf.component].safe_neighbours.size()));
     sides.push_back(static_cast<std::int32_t>(components[leaf.component].sides.size()));
   }
   AppendedArrays arrays;
-  std::string data = arrays.add("UInt8", "label", 1, label) + arrays.add("Int32", "component", 1, component);
+  std::string data = labels("label", label, arrays) + arrays.add("Int32", "component", 1, component);
   if (!components.empty())
     data += arrays.add("Int32", "safe_components", 1, safe) + arrays.add("Int32", "bridge_sides", 1, sides);
-  write_grid(file, grid, data, arrays);
+  write_grid(file, voxels_of(cells), data, arrays);
 }
 
 void write_changes_vtu(const std::filesystem::path& file, std::span<const RegionChange> changes) {
-  Grid grid{.points = {}, .connectivity = {}, .corners = 8, .type = 11};
-  std::vector<std::uint8_t> before, after;
-  for (const RegionChange& change : changes) {
-    add_voxel(change.box, grid);
-    before.push_back(static_cast<std::uint8_t>(change.before));
-    after.push_back(static_cast<std::uint8_t>(change.after));
+  std::vector<RegionLeaf> leaves;
+  for (const RegionChange& change : changes) leaves.push_back({.box = change.box});
+  const RegionCells cells = cells_with_shared_corners(leaves);
+  std::vector<Label> before, after;
+  for (const std::uint32_t i : cells.leaf) {
+    before.push_back(changes[i].before);
+    after.push_back(changes[i].after);
   }
   AppendedArrays arrays;
-  const std::string data =
-      arrays.add("UInt8", "label_before", 1, before) + arrays.add("UInt8", "label_after", 1, after);
-  write_grid(file, grid, data, arrays);
+  const std::string data = labels("label_before", before, arrays) + labels("label_after", after, arrays);
+  write_grid(file, voxels_of(cells), data, arrays);
 }
 
 void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves) {

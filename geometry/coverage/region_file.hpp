@@ -1,6 +1,7 @@
 #pragma once
 // Writes regions, Delaunay cells and time series for ParaView (.vtu with raw appended data, .pvd), and tables
-// (.csv). Labels are numbers in files for ParaView: 0 safe, 1 sparse, 2 gap, 3 blank. Lengths in [m].
+// (.csv). Labels in files for ParaView are numbers (0 safe, 1 sparse, 2 gap, 3 blank), with their names in an
+// array of texts beside them. Lengths in [m].
 
 #include <filesystem>
 #include <span>
@@ -12,12 +13,13 @@
 
 namespace forefeel {
 
-// One VTK_VOXEL for each leaf. Cell data: label, component; from `components` (may be empty) also the number
-// of safe neighbours and of bridge sides of the leaf's component.
+// VTK_VOXELs with shared corners (region_cells.hpp): the parts of a label that are connected over points are
+// its components. Cell data: label, label_name, component; from `components` (may be empty) also the number of
+// safe neighbours and of bridge sides of the leaf's component.
 void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
                        std::span<const RegionComponent> components = {});
-// What changed from one set of states to another: one VTK_VOXEL for each leaf, cell data label_before,
-// label_after.
+// What changed from one set of states to another: VTK_VOXELs with shared corners, cell data label_before,
+// label_after and their names.
 struct RegionChange {
   Box box;  // [m]
   Label before = Label::blank, after = Label::blank;

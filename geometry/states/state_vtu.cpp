@@ -1,8 +1,11 @@
-// States as a VTU point cloud: inline binary data (base64, UInt64 headers, little-endian).
+// States as a VTU point cloud: inline binary data (base64, UInt64 headers, little-endian). What no state has is left
+// out; where only some have it, the others have NaN.
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include "geometry/common/output_file.hpp"
@@ -67,6 +70,16 @@ class VtuWriter {
     data.finish();
     output_.write("\n</DataArray>\n");
   }
+  // Left out if no state has a value. A state without one has NaN.
+  template <class Value>
+  void known(std::string_view name, int width, std::span<const State> states, Value&& value) {
+    const bool any = std::ranges::any_of(states, [&](const State& state) {
+      for (int k = 0; k < width; ++k)
+        if (!std::isnan(value(state, k))) return true;
+      return false;
+    });
+    if (any) array<double>("Float64", name, width, states, value);
+  }
   void text(std::string_view line) { output_.write(line); }
   void commit() { output_.commit(); }
 
@@ -81,18 +94,17 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
   out.text(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
       "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
-  out.text(
-      fmt::format("<Piece NumberOfPoints=\"{0}\" NumberOfCells=\"{0}\">\n<PointData Vectors=\"force\">\n",
-                  states.size()));
-  out.array<double>("Float64", "force", 3, states, [](const State& s, int k) { return s.force[k]; });
-  out.array<double>("Float64", "stiffness", 9, states,
-                    [](const State& s, int k) { return s.stiffness(k / 3, k % 3); });
-  out.array<double>("Float64", "energy", 1, states, [](const State& s, int) { return s.energy; });
-  out.array<double>("Float64", "spacing", 1, states, [](const State& s, int) { return s.spacing; });
-  out.array<double>("Float64", "residual", 1, states, [](const State& s, int) { return s.residual; });
-  out.array<double>("Float64", "seconds", 1, states, [](const State& s, int) { return s.seconds; });
-  out.array<double>("Float64", "min_jacobian", 1, states, [](const State& s, int) { return s.min_jacobian; });
-  out.array<double>("Float64", "parent", 3, states, [](const State& s, int k) { return s.parent[k]; });
+  const bool force = std::ranges::any_of(states, [](const State& s) { return !s.force.hasNaN(); });
+  out.text(fmt::format("<Piece NumberOfPoints=\"{0}\" NumberOfCells=\"{0}\">\n<PointData{1}>\n",
+                       states.size(), force ? " Vectors=\"force\"" : ""));
+  out.known("force", 3, states, [](const State& s, int k) { return s.force[k]; });
+  out.known("stiffness", 9, states, [](const State& s, int k) { return s.stiffness(k / 3, k % 3); });
+  out.known("energy", 1, states, [](const State& s, int) { return s.energy; });
+  out.known("spacing", 1, states, [](const State& s, int) { return s.spacing; });
+  out.known("residual", 1, states, [](const State& s, int) { return s.residual; });
+  out.known("seconds", 1, states, [](const State& s, int) { return s.seconds; });
+  out.known("min_jacobian", 1, states, [](const State& s, int) { return s.min_jacobian; });
+  out.known("parent", 3, states, [](const State& s, int k) { return s.parent[k]; });
   out.array<std::int32_t>("Int32", "iterations", 1, states, [](const State& s, int) { return s.iterations; });
   out.array<std::uint8_t>("UInt8", "status", 1, states,
                           [](const State& s, int) { return static_cast<int>(outcome(s)); });

@@ -4,6 +4,7 @@ import json
 import sys
 
 try:
+    from vtkmodules.vtkFiltersCore import vtkConnectivityFilter, vtkThreshold
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 except ImportError:
@@ -13,6 +14,11 @@ except ImportError:
 def arrays(data):
     found = {}
     for i in range(data.GetNumberOfArrays()):
+        texts = data.GetAbstractArray(i)
+        if data.GetArray(i) is None:
+            words = [texts.GetValue(k) for k in range(texts.GetNumberOfValues())]
+            found[texts.GetName()] = {"size": len(words), "words": sorted(set(words))}
+            continue
         values = vtk_to_numpy(data.GetArray(i))
         found[data.GetArrayName(i)] = {
             "size": len(values),
@@ -20,6 +26,29 @@ def arrays(data):
             "max": float(values.max()) if values.size else None,
         }
     return found
+
+
+def parts_of_label(grid, label):
+    """The number of parts of the cells of one label that are connected over points."""
+    threshold = vtkThreshold()
+    threshold.SetInputData(grid)
+    threshold.SetInputArrayToProcess(0, 0, 0, 1, "label")
+    threshold.SetLowerThreshold(label)
+    threshold.SetUpperThreshold(label)
+    connectivity = vtkConnectivityFilter()
+    connectivity.SetInputConnection(threshold.GetOutputPort())
+    connectivity.SetExtractionModeToAllRegions()
+    connectivity.Update()
+    return connectivity.GetNumberOfExtractedRegions()
+
+
+def named_otherwise(data):
+    """Cells whose label_name is not the name of their label."""
+    numbers, texts = data.GetArray("label"), data.GetAbstractArray("label_name")
+    if numbers is None or texts is None:
+        return None
+    names = ["safe", "sparse", "gap", "blank"]
+    return sum(texts.GetValue(i) != names[int(numbers.GetValue(i))] for i in range(numbers.GetNumberOfTuples()))
 
 
 out = []
@@ -42,6 +71,8 @@ for name in sys.argv[1:]:
         "types": sorted({grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}),
         "bounds": grid.GetBounds(),
         "volume": volume,
+        "parts": [parts_of_label(grid, k) for k in range(4)] if labels else None,
+        "named_otherwise": named_otherwise(grid.GetCellData()),
         "cell_data": arrays(grid.GetCellData()),
         "point_data": arrays(grid.GetPointData()),
     })

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "geometry/coverage/setups.hpp"
+#include "tests/apps/vtk_files.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
@@ -38,19 +39,6 @@ std::string setup_csv(std::string_view name) {
 std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file);
   return {std::istreambuf_iterator<char>(in), {}};
-}
-
-// The files as VTK reads them; null (and a warning) if VTK is not installed.
-json read_by_vtk(const Workshop& shop, const std::string& files) {
-  const auto outcome = shop.shell("/usr/bin/python3 '" +
-                                  (test::source_folder() / "tests/apps/read_vtk.py").string() + "' " + files);
-  if (outcome.code == 77 || outcome.code == 127) {
-    test::skip("python3-vtk9 is not installed");
-    return nullptr;
-  }
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  return outcome.json();
 }
 
 void refused(const Workshop& shop, const std::string& arguments, const std::vector<std::string>& says) {
@@ -120,30 +108,6 @@ TEST_CASE("classify labels points, lines and grids", "[classify]") {
       shop.forefeel("classify gap.csv --spacing 0.006 --sparse-distance 5 --points q.csv --json").json();
   CHECK(wide["labels"][2] == "sparse");
   CHECK(wide["volume"]["gap"] == 0);
-}
-
-TEST_CASE("the files of classify open in VTK, with labels whose volumes are those reported", "[classify]") {
-  const Workshop shop;
-  shop.write("gap.csv", setup_csv("gap"));
-  const json report = shop.forefeel("classify gap.csv --spacing 0.006 -o out.vtu --json").json();
-  const json seen = read_by_vtk(shop, "out.vtu out_states.vtu out_cells.vtu");
-  if (seen.is_null()) return;
-  const json &regions = seen[0], &states = seen[1], &cells = seen[2];
-  CHECK(regions["types"] == json({11}));
-  CHECK(regions["cells"] == report["leaves"]);
-  const char* labels[] = {"safe", "sparse", "gap", "blank"};
-  for (std::size_t i = 0; i < 4; ++i)
-    CHECK(regions["volume"].value(std::to_string(i), 0.0) ==
-          Approx(report["volume"][labels[i]].get<double>()).margin(1e-15));
-  CHECK(regions["cell_data"]["component"]["size"] == report["leaves"]);
-  CHECK(regions["cell_data"]["safe_components"]["max"] == 2);
-  CHECK(regions["cell_data"]["bridge_sides"]["max"] == 2);
-  CHECK(states["points"] == report["states"]);
-  CHECK(cells["types"] == json({10}));
-  // In full cubes the spread at a cell's centroid stays below half the diagonal; across the gap it is larger.
-  CHECK(cells["cell_data"]["spread"]["min"].get<double>() < std::sqrt(3.0) / 2 * h);
-  CHECK(cells["cell_data"]["spread"]["max"].get<double>() > 2 * h);
-  CHECK(cells["cell_data"]["alpha"]["min"].get<double>() == Approx(std::sqrt(3.0) / 2 * h));
 }
 
 TEST_CASE("pictures hold three slices, four classes of their own hatching and a legend", "[classify]") {

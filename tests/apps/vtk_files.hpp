@@ -1,0 +1,27 @@
+#pragma once
+// Files for ParaView, as VTK's own reader sees them (read_vtk.py).
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/skip.hpp"
+
+namespace forefeel::test {
+
+// One object for each file; null (and the test counts as skipped) if VTK is not installed.
+inline nlohmann::json read_by_vtk(const Workshop& shop, const std::string& files) {
+  const auto outcome =
+      shop.shell("/usr/bin/python3 '" + (source_folder() / "tests/apps/read_vtk.py").string() + "' " + files);
+  if (outcome.code == 77 || outcome.code == 127) {
+    skip("python3-vtk9 is not installed");
+    return nullptr;
+  }
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  return outcome.json();
+}
+
+}  // namespace forefeel::test
