@@ -19,6 +19,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
+#include "apps/console/look_at_it.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
@@ -193,14 +194,17 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   const std::vector<State> known = file.read_all();
   if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
   file.drop_damaged();
-  if (arguments.error)
-    return std::max(generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error),
-                    held ? 0 : 1);
+  if (arguments.error) {
+    const int code = generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error);
+    say(globals, look_at_it(globals, arguments.output, arguments.scene));
+    return std::max(code, held ? 0 : 1);
+  }
 
   if (ranks) ranks->begin(rank_identity(scene.hash), said_spacing(scene.space.spacing));
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
+  say(globals, look_at_it(globals, arguments.output, arguments.scene));
   if (result.interrupted) {
     warn(globals, "interrupted; rerun the same command to resume");
     return 1;

@@ -11,6 +11,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/look_at_it.hpp"
 #include "apps/console/values.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -170,6 +171,7 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   for (const std::string& warning : made.warnings) warn(globals, warning);
   if (globals.json) print_json(document_of(made, sum, arguments.output));
   tell(globals, made, sum, arguments.output);
+  say(globals, look_at_it(globals, arguments.output));
   return 0;
 }
 

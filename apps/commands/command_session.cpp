@@ -21,6 +21,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
+#include "apps/console/look_at_it.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/console/summary_json.hpp"
@@ -147,6 +148,7 @@ void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) 
   for (const std::string& note : s.run.notes) say(globals, note);
   if (std::error_code problem; fs::exists(run / "report.html", problem))
     say(globals, fmt::format("report: {}", (run / "report.html").string()));
+  say(globals, look_at_it(globals, run));
 }
 
 // The slices and the states' file are made on threads of their own while the errors are computed.

@@ -20,5 +20,6 @@ void add_reproduce(CommandLine& line);
 void add_bench(CommandLine& line);
 void add_cache(CommandLine& line);
 void add_help(CommandLine& line);
+void add_show(CommandLine& line);
 
 }  // namespace forefeel

@@ -15,16 +15,6 @@ namespace {
 
 std::string remembered_command = "forefeel";
 
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                          "-_=+.,:/@%") == std::string::npos;
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 std::string processor() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
@@ -40,9 +30,19 @@ nlohmann::ordered_json libraries() {
 
 }  // namespace
 
+std::string shell_quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                          "-_=+.,:/@%") == std::string::npos;
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 void remember_command(int argc, const char* const* argv) {
   remembered_command = "forefeel";
-  for (int i = 1; i < argc; ++i) remembered_command += " " + quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) remembered_command += " " + shell_quoted(argv[i]);
 }
 
 const std::string& command_line() {

@@ -6,6 +6,7 @@
 
 namespace forefeel {
 
+std::string shell_quoted(const std::string& word);         // for a shell, where it needs quotes
 void remember_command(int argc, const char* const* argv);  // called once by main()
 const std::string& command_line();                         // as typed, quoted for a shell
 nlohmann::ordered_json provenance(

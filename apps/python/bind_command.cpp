@@ -42,8 +42,9 @@ int run_command(const std::vector<std::string>& words) {
   const int argc = static_cast<int>(argv.size());
   remember_command(argc, argv.data());
   CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
-  for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_classify,
-                         add_evaluate, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
+  for (const auto add :
+       {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show, add_classify,
+        add_evaluate, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
     add(line);
   try {
     return line.run(argc, argv.data());

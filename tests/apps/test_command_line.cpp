@@ -126,7 +126,7 @@ TEST_CASE("help and version are not errors", "[command-line]") {
   for (const char* library : {"forefeel ", "CGAL", "TetGen", "Eigen", "SQLite"})
     CHECK_THAT(version.out, Catch::Contains(library));
   for (const std::string command : {"", "mesh ", "solve ", "generate ", "import ", "export ", "info ",
-                                    "classify ", "evaluate ", "session ", "reproduce ", "bench "}) {
+                                    "show ", "classify ", "evaluate ", "session ", "reproduce ", "bench "}) {
     const Workshop::Outcome help = shop.forefeel(command + "--help");
     INFO("forefeel " << command << "--help: " << help.err);
     CHECK(help.code == 0);

@@ -1,0 +1,196 @@
+#include "apps/show/gather.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "apps/scene_input/given_states.hpp"
+#include "apps/show/gather_body.hpp"
+#include "apps/show/gather_run.hpp"
+#include "apps/show/gather_states.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/scanner.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t snapshots = 12;  // of the labels of a run
+
+std::string mm(double metres) {
+  return fmt::format("{:.4g} mm", 1e3 * metres);
+}
+
+Scene scene_at(const Globals& globals, const std::string& file) {
+  return load_scene(file, globals.set, nullptr, {.quiet = globals.quiet});
+}
+
+void take_scene(const Scene& scene, ShowContent& content) {
+  content.body = shown_body(*scene.body);
+  content.box = scene.space.box;
+  content.spacing = scene.space.spacing;
+}
+
+ShowContent of_scene(const Globals& globals, const std::string& file) {
+  const Scene scene = scene_at(globals, file);
+  ShowContent content;
+  content.kind = "scene";
+  take_scene(scene, content);
+  content.warnings = scene.warnings;
+  content.title = fmt::format("{}: {} elements, spacing {}", fs::path(file).filename().string(),
+                              scene.body->mesh.tets.size(), mm(scene.space.spacing));
+  return content;
+}
+
+ShowContent of_mesh(const std::string& file) {
+  TetMesh mesh = read_mesh(file);
+  const MeshCheck check = check_and_orient(mesh, file);
+  ShowContent content;
+  content.kind = "mesh";
+  for (const std::string& warning : check.warnings) content.warnings.push_back(file + ": " + warning);
+  content.title = fmt::format("{}: {} elements, {} nodes, {} long", fs::path(file).filename().string(),
+                              mesh.tets.size(), mesh.nodes.size(), mm(longest_side(mesh)));
+  content.body = shown_body(mesh);
+  return content;
+}
+
+ShowContent of_surface(const std::string& file) {
+  const Surface surface = read_surface(file);
+  if (surface.triangles.empty())
+    throw InputError({.file = file}, "holds no triangles, expected some to show");
+  ShowContent content;
+  content.kind = "surface";
+  content.title =
+      fmt::format("{}: {} triangles, {} nodes (surface, unscaled)", fs::path(file).filename().string(),
+                  surface.triangles.size(), surface.nodes.size());
+  content.body = shown_body(surface);
+  return content;
+}
+
+// A scene beside states gives the body, the box and the spacing.
+LabelFrame with_scene(const Globals& globals, const ShowRequest& request, const Scene& scene,
+                      const BodyIdentity& identity, const std::vector<ShownState>& states, LabelFrame frame,
+                      ShowContent& content) {
+  std::vector<State> all;
+  for (const ShownState& s : states) all.push_back(s.state);
+  belonging_of(globals, scene, frame.where, identity, all, request.foreign);
+  take_scene(scene, content);
+  for (const std::string& warning : scene.warnings) content.warnings.push_back(warning);
+  frame.spacing = scene.space.spacing;
+  frame.box = scene.space.box;
+  return frame;
+}
+
+ShowContent of_states(const Globals& globals, const ShowRequest& request) {
+  ShowContent content;
+  content.kind = "states";
+  std::vector<ShownState> states;
+  LabelFrame frame{.where = request.what, .spacing = unknown, .box = {}};
+  BodyIdentity identity;
+  MadeBy own;
+  const auto take = [&](std::vector<State> all) {
+    for (State& state : all) {
+      if (!state.at.allFinite()) continue;
+      states.emplace_back();
+      states.back().state = std::move(state);
+    }
+  };
+  if (request.what.starts_with("setup:")) {
+    StatesInFrame set = load_set(request.what);
+    take(std::move(set.states));
+    frame.spacing = set.own.spacing;
+    frame.box = set.own.box;
+  } else {
+    LoadedStates loaded = load_states(request.what);
+    if (loaded.damaged > 0) content.warnings.push_back(damage_in_words(request.what, loaded.damaged));
+    identity = loaded.header.identity;
+    frame.spacing = loaded.header.spacing;
+    if (loaded.header.box.size().minCoeff() > 0) frame.box = loaded.header.box;
+    take(std::move(loaded.states));
+    if (const auto note = loaded.header.notes.find("provenance"); note != loaded.header.notes.end())
+      own = made_by(note->second);
+  }
+  if (!request.scene.empty())
+    frame = with_scene(globals, request, scene_at(globals, request.scene), identity, states, frame, content);
+  else if (const std::optional<Scene> scene = scene_of(own); scene && scene->identity == identity)
+    take_scene(*scene, content);
+  if (states.empty()) throw InputError({.file = request.what}, "holds no state, expected some to show");
+  const double now = 0;
+  take_states(globals, frame, std::move(states), {&now, 1}, content);
+  content.title = fmt::format("{}: {} states, spacing {}", fs::path(request.what).filename().string(),
+                              content.states->all.size(), mm(content.spacing));
+  return content;
+}
+
+// Times at which the labels are taken: evenly from begin to end.
+std::vector<double> moments(const ShownRun& run) {
+  std::vector<double> times;
+  const double begin = run.path.front().t, end = run.path.back().t;
+  for (std::size_t i = 0; i < snapshots; ++i)
+    times.push_back(begin + (end - begin) * double(i) / double(snapshots - 1));
+  times.back() = end;
+  return times;
+}
+
+ShowContent of_run(const Globals& globals, const ShowRequest& request) {
+  RunFolder run = read_run(request.what);
+  ShowContent content;
+  content.kind = "run";
+  LabelFrame frame{.where = request.what, .spacing = run.spacing, .box = run.box};
+  if (!request.scene.empty()) {
+    frame = with_scene(globals, request, scene_at(globals, request.scene), run.identity, run.states, frame,
+                       content);
+  } else if (const std::optional<Scene> scene = scene_of(run.made_by)) {
+    take_scene(*scene, content);
+    frame.box = scene->space.box;
+  } else {
+    content.warnings.push_back(fmt::format(
+        "{}: the scene of this run is not at hand, so its body is not shown; --scene SCENE shows it",
+        request.what));
+  }
+  if (content.body) run.run.shapes = shapes_of_run(run, *content.body);
+  content.spacing = frame.spacing;
+  content.box = frame.box;
+  const std::size_t known = run.states.size();
+  if (!run.states.empty()) take_states(globals, frame, std::move(run.states), moments(run.run), content);
+  content.run = std::move(run.run);
+  const fs::path folder = fs::path(request.what).lexically_normal();
+  content.title =
+      fmt::format("{}: {:.4g} s, {} frames, {} states",
+                  (folder.has_filename() ? folder : folder.parent_path()).filename().string(),
+                  content.run->path.back().t - content.run->path.front().t, content.run->frames, known);
+  return content;
+}
+
+}  // namespace
+
+ShowContent gather(const Globals& globals, const ShowRequest& request) {
+  std::error_code error;
+  if (fs::is_directory(request.what, error)) {
+    if (!is_run_folder(request.what))
+      throw InputError({.file = request.what},
+                       "is a folder without frames.csv, expected the folder of a session");
+    return of_run(globals, request);
+  }
+  if (request.what.starts_with("setup:")) return of_states(globals, request);
+  const std::string start = read_start(request.what, 16);  // reports a file that is missing or empty
+  const std::string extension = lower_case(fs::path(request.what).extension().string());
+  if (start.starts_with("SQLite format 3") || extension == ".states" || extension == ".csv")
+    return of_states(globals, request);
+  if (!request.scene.empty())
+    throw InputError("--scene", "gives the body of states or of a run, expected one of these to show");
+  if (extension == ".toml") return of_scene(globals, request.what);
+  if (is_mesh_file(request.what)) return of_mesh(request.what);
+  if (is_surface_file(request.what)) return of_surface(request.what);
+  throw InputError(
+      {.file = request.what},
+      "unknown kind of file, expected a scene (.toml), a mesh (.msh .vtk .vtu .mesh), a surface (.obj "
+      ".off .stl .ply), states (.states .csv) or the folder of a run");
+}
+
+}  // namespace forefeel

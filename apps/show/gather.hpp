@@ -1,0 +1,21 @@
+#pragma once
+// Reads what is to be shown: a scene, a mesh or surface, a set of states, or the folder of a run.
+
+#include <string>
+
+#include "apps/console/console.hpp"
+#include "apps/show/show_content.hpp"
+
+namespace forefeel {
+
+struct ShowRequest {
+  std::string what;  // file or folder
+  std::string
+      scene;  // the scene of states or of a run; empty: that of the run's own command, if it is still there
+  bool foreign = false;  // states of another body beside the scene
+};
+
+// InputError for a file that is missing, damaged or of another kind, and for states of another body.
+ShowContent gather(const Globals& globals, const ShowRequest& request);
+
+}  // namespace forefeel

@@ -1,0 +1,75 @@
+#include "apps/show/gather_body.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/scene_input/scene_body.hpp"
+
+namespace forefeel {
+namespace {
+
+// Position of each node of the mesh in the surface; -1 inside.
+std::vector<std::int32_t> places(const ShownBody& body, std::size_t mesh_nodes) {
+  std::vector<std::int32_t> place(mesh_nodes, -1);
+  for (std::size_t i = 0; i < body.node.size(); ++i)
+    place[static_cast<std::size_t>(body.node[i])] = static_cast<std::int32_t>(i);
+  return place;
+}
+
+void take_groups(ShownBody& body) {
+  const std::vector<std::int32_t> place = places(body, body.mesh.nodes.size());
+  for (const auto& [name, nodes] : body.mesh.groups) {
+    ShownGroup group{.name = name, .nodes = {}};
+    for (const NodeIndex node : nodes)
+      if (const std::int32_t at = place[static_cast<std::size_t>(node)]; at >= 0)
+        group.nodes.push_back(static_cast<std::uint32_t>(at));
+    std::ranges::sort(group.nodes);
+    if (!group.nodes.empty()) body.groups.push_back(std::move(group));
+  }
+}
+
+}  // namespace
+
+ShownBody shown_body(const TetMesh& mesh) {
+  ShownBody body;
+  body.mesh = mesh;
+  body.node = surface_nodes(mesh);
+  for (const NodeIndex node : body.node) body.nodes.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
+  const std::vector<std::int32_t> place = places(body, mesh.nodes.size());
+  for (const Triangle& t : boundary_triangles(mesh)) {
+    Triangle own{};
+    for (std::size_t i = 0; i < 3; ++i) own[i] = place[static_cast<std::size_t>(t[i])];
+    body.triangles.push_back(own);
+  }
+  body.role.assign(body.nodes.size(), Role::free);
+  take_groups(body);
+  return body;
+}
+
+ShownBody shown_body(const Body& body) {
+  ShownBody shown = shown_body(body.mesh);
+  const std::vector<std::int32_t> place = places(shown, body.mesh.nodes.size());
+  const auto mark = [&](const std::vector<NodeIndex>& nodes, Role role) {
+    for (const NodeIndex node : nodes)
+      if (const std::int32_t at = place[static_cast<std::size_t>(node)]; at >= 0)
+        shown.role[static_cast<std::size_t>(at)] = role;
+  };
+  mark(body.clamp, Role::clamp);
+  mark(body.contact, Role::contact);
+  for (const NodeIndex node : body.contact)
+    shown.rest += body.mesh.nodes[static_cast<std::size_t>(node)] / double(body.contact.size());
+  for (Vec3& node : shown.nodes) node -= shown.rest;
+  shown.outward = -inward_direction(body);
+  return shown;
+}
+
+ShownBody shown_body(const Surface& surface) {
+  ShownBody body;
+  body.nodes = surface.nodes;
+  body.triangles = surface.triangles;
+  for (std::size_t i = 0; i < surface.nodes.size(); ++i) body.node.push_back(static_cast<NodeIndex>(i));
+  body.role.assign(surface.nodes.size(), Role::free);
+  return body;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,42 @@
+#pragma once
+// The folder of a run: where the hand was, what was sent to it, which states were known, which shapes it made.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/scene_input/scene.hpp"
+#include "apps/show/show_content.hpp"
+#include "geometry/states/body_identity.hpp"
+
+namespace forefeel {
+
+// The command that made a run or states, and the hash of its scene; empty if not known.
+struct MadeBy {
+  std::string command, scene_hash;
+};
+MadeBy made_by(const std::string& provenance);  // JSON, as console/provenance.hpp makes it
+
+struct RunFolder {
+  std::filesystem::path folder;
+  std::vector<ShownState> states;  // with displacements where the run kept them
+  BodyIdentity identity;           // empty if not known
+  double spacing = unknown;        // [m]
+  std::optional<Box> box;          // [m]
+  ShownRun run;                    // without shapes
+  MadeBy made_by;                  // from summary.json
+};
+
+bool is_run_folder(const std::filesystem::path& folder);  // holds frames.csv
+// InputError for a missing or damaged frames.csv, dispatch.csv or states.csv.
+RunFolder read_run(const std::filesystem::path& folder);
+
+// The scene of that command, if its file is still there and unchanged.
+std::optional<Scene> scene_of(const MadeBy& made_by);
+
+// Shapes at times of the run, from the displacements of the states known until then: at every time a weighted
+// least-squares fit, linear in position, of the nearest of them and of rest. Empty if no state has displacements.
+std::vector<ShownShape> shapes_of_run(const RunFolder& run, const ShownBody& body);
+
+}  // namespace forefeel

@@ -1,0 +1,98 @@
+#pragma once
+// What `forefeel show` shows, as plain data: a body, a box, states, labels, and the path of the hand. Positions
+// are those of the HIP [m]: x = 0 is where the contact rests. Without a contact (a mesh or a surface alone) they
+// are those of the mesh.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/coverage/region_summary.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/states/state.hpp"
+
+namespace forefeel {
+
+// Number of the clamp, the contact and the rest in ShownBody::role.
+enum class Role : std::uint8_t { free, clamp, contact };
+
+struct ShownGroup {
+  std::string name;
+  std::vector<std::uint32_t> nodes;  // of the surface, rising
+};
+
+// The surface of a body at rest.
+struct ShownBody {
+  std::vector<Vec3> nodes;          // #V [m]
+  std::vector<Triangle> triangles;  // outward
+  std::vector<NodeIndex> node;      // #V: number in the mesh, from 0
+  std::vector<Role> role;           // #V
+  std::vector<ShownGroup> groups;   // named node sets of the mesh that reach the surface
+  Vec3 rest = Vec3::Zero();         // where the contact rests, in the mesh [m]
+  std::optional<Vec3> outward;      // mean normal of the contact
+  TetMesh mesh;                     // for the .vtu; no tetrahedra for a surface
+};
+
+struct ShownState {
+  State state;
+  Label label = Label::blank;  // of its place, all states known
+  double known = unknown;      // when it became known in the run [s]; NaN: from the start, or no run
+};
+
+// Labels at the centres of equal cells of a box, x fastest, then y, then z.
+struct LabelGrid {
+  double time = 0;  // [s] of the run; 0 without a run
+  std::array<std::uint32_t, 3> count{};
+  std::vector<Label> label;
+};
+
+struct ShownStates {
+  std::vector<ShownState> all;    // in the order of the file
+  std::vector<LabelGrid> labels;  // over `box`, by rising time
+  RegionSummary regions;          // all states known
+};
+
+struct ShownFrame {
+  double t = 0;                                 // [s]
+  Vec3 at = Vec3::Zero(), sent = Vec3::Zero();  // [m], [N]
+  Label label = Label::blank;
+  double error = unknown;  // relative; NaN where not sampled
+  double known = 0;        // number of known states
+};
+
+// The shape of the surface at some times of a run.
+struct ShownShape {
+  double t = 0;             // [s]
+  std::vector<Vec3> moved;  // #V: displacement of the surface's nodes [m]
+};
+
+struct ShownRun {
+  std::vector<ShownFrame> path;  // thinned to what a screen can show
+  std::vector<ShownShape> shapes;
+  std::size_t frames = 0;  // of the run
+};
+
+struct ShowContent {
+  std::string kind;   // "scene", "mesh", "surface", "states" or "run"
+  std::string title;  // one line
+  std::optional<ShownBody> body;
+  std::optional<Box> box;    // of the states [m]
+  double spacing = unknown;  // [m]
+  std::optional<ShownStates> states;
+  std::optional<ShownRun> run;
+  std::vector<std::string> warnings;
+};
+
+// The box around all that is shown [m].
+Box extent_of(const ShowContent& content);
+
+// From where it is seen first: the azimuth about z, from x towards y, and the elevation of the eye [degrees]. The
+// contact is in sight.
+struct ViewPoint {
+  double azimuth = -60, elevation = 24;
+};
+ViewPoint view_of(const ShowContent& content);
+
+}  // namespace forefeel

@@ -1,0 +1,256 @@
+#include "apps/show/show_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
+#include "apps/picture/page.hpp"
+#include "apps/show/colours.hpp"
+#include "apps/show/viewer_text.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/states/state_outcome.hpp"
+
+namespace forefeel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string base64(std::span<const unsigned char> bytes) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < n ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? alphabet[word >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+// {"f32": "base64"}: what the script makes a typed array of.
+template <class T>
+Json packed(const char* type, const std::vector<T>& values) {
+  std::vector<unsigned char> bytes(values.size() * sizeof(T));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return {{type, base64(bytes)}};
+}
+
+// Values of a list as one array of floats; value(item) is a double or a Vec3.
+template <class Items, class Value>
+Json floats(const Items& items, Value&& value) {
+  std::vector<float> all;
+  for (const auto& item : items) {
+    if constexpr (requires { double(value(item)); }) {
+      all.push_back(static_cast<float>(value(item)));
+    } else {
+      const Vec3 v = value(item);
+      for (int k = 0; k < 3; ++k) all.push_back(static_cast<float>(v[k]));
+    }
+  }
+  return packed("f32", all);
+}
+
+template <class Items, class Value>
+Json bytes(const Items& items, Value&& value) {
+  std::vector<std::uint8_t> all;
+  for (const auto& item : items) all.push_back(static_cast<std::uint8_t>(value(item)));
+  return packed("u8", all);
+}
+
+template <class Items, class Value>
+Json counts(const Items& items, Value&& value) {
+  std::vector<std::uint32_t> all;
+  for (const auto& item : items) all.push_back(static_cast<std::uint32_t>(value(item)));
+  return packed("u32", all);
+}
+
+Json box_json(const Box& box) {
+  return {{"low", vector3(box.low)}, {"high", vector3(box.high)}};
+}
+
+Json body_json(const ShownBody& body) {
+  Json out;
+  out["nodes"] = floats(body.nodes, [](const Vec3& p) { return p; });
+  std::vector<std::uint32_t> corners;
+  for (const Triangle& t : body.triangles)
+    for (const NodeIndex node : t) corners.push_back(static_cast<std::uint32_t>(node));
+  out["triangles"] = packed("u32", corners);
+  out["role"] = bytes(body.role, [](Role role) { return role; });
+  out["node"] = counts(body.node, [](NodeIndex node) { return node; });
+  out["groups"] = Json::array();
+  for (const ShownGroup& group : body.groups)
+    out["groups"].push_back({{"name", group.name}, {"nodes", packed("u32", group.nodes)}});
+  out["rest"] = vector3(body.rest);
+  out["elements"] = body.mesh.tets.size();
+  return out;
+}
+
+// Runs of equal labels: label, length (two bytes, low first).
+Json grid_json(const LabelGrid& grid) {
+  std::vector<std::uint8_t> runs;
+  for (std::size_t begin = 0; begin < grid.label.size();) {
+    std::size_t end = begin + 1;
+    while (end < grid.label.size() && end - begin < 65535 && grid.label[end] == grid.label[begin]) ++end;
+    runs.push_back(static_cast<std::uint8_t>(grid.label[begin]));
+    runs.push_back(static_cast<std::uint8_t>((end - begin) & 255));
+    runs.push_back(static_cast<std::uint8_t>((end - begin) >> 8));
+    begin = end;
+  }
+  return {{"time", grid.time}, {"count", grid.count}, {"runs", packed("u8", runs)}};
+}
+
+Json states_json(const ShownStates& states) {
+  Json out;
+  out["at"] = floats(states.all, [](const ShownState& s) { return s.state.at; });
+  out["force"] = floats(states.all, [](const ShownState& s) { return s.state.force; });
+  out["label"] = bytes(states.all, [](const ShownState& s) { return s.label; });
+  out["outcome"] = bytes(states.all, [](const ShownState& s) { return outcome(s.state); });
+  out["known"] = floats(states.all, [](const ShownState& s) { return s.known; });
+  for (const SolveStatus status : {SolveStatus::converged, SolveStatus::diverged, SolveStatus::stalled,
+                                   SolveStatus::inverted, SolveStatus::cancelled, SolveStatus::measured})
+    out["outcomes"].push_back(std::string(name(status)));
+  out["volume"] = states.regions.volume;
+  out["components"] = states.regions.component_count;
+  out["labels"] = Json::array();
+  for (const LabelGrid& grid : states.labels) out["labels"].push_back(grid_json(grid));
+  return out;
+}
+
+// Displacements as whole multiples of `scale` [m], so that two bytes hold each.
+Json shapes_json(const std::vector<ShownShape>& shapes) {
+  double most = 0;
+  for (const ShownShape& shape : shapes)
+    for (const Vec3& moved : shape.moved) most = std::max(most, moved.cwiseAbs().maxCoeff());
+  const double scale = std::max(most, 1e-12) / 32000;
+  std::vector<std::int16_t> all;
+  for (const ShownShape& shape : shapes)
+    for (const Vec3& moved : shape.moved)
+      for (int k = 0; k < 3; ++k) all.push_back(static_cast<std::int16_t>(std::lround(moved[k] / scale)));
+  return {{"t", floats(shapes, [](const ShownShape& s) { return s.t; })},
+          {"scale", scale},
+          {"moved", packed("i16", all)}};
+}
+
+Json run_json(const ShownRun& run) {
+  Json out;
+  out["t"] = floats(run.path, [](const ShownFrame& f) { return f.t; });
+  out["at"] = floats(run.path, [](const ShownFrame& f) { return f.at; });
+  out["sent"] = floats(run.path, [](const ShownFrame& f) { return f.sent; });
+  out["label"] = bytes(run.path, [](const ShownFrame& f) { return f.label; });
+  out["error"] = floats(run.path, [](const ShownFrame& f) { return f.error; });
+  out["known"] = counts(run.path, [](const ShownFrame& f) { return f.known; });
+  out["frames"] = run.frames;
+  out["shapes"] = run.shapes.empty() ? Json() : shapes_json(run.shapes);
+  return out;
+}
+
+// "<" is written as an escape, so that no text ends the script that holds the data.
+std::string data_text(const ShowContent& content) {
+  Json out{{"kind", content.kind}, {"title", content.title}};
+  out["spacing"] = number(content.spacing);
+  out["box"] = content.box ? box_json(*content.box) : Json();
+  out["extent"] = box_json(extent_of(content));
+  const ViewPoint view = view_of(content);
+  out["view"] = {view.azimuth, view.elevation};
+  out["colours"] = Json::object();
+  for (const auto& [meaning, colour] : show_colours()) out["colours"][meaning] = colour;
+  out["body"] = content.body ? body_json(*content.body) : Json();
+  out["states"] = content.states ? states_json(*content.states) : Json();
+  out["run"] = content.run ? run_json(*content.run) : Json();
+  std::string safe;
+  for (const char c : json_text(out))
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  return safe;
+}
+
+// Embedded at build time, or as Debian's libjs-three installs it.
+std::string library(std::string_view embedded, const char* installed, const std::string& file) {
+  if (!embedded.empty()) return std::string(embedded);
+  std::ifstream in(std::filesystem::path("/usr/share/javascript/three") / installed, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in || text.str().empty())
+    throw InputError(
+        {.file = file},
+        "needs three.js, which this forefeel was built without and which is not installed; expected "
+        "the package libjs-three (apt-get install libjs-three), or an output .svg, .png or .vtu");
+  return text.str();
+}
+
+constexpr std::string_view body_html = R"(<div id="stage"></div>
+<div id="panel"><h1 id="title"></h1></div>
+<div id="help">drag: turn &middot; wheel: zoom &middot; right button: move<br>point at something: its values</div>
+<div id="time" style="display:none"><div class="row"><button id="play">play</button>
+<input id="clock" type="range"><span id="now"></span></div><canvas id="strip"></canvas>
+<div id="words"></div></div>
+<div id="tip"></div>
+<div id="failure">This page needs WebGL, which the browser does not offer.</div>
+)";
+
+// Nothing may be loaded from anywhere: the browser enforces it.
+constexpr std::string_view policy =
+    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
+    "style-src 'unsafe-inline'; img-src data: blob:\">\n";
+
+constexpr std::string_view licence =
+    "<!-- The first two scripts are three.js, copyright three.js authors, under the MIT licence: Permission "
+    "is hereby "
+    "granted, free of charge, to any person obtaining a copy of this software and associated documentation "
+    "files "
+    "(the \"Software\"), to deal in the Software without restriction, including without limitation the "
+    "rights to "
+    "use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to "
+    "permit "
+    "persons to whom the Software is furnished to do so, subject to the following conditions: The above "
+    "copyright "
+    "notice and this permission notice shall be included in all copies or substantial portions of the "
+    "Software. THE "
+    "SOFTWARE IS PROVIDED \"AS IS\", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT "
+    "LIMITED TO "
+    "THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT "
+    "SHALL THE "
+    "AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION "
+    "OF "
+    "CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR "
+    "OTHER "
+    "DEALINGS IN THE SOFTWARE. -->\n";
+
+}  // namespace
+
+std::string show_page(const ShowContent& content, const std::string& file) {
+  const std::string three = library(embedded_three(), "three.min.js", file);
+  const std::string orbit = library(embedded_orbit_controls(), "examples/js/controls/OrbitControls.js", file);
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
+  page += policy;
+  page += "<title>" + html_escaped(content.title) + "</title>\n<style>\n";
+  page += embedded_viewer_style();
+  page += "</style></head><body>\n";
+  page += body_html;
+  page += licence;
+  const auto script = [&](std::string_view text) {
+    page += "<script>\n";
+    page += text;
+    page += "\n</script>\n";
+  };
+  script(three);
+  script(orbit);
+  page += "<script id=\"data\" type=\"application/json\">" + data_text(content) + "</script>\n";
+  script(embedded_viewer_script());
+  return page + "</body></html>\n";
+}
+
+}  // namespace forefeel

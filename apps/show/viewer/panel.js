@@ -1,0 +1,206 @@
+// The camera, and the panel at the left.
+'use strict';
+
+const byId = id => document.getElementById(id);
+const stage = byId('stage'), tip = byId('tip');
+let renderer = null;
+try {
+  renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+} catch (error) {
+  byId('failure').style.display = 'block';
+  throw error;
+}
+renderer.localClippingEnabled = true;
+stage.appendChild(renderer.domElement);
+
+const camera = new THREE.PerspectiveCamera(32, 1, size / 100, size * 40);
+camera.up.set(0, 0, 1);
+const controls = new THREE.OrbitControls(camera, renderer.domElement);
+world.add(new THREE.HemisphereLight('#ffffff', '#b9b3a6', 0.72));
+const lamp = new THREE.DirectionalLight('#ffffff', 0.42);
+camera.add(lamp);
+lamp.position.set(0.4, 0.6, 1);
+world.add(camera);
+
+let pending = false;
+function draw() {
+  if (pending) return;
+  pending = true;
+  requestAnimationFrame(() => {
+    pending = false;
+    renderer.render(world, camera);
+  });
+}
+
+// ---- camera
+const middle = scene.extent.low.map((v, i) => 0.5 * (v + scene.extent.high[i]));
+
+// Azimuth and elevation [degrees] of the camera; distance 1 shows everything.
+function look(azimuth, elevation, distance) {
+  const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180;
+  const radius = 0.5 * size * Math.max(1, 1 / camera.aspect);
+  const away = 0.86 * distance * radius / Math.sin(0.5 * camera.fov * Math.PI / 180);
+  controls.target.set(...middle);
+  const direction = [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+  camera.position.set(...middle.map((v, i) => v + away * direction[i]));
+  controls.update();
+  draw();
+}
+
+function resize() {
+  renderer.setPixelRatio(window.devicePixelRatio);
+  renderer.setSize(window.innerWidth, window.innerHeight);
+  camera.aspect = window.innerWidth / window.innerHeight;
+  camera.updateProjectionMatrix();
+  if (scene.run) drawStrip();
+  draw();
+}
+
+// ---- panel
+function row(parent, html) {
+  const element = document.createElement('label');
+  element.innerHTML = html;
+  parent.appendChild(element);
+  return element;
+}
+
+function swatch(colour) {
+  return '<span class="swatch" style="background:' + colours[colour] + '"></span> ';
+}
+
+function heading(text) {
+  const element = document.createElement('h2');
+  element.textContent = text;
+  byId('panel').appendChild(element);
+}
+
+function toggle(name, text, colour, on) {
+  if (!layers[name]) return;
+  const element = row(byId('panel'), '<input type="checkbox">' + (colour ? swatch(colour) : ''));
+  element.append(text);
+  const box = element.querySelector('input');
+  box.id = 'layer-' + name;
+  box.checked = layers[name].visible = on;
+  box.onchange = () => {
+    layers[name].visible = box.checked;
+    draw();
+  };
+}
+
+function choice(text, options, chosen) {
+  const element = row(byId('panel'), text + ' <select class="value"></select>');
+  const list = element.querySelector('select');
+  for (const option of options) list.add(new Option(option, option));
+  list.onchange = () => {
+    chosen(list.value);
+    draw();
+  };
+  return list;
+}
+
+function slider(parent, id, from, to, value, changed) {
+  const input = document.createElement('input');
+  Object.assign(input, {type: 'range', id, min: from, max: to, step: (to - from) / 1000 || 1});
+  input.value = value;
+  input.oninput = () => {
+    changed(Number(input.value));
+    draw();
+  };
+  parent.appendChild(input);
+  return input;
+}
+
+function planeRow(axis) {
+  const name = 'plane_' + 'xyz'[axis];
+  const {low, high} = scene.box;
+  const element = row(byId('panel'), '<input type="checkbox" id="layer-' + name + '"> ' + 'xyz'[axis] +
+                      ' = <span class="value"></span>');
+  const check = element.querySelector('input'), text = element.querySelector('.value');
+  const start = low[axis] <= 0 && high[axis] >= 0 ? 0 : 0.5 * (low[axis] + high[axis]);
+  const move = value => {
+    movePlane(axis, value);
+    text.textContent = digits(planes[axis].at, 4) + ' mm';
+    cutBody();
+  };
+  const input = slider(byId('panel'), 'cut-' + 'xyz'[axis], low[axis], high[axis], start, move);
+  check.checked = planes[axis].mesh.visible = axis === 1;
+  check.onchange = () => {
+    planes[axis].mesh.visible = check.checked;
+    cutBody();
+    draw();
+  };
+  planes[axis].move = value => {
+    input.value = value;
+    move(value);
+  };
+  move(start);
+}
+
+let cutting = false;
+// Leaves out the part of the body in front of each plane that is shown.
+function cutBody() {
+  if (!bodyMaterial) return;
+  const cuts = [];
+  planes.forEach((plane, axis) => {
+    if (!cutting || !plane.mesh.visible) return;
+    const towards = camera.position.getComponent(axis) > plane.at ? -1 : 1;
+    const normal = new THREE.Vector3().setComponent(axis, towards);
+    cuts.push(new THREE.Plane(normal, -normal.getComponent(axis) * plane.at));
+  });
+  bodyMaterial.clippingPlanes = layers.edges.material.clippingPlanes = cuts;
+}
+
+function makePanel() {
+  byId('title').textContent = scene.title;
+  heading('Layers');
+  toggle('body', 'body', 'body', true);
+  toggle('edges', 'edges of its surface', null, !scene.states && !scene.run);
+  toggle('clamp', 'clamp (held)', 'clamp', true);
+  toggle('contact', 'contact (moves with the hand)', 'contact', true);
+  const sides = scene.box ? scene.box.low.map((v, i) => digits(scene.box.high[i] - v, 3)) : [];
+  toggle('box', 'box ' + sides.join(' × ') + ' mm', null, true);
+  toggle('states', scene.states ? scene.states.label.length + ' states' : '', null, true);
+  toggle('path', 'path of the hand', 'path', true);
+  toggle('forces', 'forces along the path', 'force', false);
+  toggle('hand', 'hand and its force', 'force', true);
+  toggle('axes', 'axes', null, true);
+  if (scene.body) {
+    const shade = row(byId('panel'), 'opacity of the body');
+    slider(shade, 'opacity', 0, 1, scene.states || scene.run ? 0.3 : 1, setOpacity);
+    setOpacity(scene.states || scene.run ? 0.3 : 1);
+    if (scene.body.groups.length)
+      choice('show group', ['', ...scene.body.groups.map(g => g.name)], colourBody);
+  }
+  if (scene.states) choice('colour of states', ['label', 'outcome', 'force'], colourStates).id = 'states-by';
+  if (scene.run) choice('colour of the path', ['plain', 'label', 'error'], colourPath).id = 'path-by';
+  if (scene.labels) {
+    heading('Cut planes through the labels');
+    for (let axis = 0; axis < 3; ++axis) planeRow(axis);
+    const cut = row(byId('panel'), '<input type="checkbox" id="cut-body"> cut the body open there');
+    cut.querySelector('input').onchange = event => {
+      cutting = event.target.checked;
+      cutBody();
+      draw();
+    };
+    legend();
+  }
+}
+
+function setOpacity(value) {
+  bodyMaterial.opacity = value;
+  bodyMaterial.transparent = value < 1;
+  bodyMaterial.depthWrite = value >= 1;
+  bodyMaterial.needsUpdate = true;
+}
+
+function legend() {
+  const all = scene.states.volume.reduce((a, b) => a + b, 0);
+  labelNames.forEach((name, i) => {
+    const part = document.createElement('p');
+    const percent = all > 0 ? 100 * scene.states.volume[i] / all : 0;
+    part.innerHTML = swatch(name) + name + ' ' + digits(1e6 * scene.states.volume[i], 3) + ' cm³, ' +
+                     percent.toFixed(1) + ' %, ' +
+                     scene.states.components[i] + (scene.states.components[i] === 1 ? ' part' : ' parts');
+    byId('panel').appendChild(part);
+  });
+}

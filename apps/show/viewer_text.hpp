@@ -1,0 +1,14 @@
+#pragma once
+// The texts of the viewer: its script and style (apps/show/viewer), and the scripts of three.js that it uses.
+
+#include <string_view>
+
+namespace forefeel {
+
+// What the build found; the texts of three.js are empty where it found none.
+std::string_view embedded_viewer_script();
+std::string_view embedded_viewer_style();
+std::string_view embedded_three();           // three.min.js
+std::string_view embedded_orbit_controls();  // OrbitControls.js
+
+}  // namespace forefeel
