@@ -69,7 +69,7 @@ std::optional<std::string> FlatPicture::png() const {
     for (const Vec2& corner : p.corners) script += fmt::format("{:.2f},{:.2f} to ", corner.x(), corner.y());
     script += fmt::format("{:.2f},{:.2f} front fs {} fc rgb '{}'\n", p.corners[0].x(), p.corners[0].y(),
                           p.opacity < 1 ? fmt::format("transparent solid {:.2f} noborder", p.opacity)
-                                        : fmt::format("solid border lc rgb '{}' lw 0.4", p.colour),
+                                        : fmt::format("solid border lc rgb '{}' lw 0.8", p.colour),
                           p.colour);
   }
   for (const Text& t : texts_) {

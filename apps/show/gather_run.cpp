@@ -110,17 +110,16 @@ std::vector<std::string> words_of(const std::string& command) {
   bool quoted = false, open = false;
   for (std::size_t i = 0; i < command.size(); ++i) {
     const char c = command[i];
-    if (c == '\'') {
-      quoted = !quoted;
-    } else if (!quoted && c == ' ') {
+    if (!quoted && c == ' ') {
       open = false;
       continue;
-    } else {
-      if (!open) words.emplace_back();
-      words.back() += !quoted && c == '\\' && i + 1 < command.size() ? command[++i] : c;
     }
-    if (!open && words.empty()) words.emplace_back();
+    if (!open) words.emplace_back();
     open = true;
+    if (c == '\'')
+      quoted = !quoted;
+    else
+      words.back() += !quoted && c == '\\' && i + 1 < command.size() ? command[++i] : c;
   }
   return words;
 }

@@ -50,12 +50,12 @@ class TextGrid {
   }
   template <class Cell>
   void cells(const std::vector<Cell>& all, int type) {
-    const int corners = all.empty() ? 0 : static_cast<int>(all[0].size());
+    const std::size_t corners = all.empty() ? 0 : all[0].size();
     open("Cells");
-    array("Int64", "connectivity", all.size(), corners,
-          [&](std::size_t i, int k) { return static_cast<long long>(all[i][static_cast<std::size_t>(k)]); });
+    array("Int64", "connectivity", all.size() * corners, 1,
+          [&](std::size_t i, int) { return static_cast<long long>(all[i / corners][i % corners]); });
     array("Int64", "offsets", all.size(), 1,
-          [&](std::size_t i, int) { return static_cast<long long>(i + 1) * corners; });
+          [&](std::size_t i, int) { return static_cast<long long>((i + 1) * corners); });
     array("UInt8", "types", all.size(), 1, [&](std::size_t, int) { return type; });
     close("Cells");
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/coverage/setups.hpp"
 #include "tests/apps/shown_page.hpp"
 #include "tests/apps/vtk_files.hpp"
 
@@ -39,9 +40,20 @@ std::vector<std::map<std::string, std::string>> table(const std::filesystem::pat
   return rows;
 }
 
-// True where the page can be made here: three.js is built in or installed.
+// A slab with a gap, small enough to be quick: gap.csv.
+void write_gap(const Workshop& shop) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "x,y,z,fx,fy,fz\n";
+  for (const forefeel::Vec3& p : forefeel::make_setup("gap", {.depth = 3, .half_width = 4}).states)
+    text << p.x() << ',' << p.y() << ',' << p.z() << ",0,0,1\n";
+  shop.write("gap.csv", text.str());
+}
+
+// True where pages can be made here: three.js is built in or installed. Makes try.html of gap.csv.
 bool has_three(const Workshop& shop) {
-  if (shop.forefeel("show setup:gap -o try.html --quiet").code == 0) return true;
+  write_gap(shop);
+  if (shop.forefeel("show gap.csv -o try.html --quiet").code == 0) return true;
   skip("three.js was not found at build time and is not installed");
   return false;
 }
@@ -146,7 +158,7 @@ TEST_CASE("the labels of the cut planes are those that classify gives at the cel
     expected.push_back(all[cell]);
   }
   shop.write("centres.csv", points.str());
-  const json classified = shop.forefeel("classify setup:gap --points centres.csv --json").json();
+  const json classified = shop.forefeel("classify gap.csv --points centres.csv --json").json();
   REQUIRE(classified["labels"].size() == expected.size());
   const std::vector<std::string> names{"safe", "sparse", "gap", "blank"};
   std::size_t different = 0, kinds = 0;
@@ -228,7 +240,8 @@ TEST_CASE("the stills hold what the page holds, as SVG and as PNG", "[show]") {
   const std::size_t faces = count_of(beam, "<path"), triangles = scene["body"]["triangles"];
   CHECK(faces > triangles / 4);  // those that face the eye, and clamp, contact, box and axes
   CHECK(faces < triangles + 600);
-  REQUIRE(shop.forefeel("show setup:gap -o gap.svg").code == 0);
+  write_gap(shop);
+  REQUIRE(shop.forefeel("show gap.csv -o gap.svg").code == 0);
   const std::string gap = bytes_of(shop.path() / "gap.svg");
   for (const char* colour : {"#0b4f7d", "#57a7d6", "#f2b632"}) CHECK(count_of(gap, colour) > 20);
   const auto parsed = shop.shell(

@@ -40,7 +40,7 @@ const world = new THREE.Scene();
 world.background = new THREE.Color('#ffffff');
 
 // ---- body
-let bodyMaterial = null, bodyGeometry = null;
+let bodyMaterials = [], bodyGeometry = null;
 const marked = {};  // 'clamp', 'contact' -> indices of the surface's nodes
 
 function colourBody(group) {
@@ -59,10 +59,16 @@ function makeBody() {
   bodyGeometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(body.nodes.length), 3));
   bodyGeometry.setIndex(new THREE.BufferAttribute(body.triangles, 1));
   colourBody('');
-  bodyMaterial = new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, side: THREE.DoubleSide,
-                                              flatShading: true, specular: 0, transparent: true,
-                                              depthWrite: false});
-  layer('body', new THREE.Mesh(bodyGeometry, bodyMaterial)).renderOrder = 3;
+  // The far side first, then the near one, so that a thin body looks right.
+  const both = layer('body', new THREE.Group());
+  bodyMaterials = [THREE.BackSide, THREE.FrontSide].map((side, i) => {
+    const material = new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, side, flatShading: true,
+                                                  specular: 0, transparent: true, depthWrite: false});
+    const mesh = new THREE.Mesh(bodyGeometry, material);
+    mesh.renderOrder = 3 + 0.5 * i;
+    both.add(mesh);
+    return material;
+  });
   const edges = layer('edges', new THREE.Mesh(bodyGeometry, new THREE.MeshBasicMaterial({
     color: '#3a3a3a', wireframe: true, transparent: true, opacity: 0.16, depthWrite: false})));
   edges.renderOrder = 4;
@@ -249,7 +255,7 @@ function makeRun() {
   walked.renderOrder = 2;
   const path = new THREE.Group();
   path.add(whole, walked);
-  path.walked = walked;
+  Object.assign(path, {whole, walked});
   layer('path', path);
   colourPath('plain');
 

@@ -51,7 +51,10 @@ function resize() {
   renderer.setPixelRatio(window.devicePixelRatio);
   renderer.setSize(window.innerWidth, window.innerHeight);
   camera.aspect = window.innerWidth / window.innerHeight;
-  camera.updateProjectionMatrix();
+  // The panel and the time take room at the left and below.
+  const left = window.innerWidth > 700 ? 120 : 0, below = scene.run ? 55 : 0;
+  const {innerWidth: wide, innerHeight: high} = window;
+  camera.setViewOffset(wide, high, -left, below, wide, high);
   if (scene.run) drawStrip();
   draw();
 }
@@ -139,7 +142,7 @@ function planeRow(axis) {
 let cutting = false;
 // Leaves out the part of the body in front of each plane that is shown.
 function cutBody() {
-  if (!bodyMaterial) return;
+  if (!scene.body) return;
   const cuts = [];
   planes.forEach((plane, axis) => {
     if (!cutting || !plane.mesh.visible) return;
@@ -147,7 +150,9 @@ function cutBody() {
     const normal = new THREE.Vector3().setComponent(axis, towards);
     cuts.push(new THREE.Plane(normal, -normal.getComponent(axis) * plane.at));
   });
-  bodyMaterial.clippingPlanes = layers.edges.material.clippingPlanes = cuts;
+  const others = ['edges', 'clamp', 'contact'].filter(name => layers[name]);
+  const materials = [...bodyMaterials, ...others.map(name => layers[name].material)];
+  for (const material of materials) material.clippingPlanes = cuts;
 }
 
 function makePanel() {
@@ -187,10 +192,9 @@ function makePanel() {
 }
 
 function setOpacity(value) {
-  bodyMaterial.opacity = value;
-  bodyMaterial.transparent = value < 1;
-  bodyMaterial.depthWrite = value >= 1;
-  bodyMaterial.needsUpdate = true;
+  for (const material of bodyMaterials)
+    Object.assign(material, {opacity: value, transparent: value < 1, depthWrite: value >= 1,
+                             needsUpdate: true});
 }
 
 function legend() {

@@ -42,7 +42,7 @@ function pathText(i) {
 }
 
 function surfaceText(hit) {
-  if (hit.object !== layers.body) {
+  if (hit.object.geometry !== bodyGeometry) {
     const place = hit.point.toArray();
     return labelNames[labelAt(place)] + ' at ' + inMillimetres(place);
   }
@@ -76,12 +76,15 @@ function readOff(x, y) {
     const ray = new THREE.Raycaster();
     ray.setFromCamera({x: 2 * x / window.innerWidth - 1, y: 1 - 2 * y / window.innerHeight}, camera);
     const solid = planes.map(p => p.mesh).filter(m => m.visible);
-    if (layers.body && layers.body.visible && bodyMaterial.opacity > 0.05) solid.push(layers.body);
-    const cuts = bodyMaterial ? bodyMaterial.clippingPlanes || [] : [];
+    if (layers.body && layers.body.visible && bodyMaterials[1].opacity > 0.05)
+      solid.push(layers.body.children[1]);
+    const cuts = scene.body ? bodyMaterials[1].clippingPlanes || [] : [];
+    const ofBody = hit => hit.object.geometry === bodyGeometry;
     const hits = ray.intersectObjects(solid).filter(
-        hit => hit.object !== layers.body || cuts.every(cut => cut.distanceToPoint(hit.point) >= 0));
-    const plane = hits.find(hit => hit.object !== layers.body);
-    const hit = plane && bodyMaterial && bodyMaterial.opacity < 0.5 ? plane : hits[0];  // through a thin body
+        hit => !ofBody(hit) || cuts.every(cut => cut.distanceToPoint(hit.point) >= 0));
+    const plane = hits.find(hit => !ofBody(hit));
+    const thin = scene.body && bodyMaterials[1].opacity < 0.5;  // the plane shows through
+    const hit = plane && thin ? plane : hits[0];
     if (hit) return surfaceText(hit);
   }
   found.sort((a, b) => a.depth - b.depth);

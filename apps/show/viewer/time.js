@@ -17,6 +17,7 @@ function setTime(t) {
     arrow.setLength(length, Math.min(0.035 * size, 0.4 * length), 0.018 * size);
   }
   layers.path.walked.geometry.setDrawRange(0, i + 1);
+  layers.path.whole.geometry.setDrawRange(i, Infinity);
   if (scene.states) showKnown();
   if (run.shapes && scene.body) moveBody(shapeAt(now));
   byId('now').textContent = 't = ' + now.toFixed(2) + ' s, ' + momentText(i);
