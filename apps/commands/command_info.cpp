@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/extent.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
@@ -21,14 +22,6 @@ namespace forefeel {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json box_json(const Box& box) {
-  return Json::array({vector3(box.low), vector3(box.high)});
-}
-
-std::string size_text(const Vec3& size) {
-  return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x(), size.y(), size.z());
-}
 
 Json states_json(const StateSetSummary& sum, const StateFileHeader& header, const std::string& file) {
   Json document{{"kind", "states"},
@@ -93,6 +86,10 @@ Json mesh_json(const MeshSummary& sum, const std::vector<std::string>& warnings)
   document["surface_triangles"] = sum.surface_triangles;
   document["groups"] = Json::object();
   for (const auto& [group, nodes] : sum.groups) document["groups"][group] = nodes;
+  document["regions"] = Json::array();
+  for (const MeshSummary::Region& region : sum.regions)
+    document["regions"].push_back(
+        {{"name", region.name}, {"elements", region.elements}, {"volume", number(region.volume)}});
   document["warnings"] = warnings;
   return document;
 }
@@ -109,8 +106,12 @@ int info_mesh(const Globals& globals, const std::string& file) {
                      file, sum.elements, sum.nodes, sum.surface_nodes, sum.components,
                      sum.components == 1 ? "" : "s", size_text(sum.box.size()), 1e6 * sum.quality.volume,
                      sum.quality.min_dihedral_deg, sum.quality.max_dihedral_deg));
+  answer(globals, "  within " + box_text(sum.box));
   for (const auto& [group, nodes] : sum.groups)
     answer(globals, fmt::format("  group {}: {} nodes", group, nodes));
+  for (const MeshSummary::Region& region : sum.regions)
+    answer(globals, fmt::format("  region {}: {} tetrahedra, {:.4g} cm3", region.name, region.elements,
+                                1e6 * region.volume));
   return 0;
 }
 
@@ -131,19 +132,20 @@ int info_surface(const Globals& globals, const std::string& file) {
                                            : fmt::format("open: {} border edges, {} shared by more than two",
                                                          sum.border_edges, sum.non_manifold_edges),
                               size_text(sum.box.size())));
+  answer(globals, "  within " + box_text(sum.box));
   return 0;
 }
 
 int run_info(const Globals& globals, const std::string& file) {
   const std::string start = read_start(file, 16);  // reports a file that is missing, a folder or empty
   if (start.starts_with("SQLite format 3")) return info_states(globals, file);
-  if (is_mesh_file(file)) return info_mesh(globals, file);
   if (is_surface_file(file)) return info_surface(globals, file);
+  if (is_mesh_file(file)) return info_mesh(globals, file);
   const std::string extension = lower_case(std::filesystem::path(file).extension().string());
   if (extension == ".csv" || extension == ".states") return info_states(globals, file);
   throw InputError(file,
                    "unknown kind of file, expected states (.states .csv), a mesh (.msh .vtk .vtu .mesh) or a "
-                   "surface (.obj .off .stl .ply)");
+                   "surface (.obj .off .stl .ply .vtp)");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/extent.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/look_at_it.hpp"
@@ -17,6 +18,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_summary.hpp"
+#include "geometry/meshing/deviation.hpp"
 #include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
@@ -33,8 +35,9 @@ struct MeshArguments {
 struct MadeMesh {
   TetMesh mesh;
   TetrahedraliseReport report;
-  bool repaired = false;                                        // true if a surface was repaired
-  double hausdorff = std::numeric_limits<double>::quiet_NaN();  // [m]
+  bool repaired = false;                                            // true if a surface was repaired
+  double hausdorff = std::numeric_limits<double>::quiet_NaN();      // [m]
+  double volume_change = std::numeric_limits<double>::quiet_NaN();  // (mesh - surface) / surface
   std::vector<std::string> warnings;
 };
 
@@ -43,8 +46,8 @@ void check_arguments(const MeshArguments& arguments) {
     throw InputError("mesh", arguments.input.empty()
                                  ? "no surface given, expected a file or --phantom NAME"
                                  : "both a file and --phantom given, expected one of them");
-  if (std::filesystem::path(arguments.output).extension() != ".msh")
-    throw InputError(arguments.output, "expected a name that ends in .msh");
+  if (!is_written_mesh(arguments.output))
+    throw InputError(arguments.output, "expected a name that ends in .msh or .vtu");
   if (arguments.elements && (*arguments.elements < 1 || *arguments.elements > 20'000'000))
     throw InputError("--elements",
                      fmt::format("{} is out of range, expected 1 to 20000000", *arguments.elements));
@@ -74,6 +77,10 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   if (made.report.repair.wrapped)
     made.warnings.push_back(
         fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
+  const Deviation deviation = deviation_of(surface, made.mesh, made.hausdorff);
+  made.volume_change = deviation.volume_change;
+  for (const std::string& words : in_words(deviation, made.report.repair))
+    made.warnings.push_back(fmt::format("{}: {}", name, words));
   return made;
 }
 
@@ -96,9 +103,9 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   if (is_surface_file(arguments.input))
     return from_surface(read_surface(arguments.input), arguments, arguments.input, progress);
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
-    throw InputError(
-        arguments.input,
-        "unknown kind of file, expected a surface (.obj .off .stl .ply) or a mesh (.msh .vtk .vtu .mesh)");
+    throw InputError(arguments.input,
+                     "unknown kind of file, expected a surface (.obj .off .stl .ply .vtp .vtk) or a mesh "
+                     "(.msh .vtk .vtu .mesh)");
   TetMesh mesh = read_mesh(arguments.input);
   MeshCheck check = check_and_orient(mesh, arguments.input);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
@@ -135,9 +142,11 @@ nlohmann::ordered_json document_of(const MadeMesh& made, const MeshSummary& sum,
   document["min_dihedral_deg"] = number(sum.quality.min_dihedral_deg);
   document["max_dihedral_deg"] = number(sum.quality.max_dihedral_deg);
   document["hausdorff"] = number(made.hausdorff);
+  document["volume_change"] = number(made.volume_change);
   document["repaired"] = repair_json(made);
   document["min_tet_volume"] = number(sum.quality.min_tet_volume);
   document["longest_side"] = number(sum.box.size().maxCoeff());
+  document["box"] = box_json(sum.box);
   document["surface_triangles"] = sum.surface_triangles;
   document["groups"] = nlohmann::ordered_json::object();
   for (const auto& [name, nodes] : sum.groups) document["groups"][name] = nodes;
@@ -152,13 +161,16 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, 
           "{}: {} tetrahedra, {} nodes, {:.4g} m long, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees",
           output, sum.elements, sum.nodes, sum.box.size().maxCoeff(), 1e6 * sum.quality.volume,
           sum.quality.min_dihedral_deg, sum.quality.max_dihedral_deg));
+  say(globals, "within " + box_text(sum.box));
   if (!made.repaired) return;
   const RepairReport& r = made.report.repair;
-  say(globals,
-      fmt::format(
-          "surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff distance {:.3g} mm",
-          r.triangles_before, r.self_intersections, r.holes, r.components, r.components == 1 ? "" : "s",
-          1e3 * made.hausdorff));
+  say(globals, fmt::format("surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff "
+                           "distance {:.3g} mm, volume {}",
+                           r.triangles_before, r.self_intersections, r.holes, r.components,
+                           r.components == 1 ? "" : "s", 1e3 * made.hausdorff,
+                           std::isfinite(made.volume_change)
+                               ? fmt::format("{:+.1f} %", 100 * made.volume_change)
+                               : std::string("of the surface unknown, since it is open")));
 }
 
 int run_mesh(const Globals& globals, const MeshArguments& arguments) {
@@ -167,7 +179,7 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   // A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read.
   check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
   const MeshSummary sum = summarise(made.mesh);
-  write_msh(arguments.output, made.mesh);
+  write_mesh(arguments.output, made.mesh);
   for (const std::string& warning : made.warnings) warn(globals, warning);
   if (globals.json) print_json(document_of(made, sum, arguments.output));
   tell(globals, made, sum, arguments.output);
@@ -182,9 +194,12 @@ void add_mesh(CommandLine& line) {
   Command sub = line.add("mesh", "Make a tetrahedral mesh from a surface, a volume mesh or a built-in body");
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
-  sub.option("surface", arguments->input, "Surface (.obj .off .stl .ply) or mesh (.msh .vtk .vtu .mesh)")
+  sub.option("surface", arguments->input,
+             "Surface (.obj .off .stl .ply .vtp .vtk) or mesh (.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
-  sub.option("-o,--output", arguments->output, "Mesh to write, Gmsh 2.2").required().shows("OUT.msh");
+  sub.option("-o,--output", arguments->output, "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")
+      .required()
+      .shows("OUT.msh");
   sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 %").shows("N");
   sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
   sub.option("--time-limit", arguments->time_limit,

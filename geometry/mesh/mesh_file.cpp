@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <map>
+#include <vector>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -11,12 +14,50 @@
 
 namespace forefeel {
 
-void tidy_groups(TetMesh& mesh) {
-  for (auto& [name, nodes] : mesh.groups) {
-    std::ranges::sort(nodes);
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+namespace {
+
+template <class Index>
+void tidy(std::map<std::string, std::vector<Index>>& groups) {
+  for (auto& [name, members] : groups) {
+    std::ranges::sort(members);
+    members.erase(std::unique(members.begin(), members.end()), members.end());
   }
-  std::erase_if(mesh.groups, [](const auto& group) { return group.second.empty(); });
+  std::erase_if(groups, [](const auto& group) { return group.second.empty(); });
+}
+
+}  // namespace
+
+void tidy_groups(TetMesh& mesh) {
+  tidy(mesh.groups);
+  tidy(mesh.element_groups);
+}
+
+void add_label_groups(TetMesh& mesh, const std::string& array, std::span<const CellLabel> labels) {
+  constexpr std::size_t most_labels = 256;
+  std::map<std::int64_t, std::vector<TetIndex>> with;
+  for (const CellLabel& label : labels) {
+    if (!(std::abs(label.value) < 1e15) || label.value != std::floor(label.value)) return;
+    with[static_cast<std::int64_t>(label.value)].push_back(label.tet);
+    if (with.size() > most_labels) return;
+  }
+  const auto add = [&](const std::string& name, const std::vector<TetIndex>& tets) {
+    auto& group = mesh.element_groups[name];
+    group.insert(group.end(), tets.begin(), tets.end());
+  };
+  for (const auto& [value, tets] : with) add(fmt::format("{}_{}", array, value), tets);
+  const bool mask = std::ranges::all_of(with, [](const auto& of) { return of.first == 0 || of.first == 1; });
+  if (mask && with.contains(1)) add(array, with.at(1));
+}
+
+bool is_written_mesh(const std::filesystem::path& file) {
+  const std::string extension = lower_case(file.extension().string());
+  return extension == ".msh" || extension == ".vtu";
+}
+
+void write_mesh(const std::filesystem::path& file, const TetMesh& mesh) {
+  if (!is_written_mesh(file))
+    throw InputError({.file = file.string()}, "expected a name that ends in .msh or .vtu");
+  lower_case(file.extension().string()) == ".vtu" ? write_vtu(file, mesh) : write_msh(file, mesh);
 }
 
 bool is_mesh_file(const std::filesystem::path& file) {
@@ -38,31 +79,58 @@ TetMesh read_mesh(const std::filesystem::path& file) {
   return mesh;
 }
 
+namespace {
+
+// Physical volume of each tetrahedron: from first_tag on in the order of the element groups; `rest` outside.
+std::vector<int> volume_tags(const TetMesh& mesh, int first_tag, int rest) {
+  std::vector<int> tags(mesh.tets.size(), rest);
+  int tag = first_tag;
+  for (const auto& [name, tets] : mesh.element_groups) {
+    for (const TetIndex tet : tets)
+      if (int& its = tags[static_cast<std::size_t>(tet)]; its == rest) its = tag;
+    ++tag;
+  }
+  return tags;
+}
+
+}  // namespace
+
 void write_msh(const std::filesystem::path& file, const TetMesh& mesh) {
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);
   fmt::format_to(out, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n");
-  // Physical group 1 holds the tetrahedra (dimension 3), groups 2, 3, … the node groups (dimension 0).
-  if (!mesh.groups.empty()) {
-    fmt::format_to(out, "$PhysicalNames\n{}\n", mesh.groups.size() + 1);
+  // The node groups have tags 2, 3, … (dimension 0), the element groups those that follow (dimension 3). Without
+  // element groups, all tetrahedra are in physical volume 1.
+  const bool whole = mesh.element_groups.empty();
+  std::map<std::string, std::vector<NodeIndex>> groups = mesh.groups;
+  for (const auto& [name, tets] : mesh.element_groups) groups.erase(name);  // its nodes, read with it again
+  const int first_volume = 2 + static_cast<int>(groups.size());
+  const std::size_t names = groups.size() + mesh.element_groups.size();
+  if (names > 0) {
+    fmt::format_to(out, "$PhysicalNames\n{}\n", names + (whole ? 1 : 0));
     int tag = 2;
-    for (const auto& [name, nodes] : mesh.groups) fmt::format_to(out, "0 {} \"{}\"\n", tag++, name);
-    fmt::format_to(out, "3 1 \"body\"\n$EndPhysicalNames\n");
+    for (const auto& [name, nodes] : groups) fmt::format_to(out, "0 {} \"{}\"\n", tag++, name);
+    for (const auto& [name, tets] : mesh.element_groups) fmt::format_to(out, "3 {} \"{}\"\n", tag++, name);
+    fmt::format_to(out, "{}$EndPhysicalNames\n", whole ? "3 1 \"body\"\n" : "");
   }
   fmt::format_to(out, "$Nodes\n{}\n", mesh.nodes.size());
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
     fmt::format_to(out, "{} {} {} {}\n", i + 1, mesh.nodes[i].x(), mesh.nodes[i].y(), mesh.nodes[i].z());
   std::size_t elements = mesh.tets.size(), number = 1;
-  for (const auto& [name, nodes] : mesh.groups) elements += nodes.size();
+  for (const auto& [name, nodes] : groups) elements += nodes.size();
   fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", elements);
   int tag = 2;
-  for (const auto& [name, nodes] : mesh.groups) {
+  for (const auto& [name, nodes] : groups) {
     for (const NodeIndex node : nodes)
       fmt::format_to(out, "{} 15 2 {} {} {}\n", number++, tag, tag, node + 1);
     ++tag;
   }
-  for (const Tet& t : mesh.tets)
-    fmt::format_to(out, "{} 4 2 1 1 {} {} {} {}\n", number++, t[0] + 1, t[1] + 1, t[2] + 1, t[3] + 1);
+  const std::vector<int> volumes = volume_tags(mesh, first_volume, whole ? 1 : 0);
+  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
+    const Tet& t = mesh.tets[i];
+    fmt::format_to(out, "{} 4 2 {} {} {} {} {} {}\n", number++, volumes[i], std::max(volumes[i], 1), t[0] + 1,
+                   t[1] + 1, t[2] + 1, t[3] + 1);
+  }
   fmt::format_to(out, "$EndElements\n");
   OutputFile output(file);
   output.write({text.data(), text.size()});

@@ -1,6 +1,6 @@
 #pragma once
-// Reads and writes tetrahedral meshes: Gmsh .msh 2.2 and 4.1 (ASCII and binary), legacy .vtk, .vtu, Medit
-// .mesh. Nodes keep their order in the file and are numbered from 0. Errors are InputError and name file and
+// Reads and writes tetrahedral meshes: Gmsh .msh 1 (ASCII), 2.2 and 4.1 (ASCII and binary), legacy .vtk, .vtu,
+// Medit .mesh. Nodes keep their order in the file and are numbered from 0. Errors are InputError and name file and
 // line.
 
 #include <filesystem>
@@ -13,10 +13,21 @@ bool is_mesh_file(const std::filesystem::path& file);  // by extension: .msh .vt
 
 // The extension decides the format. Node groups: physical groups of Gmsh, of any dimension, keep their names
 // (a group that holds the whole body is left out); references R of Medit become ref_vertices_R,
-// ref_triangles_R, …. Does not check whether the mesh can be solved; check_and_orient() does.
+// ref_triangles_R, …. Element groups: physical volumes of Gmsh and references of Medit's tetrahedra under the
+// same names; labels in cell arrays of VTK (tissue_7, see add_label_groups()). Arrays of 0 and 1 in the point data
+// of .vtu are node groups. Does not check whether the mesh can be solved; check_and_orient() does.
 TetMesh read_mesh(const std::filesystem::path& file);
 
-// Gmsh 2.2 ASCII; groups become physical node groups. The file appears complete or not at all.
+// Gmsh 2.2 ASCII; node groups become physical points, element groups physical volumes (of groups that overlap,
+// a tetrahedron keeps the first). The file appears complete or not at all.
 void write_msh(const std::filesystem::path& file, const TetMesh& mesh);
+
+// VTK XML, ASCII. Each node group is an array of point data and each element group one of cell data, with 1 for its
+// members and 0 for others; read_mesh() makes the same groups of them. The file appears complete or not at all.
+void write_vtu(const std::filesystem::path& file, const TetMesh& mesh);
+
+// By extension: .msh or .vtu; InputError for others.
+void write_mesh(const std::filesystem::path& file, const TetMesh& mesh);
+bool is_written_mesh(const std::filesystem::path& file);  // by extension
 
 }  // namespace forefeel

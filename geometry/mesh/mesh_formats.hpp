@@ -20,7 +20,17 @@ TetMesh read_medit(Scanner in);       // .mesh
 void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t> nodes,
                   const std::string& where);
 
-// Sorts every group, removes duplicate nodes and empty groups.
+// One value of a cell array, at a tetrahedron.
+struct CellLabel {
+  TetIndex tet = 0;
+  double value = 0;
+};
+// Makes element groups of a cell array that labels the tetrahedra: NAME_7 for those with 7, for arrays of whole
+// numbers with at most 256 different ones; and NAME for those with 1, if all values are 0 or 1. Other arrays are
+// passed over.
+void add_label_groups(TetMesh& mesh, const std::string& array, std::span<const CellLabel> labels);
+
+// Sorts every group, removes duplicates and empty groups.
 void tidy_groups(TetMesh& mesh);
 
 }  // namespace forefeel

@@ -1,9 +1,11 @@
-// Gmsh .msh, as its reference manual describes the formats 2.2 and 4.1. Node tags may be any numbers; nodes
-// are numbered here in file order. Physical groups of any dimension become node groups.
+// Gmsh .msh, as its reference manual describes the formats 1 ($NOD, $ELM), 2.2 and 4.1. Node tags may be any
+// numbers; nodes are numbered here in file order. Physical groups of any dimension become node groups, those of
+// dimension 3 also element groups.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <span>
 #include <unordered_map>
 
@@ -33,6 +35,35 @@ class GmshReader {
   explicit GmshReader(Scanner in) : in_(std::move(in)) {}
 
   TetMesh read() {
+    if (in_.peek() == "$NOD")
+      read_version_1();
+    else
+      read_sections();
+    if (!seen_nodes_) throw InputError({.file = in_.name()}, "holds no $Nodes section");
+    if (!seen_elements_) throw InputError({.file = in_.name()}, "holds no $Elements section");
+    for (const auto& [group, nodes] : physical_) {
+      if (group.first == 3 && covers_all(nodes))
+        continue;  // a group of the whole body carries no information
+      auto& target = mesh_.groups[name_of(group)];
+      target.insert(target.end(), nodes.begin(), nodes.end());
+    }
+    for (const auto& [group, tets] : volumes_) {
+      if (tets.size() == mesh_.tets.size() && !names_.contains(group)) continue;
+      auto& target = mesh_.element_groups[name_of(group)];
+      target.insert(target.end(), tets.begin(), tets.end());
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  using Group = std::pair<int, std::int64_t>;  // dimension, physical tag
+
+  std::string name_of(const Group& group) const {
+    const auto named = names_.find(group);
+    return named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
+  }
+
+  void read_sections() {
     read_format();
     while (!in_.at_end()) {
       const std::string section(in_.token("a section"));
@@ -40,22 +71,51 @@ class GmshReader {
         in_.fail(fmt::format("'{:.40}' stands where a $Section was expected", section));
       read_section(section.substr(1));
     }
-    if (!seen_nodes_) throw InputError({.file = in_.name()}, "holds no $Nodes section");
-    if (!seen_elements_) throw InputError({.file = in_.name()}, "holds no $Elements section");
-    for (const auto& [group, nodes] : physical_) {
-      if (group.first == 3 && covers_all(nodes))
-        continue;  // a group of the whole body carries no information
-      const auto named = names_.find(group);
-      const std::string name =
-          named != names_.end() ? named->second : fmt::format("physical_{}_{}", group.first, group.second);
-      auto& target = mesh_.groups[name];
-      target.insert(target.end(), nodes.begin(), nodes.end());
-    }
-    return std::move(mesh_);
   }
 
- private:
-  using Group = std::pair<int, std::int64_t>;  // dimension, physical tag
+  // $NOD n, lines "number x y z", $ENDNOD; $ELM n, lines "number type physical elementary count nodes", $ENDELM.
+  void read_version_1() {
+    while (!in_.at_end()) {
+      const std::string section(in_.token("a section"));
+      if (section == "$NOD") {
+        begin_nodes();
+        const std::size_t n = in_.count("a number of nodes", 8);
+        mesh_.nodes.reserve(n), index_.reserve(n);
+        for (std::size_t i = 0; i < n; ++i) {
+          const std::int64_t tag = in_.integer("a node number");
+          const double x = in_.real("x"), y = in_.real("y"), z = in_.real("z");
+          add_node(tag, {x, y, z});
+        }
+        end_section_1("$ENDNOD");
+      } else if (section == "$ELM") {
+        read_elements_1();
+        end_section_1("$ENDELM");
+      } else {
+        in_.fail(fmt::format("'{:.40}' stands where $NOD or $ELM was expected", section));
+      }
+    }
+  }
+
+  void read_elements_1() {
+    begin_elements();
+    const std::size_t n = in_.count("a number of elements", 10);
+    for (std::size_t i = 0; i < n; ++i) {
+      in_.integer("an element number");
+      const ElementType type = known_type(in_.integer("an element type"));
+      const std::int64_t physical = in_.integer("a physical region");
+      in_.integer("an elementary region");
+      if (const std::int64_t nodes = in_.integer("a number of nodes"); nodes != type.nodes)
+        in_.fail(fmt::format("an element of {} nodes, expected {} for its type", nodes, type.nodes));
+      scratch_.resize(static_cast<std::size_t>(type.nodes));
+      for (auto& index : scratch_) index = node(in_.integer("a node number"));
+      add_element(type, scratch_, {&physical, 1});
+    }
+  }
+
+  void end_section_1(const char* end) {
+    const auto word = in_.token("the end of a section");
+    if (word != end) in_.fail(fmt::format("'{:.40}' stands where {} was expected", word, end));
+  }
 
   bool covers_all(const std::vector<NodeIndex>& nodes) const {
     std::vector<char> there(mesh_.nodes.size(), 0);
@@ -64,11 +124,12 @@ class GmshReader {
   }
 
   void read_format() {
-    if (in_.token("$MeshFormat") != "$MeshFormat") in_.fail("is not a Gmsh file, expected $MeshFormat");
+    if (in_.token("$MeshFormat") != "$MeshFormat")
+      in_.fail("is not a Gmsh file, expected $MeshFormat (or $NOD of format 1)");
     const std::string version(in_.token("a format version"));
     four_ = version == "4.1";
     if (!four_ && version != "2.2" && version != "2" && version != "2.1" && version != "2.0")
-      in_.fail(fmt::format("Gmsh format {:.20} is not read, expected 2.2 or 4.1", version));
+      in_.fail(fmt::format("Gmsh format {:.20} is not read, expected 1, 2.2 or 4.1", version));
     binary_ = in_.integer("0 (ASCII) or 1 (binary)", 0, 1) == 1;
     const auto size = in_.integer("the size of a number", 1, 16);
     if (size != 8) in_.fail(fmt::format("numbers of {} bytes, expected 8", size));
@@ -243,6 +304,8 @@ class GmshReader {
     if (type.dimension == 3) mesh_.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
     for (const auto tag : groups)
       if (tag != 0) {
+        if (type.dimension == 3)
+          volumes_[{type.dimension, tag}].push_back(static_cast<TetIndex>(mesh_.tets.size() - 1));
         auto& group = physical_[{type.dimension, tag}];
         group.insert(group.end(), nodes.begin(), nodes.end());
       }
@@ -315,6 +378,7 @@ class GmshReader {
   std::map<Group, std::vector<std::int64_t>> entity_;  // 4.1: dimension, entity -> physical tags
   std::map<Group, std::string> names_;
   std::map<Group, std::vector<NodeIndex>> physical_;
+  std::map<Group, std::vector<TetIndex>> volumes_;
   std::vector<NodeIndex> scratch_;
 };
 

@@ -1,6 +1,6 @@
 // Medit .mesh (ASCII): "MeshVersionFormatted v", "Dimension 3", then keyword sections of n lines. Reference
 // numbers other than 0 of vertices, triangles and tetrahedra become node groups ref_vertices_R,
-// ref_triangles_R, ….
+// ref_triangles_R, …, those of tetrahedra also element groups.
 
 #include <fmt/format.h>
 
@@ -108,7 +108,9 @@ class MeditReader {
       if (tetrahedra) mesh_.tets.push_back(element);
       const std::int64_t reference = nodes ? in_.integer("a reference") : 0;
       if (reference == 0) continue;
-      auto& group = mesh_.groups[fmt::format("ref_{}_{}", keyword, reference)];
+      const std::string name = fmt::format("ref_{}_{}", keyword, reference);
+      if (tetrahedra) mesh_.element_groups[name].push_back(static_cast<TetIndex>(mesh_.tets.size() - 1));
+      auto& group = mesh_.groups[name];
       group.insert(group.end(), element.begin(), element.begin() + (n_integers - 1));
     }
   }

@@ -16,6 +16,11 @@ MeshSummary summarise(const TetMesh& mesh) {
                   .surface_triangles = boundary_triangles(mesh).size(),
                   .groups = {}};
   for (const auto& [name, nodes] : mesh.groups) sum.groups[name] = nodes.size();
+  for (const auto& [name, tets] : mesh.element_groups) {
+    MeshSummary::Region region{.name = name, .elements = tets.size()};
+    for (const TetIndex tet : tets) region.volume += tet_volume(mesh, static_cast<std::size_t>(tet));
+    sum.regions.push_back(region);
+  }
   return sum;
 }
 

@@ -1,215 +1,54 @@
-// VTK XML .vtu, UnstructuredGrid: ascii, inline binary (base64) and appended (raw or base64) data, plain or
-// compressed by vtkZLibDataCompressor. Several pieces are joined.
+// VTK XML .vtu, UnstructuredGrid (vtk_xml.hpp). Several pieces are joined. Arrays of CellData that label the
+// tetrahedra become element groups, arrays of 0 and 1 in PointData node groups.
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <map>
-
-#ifdef FOREFEEL_ZLIB
-#include <zlib.h>
-#endif
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
+#include "geometry/mesh/vtk_xml.hpp"
 
 namespace forefeel {
 namespace {
 
-using Attributes = std::map<std::string, std::string>;
-
-struct Tag {
-  std::string name;  // "/Piece" for an end
-  Attributes attributes;
-  bool empty = false;  // <Tag/>
-};
-
-std::string decode_base64(std::string_view text, Scanner& in) {
-  static const auto table = [] {
-    std::array<int, 256> t;
-    t.fill(-1);
-    const std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t i = 0; i < letters.size(); ++i)
-      t[static_cast<unsigned char>(letters[i])] = static_cast<int>(i);
-    return t;
-  }();
-  std::string result;
-  result.reserve(text.size() / 4 * 3);
-  for (std::size_t i = 0; i + 4 <= text.size(); i += 4) {
-    std::uint32_t word = 0;
-    int padding = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const int value = table[static_cast<unsigned char>(text[i + k])];
-      if (value < 0 && (text[i + k] != '=' || k < 2))
-        in.fail("base64 data hold a character that does not belong there");
-      padding += value < 0;
-      word = word << 6 | static_cast<std::uint32_t>(std::max(value, 0));
-    }
-    for (int k = 0; k < 3 - padding; ++k) result.push_back(static_cast<char>(word >> (16 - 8 * k)));
-  }
-  return result;
-}
-
-std::size_t base64_length(std::size_t bytes) {
-  return (bytes + 2) / 3 * 4;
-}
-
 class VtuReader {
  public:
-  explicit VtuReader(Scanner in) : in_(std::move(in)) {}
+  explicit VtuReader(Scanner in) : in_(std::move(in), "UnstructuredGrid") {}
 
   TetMesh read() {
-    find_appended();
-    Tag tag;
-    bool grid = false, closed = false;
-    while (next_tag(tag)) {
-      if (tag.name == "VTKFile")
-        read_root(tag);
-      else if (tag.name == "UnstructuredGrid")
-        grid = true;
-      else if (tag.name == "Piece" && grid)
-        read_piece(tag);
-      else if (tag.name == "/UnstructuredGrid") {
-        closed = true;
-        break;
-      }
-    }
-    if (!grid)
-      throw InputError({.file = in_.name()},
-                       "is not a VTU file, expected <VTKFile type=\"UnstructuredGrid\">");
-    if (!closed)
-      throw InputError({.file = in_.name()}, "ends before </UnstructuredGrid>, the file is cut short");
+    in_.read([&](const VtkXmlPiece& piece) {
+      const std::size_t first = mesh_.nodes.size();
+      take_labels(piece, join(piece));
+      take_masks(piece, first);
+    });
+    for (const auto& [name, labels] : labels_) add_label_groups(mesh_, name, labels);
     return std::move(mesh_);
   }
 
  private:
-  struct Array {
-    Attributes attributes;
-    std::string_view text;  // between the tags
-  };
-
-  // Appended data may hold any bytes, '<' too: they begin after the '_' that follows <AppendedData …>.
-  void find_appended() {
-    const std::size_t tag = in_.content().find("<AppendedData");
-    if (tag == std::string_view::npos) return;
-    const std::size_t close = in_.content().find('>', tag), mark = in_.content().find('_', close);
-    if (close == std::string_view::npos || mark == std::string_view::npos)
-      throw InputError({.file = in_.name()}, "appended data without '_', the file is cut short");
-    appended_base64_ = in_.content().substr(tag, close - tag).find("base64") != std::string_view::npos;
-    appended_ = in_.content().substr(mark + 1);
-  }
-
-  bool next_tag(Tag& tag) {
-    const std::string_view content = in_.content();
-    for (;;) {
-      const std::size_t open = content.find('<', in_.position());
-      if (open == std::string_view::npos) return false;
-      const std::string_view end_mark = content.substr(open, 4) == "<!--" ? "-->" : ">";
-      const std::size_t close = content.find(end_mark, open);
-      if (close == std::string_view::npos) return false;
-      in_.seek(close + end_mark.size());
-      if (end_mark.size() > 1 || content[open + 1] == '?' || content[open + 1] == '!') continue;
-      parse_tag(content.substr(open + 1, close - open - 1), tag);
-      return true;
-    }
-  }
-
-  void parse_tag(std::string_view text, Tag& tag) {
-    tag = {};
-    if (!text.empty() && text.back() == '/') tag.empty = true, text.remove_suffix(1);
-    const std::size_t name_end = std::min(text.find_first_of(" \t\r\n"), text.size());
-    tag.name = std::string(text.substr(0, name_end));
-    text.remove_prefix(name_end);
-    while (!(text = trimmed(text)).empty()) {
-      const std::size_t equals = text.find('=');
-      if (equals == std::string_view::npos)
-        in_.fail(fmt::format("<{:.40}> has an attribute without a value", tag.name));
-      const std::string key(trimmed(text.substr(0, equals)));
-      text = trimmed(text.substr(equals + 1));
-      const std::size_t end = text.empty() ? std::string_view::npos : text.find(text.front(), 1);
-      if (text.empty() || (text.front() != '"' && text.front() != '\'') || end == std::string_view::npos)
-        in_.fail(fmt::format("<{:.40}> has an attribute without quotes", tag.name));
-      tag.attributes[key] = std::string(text.substr(1, end - 1));
-      text.remove_prefix(end + 1);
-    }
-  }
-
-  void read_root(const Tag& tag) {
-    const auto get = [&](const char* key) {
-      const auto found = tag.attributes.find(key);
-      return found == tag.attributes.end() ? std::string() : found->second;
-    };
-    if (get("type") != "UnstructuredGrid")
-      throw InputError({.file = in_.name()},
-                       fmt::format("VTKFile of type '{:.40}', expected UnstructuredGrid", get("type")));
-    in_.swap_bytes((get("byte_order") == "BigEndian") != (std::endian::native == std::endian::big));
-    header_bytes_ = get("header_type") == "UInt64" ? 8 : 4;
-    const std::string compressor = get("compressor");
-    compressed_ = !compressor.empty();
-    if (compressed_ && compressor != "vtkZLibDataCompressor")
-      throw InputError(
-          {.file = in_.name()},
-          fmt::format("compressor {:.40} is not read, expected vtkZLibDataCompressor or none", compressor));
-#ifndef FOREFEEL_ZLIB
-    if (compressed_)
-      throw InputError({.file = in_.name()},
-                       "its data are compressed, expected plain data (this build has no zlib)");
-#endif
-  }
-
-  std::size_t attribute_count(const Tag& tag, const char* key) {
-    const auto found = tag.attributes.find(key);
-    std::int64_t value = 0;
-    if (found == tag.attributes.end() || !parse_integer(found->second, value) || value < 0 ||
-        value > 0x7fffffff)
-      throw InputError({.file = in_.name()}, fmt::format("<Piece> without a count {}", key));
-    return static_cast<std::size_t>(value);
-  }
-
-  void read_piece(const Tag& piece) {
-    const std::size_t n_points = attribute_count(piece, "NumberOfPoints"),
-                      n_cells = attribute_count(piece, "NumberOfCells");
-    std::map<std::string, Array> arrays;  // "Points", "connectivity", "offsets", "types"
-    std::string section;
-    Tag tag;
-    while (next_tag(tag) && tag.name != "/Piece") {
-      if (tag.name == "Points" || tag.name == "Cells" || tag.name == "PointData" || tag.name == "CellData")
-        section = tag.name;
-      if (tag.name != "DataArray") continue;
-      const std::size_t start = in_.position();
-      std::size_t end = start;
-      if (!tag.empty) {
-        end = in_.content().find("</DataArray", start);
-        if (end == std::string_view::npos)
-          throw InputError({.file = in_.name()}, "a DataArray has no end, the file is cut short");
-        in_.seek(end);
-      }
-      const std::string key = section == "Points"  ? "Points"
-                              : section == "Cells" ? tag.attributes["Name"]
-                                                   : std::string();
-      const std::size_t stop =
-          std::min(in_.content().find('<', start), end);  // before <InformationKey> and the like
-      if (!key.empty()) arrays[key] = {tag.attributes, in_.content().substr(start, stop - start)};
-    }
-    for (const char* key : {"Points", "connectivity", "offsets", "types"})
-      if (!arrays.contains(key) && (n_cells > 0 || key[0] == 'P'))
-        throw InputError({.file = in_.name()}, fmt::format("a piece has no array {}", key));
-    join(n_points, n_cells, arrays);
-  }
-
-  void join(std::size_t n_points, std::size_t n_cells, std::map<std::string, Array>& arrays) {
+  // The tetrahedron of each cell of the piece; -1 for other cells.
+  std::vector<TetIndex> join(const VtkXmlPiece& piece) {
+    const std::size_t n_points = in_.count(piece, "NumberOfPoints"),
+                      n_cells = in_.count(piece, "NumberOfCells");
     const auto first = static_cast<std::int64_t>(mesh_.nodes.size());
-    const std::vector<double> points = values<double>(arrays["Points"]);
+    const std::vector<double> points = in_.reals(in_.array(piece, "Points", ""));
     if (points.size() != 3 * n_points)
       throw InputError({.file = in_.name()},
                        fmt::format("{} coordinates, expected {}", points.size(), 3 * n_points));
     for (std::size_t i = 0; i < n_points; ++i)
       mesh_.nodes.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
-    if (n_cells == 0) return;
-    std::vector<std::int64_t> connectivity = values<std::int64_t>(arrays["connectivity"]);
-    const std::vector<std::int64_t> offsets = values<std::int64_t>(arrays["offsets"]),
-                                    types = values<std::int64_t>(arrays["types"]);
+    if (n_cells == 0) return {};
+    std::vector<std::int64_t> connectivity = in_.integers(in_.array(piece, "Cells", "connectivity"));
+    const std::vector<std::int64_t> offsets = in_.integers(in_.array(piece, "Cells", "offsets")),
+                                    types = in_.integers(in_.array(piece, "Cells", "types"));
     if (offsets.size() != n_cells || types.size() != n_cells)
       throw InputError({.file = in_.name()}, fmt::format("{} offsets and {} types, expected {}",
                                                          offsets.size(), types.size(), n_cells));
@@ -219,160 +58,133 @@ class VtuReader {
                                                            static_cast<std::int64_t>(n_points) - 1));
       node += first;
     }
+    std::vector<TetIndex> tet_of_cell(n_cells, -1);
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < n_cells; begin = offsets[i], ++i) {
       if (offsets[i] < begin || offsets[i] > static_cast<std::int64_t>(connectivity.size()))
         throw InputError({.file = in_.name()}, fmt::format("cell offset {} is out of order", offsets[i]));
+      const std::size_t before = mesh_.tets.size();
       add_vtk_cell(
           mesh_, types[i],
           std::span(connectivity)
               .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(offsets[i] - begin)),
           in_.name());
+      if (mesh_.tets.size() > before) tet_of_cell[i] = static_cast<TetIndex>(before);
+    }
+    return tet_of_cell;
+  }
+
+  // tet_of_cell: -1 where a cell is none.
+  void take_labels(const VtkXmlPiece& piece, const std::vector<TetIndex>& tet_of_cell) {
+    const auto section = piece.arrays.find("CellData");
+    if (section == piece.arrays.end()) return;
+    for (const auto& [name, array] : section->second) {
+      const std::string type = array.attribute("type"), width = array.attribute("NumberOfComponents");
+      const bool whole = type.starts_with("Int") || type.starts_with("UInt");
+      if ((!whole && !type.starts_with("Float")) || (!width.empty() && width != "1") || name.empty())
+        continue;
+      std::vector<double> values;
+      if (whole)
+        for (const std::int64_t value : in_.integers(array)) values.push_back(static_cast<double>(value));
+      else
+        values = in_.reals(array);
+      if (values.size() != tet_of_cell.size())
+        throw InputError({.file = in_.name()}, fmt::format("cell array {:.40} has {} values, expected {}",
+                                                           name, values.size(), tet_of_cell.size()));
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (tet_of_cell[i] >= 0) labels_[name].push_back({tet_of_cell[i], values[i]});
     }
   }
 
-  template <class T>
-  std::vector<T> values(const Array& array) {
-    const auto get = [&](const char* key) {
-      const auto found = array.attributes.find(key);
-      return found == array.attributes.end() ? std::string() : found->second;
-    };
-    const std::string format = get("format"), type = get("type");
-    std::vector<T> result;
-    if (format.empty() || format == "ascii") {
-      Scanner text(std::string(array.text), in_.name() + ": array " + get("Name"));
-      while (!text.at_end()) {
-        if constexpr (std::is_same_v<T, double>)
-          result.push_back(text.real("a number"));
-        else
-          result.push_back(text.integer("a whole number"));
-      }
-      return result;
+  // Node groups: arrays of whole numbers in the point data that are 0 or 1.
+  void take_masks(const VtkXmlPiece& piece, std::size_t first) {
+    const auto section = piece.arrays.find("PointData");
+    if (section == piece.arrays.end()) return;
+    for (const auto& [name, array] : section->second) {
+      const std::string type = array.attribute("type"), width = array.attribute("NumberOfComponents");
+      const bool whole = type.starts_with("Int") || type.starts_with("UInt");
+      if (!whole || (!width.empty() && width != "1") || name.empty()) continue;
+      const std::vector<std::int64_t> values = in_.integers(array);
+      const bool mask = std::ranges::all_of(values, [](std::int64_t v) { return v == 0 || v == 1; });
+      if (!mask || values.size() != mesh_.nodes.size() - first) continue;
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i] == 1) mesh_.groups[name].push_back(static_cast<NodeIndex>(first + i));
     }
-    Scanner data(bytes_of(array, format, get("offset")), in_.name() + ": array " + get("Name"));
-    data.swap_bytes(in_.swaps_bytes());
-    convert(data, type, result);
-    return result;
   }
 
-  template <class T>
-  void convert(Scanner& data, const std::string& type, std::vector<T>& result) {
-    const auto take = [&]<class S>(S) {
-      result.reserve(data.remaining() / sizeof(S));
-      while (data.remaining() >= sizeof(S)) result.push_back(static_cast<T>(data.raw<S>("a number")));
-    };
-    if (type == "Float64")
-      take(double{});
-    else if (type == "Float32")
-      take(float{});
-    else if constexpr (std::is_same_v<T, double>)
-      throw InputError({.file = in_.name()},
-                       fmt::format("points of type '{:.40}', expected Float32 or Float64", type));
-    else if (type == "Int64" || type == "UInt64")
-      take(std::int64_t{});
-    else if (type == "Int32")
-      take(std::int32_t{});
-    else if (type == "UInt32")
-      take(std::uint32_t{});
-    else if (type == "Int16")
-      take(std::int16_t{});
-    else if (type == "UInt16")
-      take(std::uint16_t{});
-    else if (type == "Int8")
-      take(std::int8_t{});
-    else if (type == "UInt8")
-      take(std::uint8_t{});
-    else
-      throw InputError({.file = in_.name()}, fmt::format("data of type '{:.40}' are unknown", type));
-  }
-
-  std::string bytes_of(const Array& array, const std::string& format, const std::string& offset) {
-    if (format == "binary") return unpack(trimmed(array.text), true);
-    if (format != "appended")
-      throw InputError({.file = in_.name()},
-                       fmt::format("data format '{:.40}', expected ascii, binary or appended", format));
-    std::int64_t at = 0;
-    if (!parse_integer(offset, at) || at < 0 || static_cast<std::size_t>(at) >= appended_.size())
-      throw InputError(
-          {.file = in_.name()},
-          fmt::format("appended data at '{:.40}' lie outside the file, which may be cut short", offset));
-    return unpack(appended_.substr(static_cast<std::size_t>(at)), appended_base64_);
-  }
-
-  [[noreturn]] void cut_short() {
-    throw InputError({.file = in_.name()}, "binary data are cut short");
-  }
-
-  std::uint64_t header_word(std::string_view bytes, std::size_t i) {
-    if ((i + 1) * header_bytes_ > bytes.size()) cut_short();
-    if (header_bytes_ == 8) {
-      std::uint64_t value;
-      std::memcpy(&value, bytes.data() + 8 * i, 8);
-      return in_.swaps_bytes() ? byte_swapped(value) : value;
-    }
-    std::uint32_t value;
-    std::memcpy(&value, bytes.data() + 4 * i, 4);
-    return in_.swaps_bytes() ? byte_swapped(value) : value;
-  }
-
-  // The first n bytes of data, decoded.
-  std::string head(std::string_view data, bool base64, std::size_t n) {
-    const std::size_t length = base64 ? base64_length(n) : n;
-    if (length > data.size() || n > data.size()) cut_short();
-    std::string result = base64 ? decode_base64(data.substr(0, length), in_) : std::string(data.substr(0, n));
-    if (result.size() < n) cut_short();
-    result.resize(n);
-    return result;
-  }
-
-  std::string unpack(std::string_view data, bool base64) {
-    const std::uint64_t first = header_word(head(data, base64, header_bytes_), 0);
-    if (first > data.size()) cut_short();
-    if (!compressed_) return head(data, base64, header_bytes_ + first).substr(header_bytes_);
-    if (first == 0) return {};
-    const std::size_t header_size = header_bytes_ * (3 + first);
-    const std::string header = head(data, base64, header_size);
-    std::string_view rest = data.substr(base64 ? base64_length(header_size) : header_size);
-    std::uint64_t total = 0;
-    for (std::size_t b = 0; b < first; ++b) {
-      const std::uint64_t size = header_word(header, 3 + b);
-      if (size > rest.size() || (total += size) > rest.size()) cut_short();
-    }
-    const std::string packed = head(rest, base64, total);
-    std::string result;
-    std::size_t at = 0;
-    for (std::size_t b = 0; b < first; ++b) {
-      const std::uint64_t last = header_word(header, 2), size = header_word(header, 3 + b);
-      inflate_block(std::string_view(packed).substr(at, size),
-                    b + 1 == first && last != 0 ? last : header_word(header, 1), result);
-      at += size;
-    }
-    return result;
-  }
-
-  void inflate_block([[maybe_unused]] std::string_view packed, [[maybe_unused]] std::uint64_t size,
-                     [[maybe_unused]] std::string& result) {
-#ifdef FOREFEEL_ZLIB
-    if (size > 1100 * packed.size() + 1100)
-      throw InputError({.file = in_.name()}, "compressed data announce more than they can hold");
-    const std::size_t start = result.size();
-    result.resize(start + size);
-    uLongf written = size;
-    if (uncompress(reinterpret_cast<Bytef*>(result.data() + start), &written,
-                   reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK ||
-        written != size)
-      throw InputError({.file = in_.name()}, "compressed data are damaged");
-#endif
-  }
-
-  Scanner in_;
+  VtkXmlReader in_;
   TetMesh mesh_;
-  std::string_view appended_;
-  bool appended_base64_ = false, compressed_ = false;
-  std::size_t header_bytes_ = 4;
+  std::map<std::string, std::vector<CellLabel>> labels_;  // by cell array
 };
 
 }  // namespace
+
+namespace {
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+// <DataArray> of one value for each of n items.
+template <class Value>
+void put_array(fmt::memory_buffer& text, const char* type, std::string_view name, std::size_t n,
+               Value value) {
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "<DataArray type=\"{}\" Name=\"{}\" format=\"ascii\">\n", type, escaped(name));
+  for (std::size_t i = 0; i < n; ++i)
+    fmt::format_to(out, "{}{}", value(i), i % 20 == 19 || i + 1 == n ? '\n' : ' ');
+  fmt::format_to(out, "</DataArray>\n");
+}
+
+template <class Index>
+void put_masks(fmt::memory_buffer& text, const std::map<std::string, std::vector<Index>>& groups,
+               std::size_t n) {
+  for (const auto& [name, members] : groups) {
+    std::vector<int> in(n, 0);
+    for (const Index member : members) in[static_cast<std::size_t>(member)] = 1;
+    put_array(text, "UInt8", name, n, [&](std::size_t i) { return in[i]; });
+  }
+}
+
+}  // namespace
+
+void write_vtu(const std::filesystem::path& file, const TetMesh& mesh) {
+  const std::size_t nodes = mesh.nodes.size(), tets = mesh.tets.size();
+  fmt::memory_buffer text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+                 "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n");
+  fmt::format_to(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>\n", nodes, tets);
+  put_masks(text, mesh.groups, nodes);
+  fmt::format_to(out, "</PointData>\n<CellData>\n");
+  put_masks(text, mesh.element_groups, tets);
+  fmt::format_to(out,
+                 "</CellData>\n<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+                 "format=\"ascii\">\n");
+  for (const Vec3& x : mesh.nodes) fmt::format_to(out, "{} {} {}\n", x[0], x[1], x[2]);
+  fmt::format_to(out, "</DataArray>\n</Points>\n<Cells>\n");
+  put_array(text, "Int64", "connectivity", 4 * tets, [&](std::size_t i) { return mesh.tets[i / 4][i % 4]; });
+  put_array(text, "Int64", "offsets", tets, [](std::size_t i) { return 4 * (i + 1); });
+  put_array(text, "UInt8", "types", tets, [](std::size_t) { return 10; });
+  fmt::format_to(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  OutputFile output(file);
+  output.write({text.data(), text.size()});
+  output.commit();
+}
 
 TetMesh read_vtu(Scanner in) {
   return VtuReader(std::move(in)).read();

@@ -13,6 +13,7 @@
 namespace forefeel {
 
 using NodeIndex = std::int32_t;
+using TetIndex = std::int32_t;  // position in TetMesh::tets
 using Tet = std::array<NodeIndex, 4>;
 using Triangle = std::array<NodeIndex, 3>;  // counter-clockwise seen from outside
 
@@ -20,6 +21,8 @@ struct TetMesh {
   std::vector<Vec3> nodes;                               // #V, [m]
   std::vector<Tet> tets;                                 // #T, positively oriented
   std::map<std::string, std::vector<NodeIndex>> groups;  // named node sets of the file, sorted
+  // Named sets of tetrahedra of the file, sorted; they may overlap.
+  std::map<std::string, std::vector<TetIndex>> element_groups = {};
 };
 
 struct MeshQuality {

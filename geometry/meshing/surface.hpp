@@ -17,9 +17,11 @@ struct Surface {
   std::vector<Triangle> triangles;
 };
 
-bool is_surface_file(const std::filesystem::path& file);  // by extension: .obj .off .stl .ply
+inline constexpr const char* surface_extensions = ".obj .off .stl .ply .vtp, or .vtk with DATASET POLYDATA";
+// By extension; of a .vtk by its content, too.
+bool is_surface_file(const std::filesystem::path& file);
 
-// .obj .off .stl (ASCII and binary) .ply (ASCII and binary). InputError names file and line.
+// .obj .off .stl .ply .vtp and legacy .vtk, ASCII and binary. InputError names file and line.
 Surface read_surface(const std::filesystem::path& file);
 
 Surface boundary_surface(const TetMesh& mesh);   // outward; nodes in the order of the mesh, renumbered

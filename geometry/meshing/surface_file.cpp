@@ -1,4 +1,5 @@
-// Readers of .obj, .off, .stl and .ply surfaces. Polygons are cut into fans of triangles.
+// Readers of .obj, .off, .stl and .ply surfaces; those of VTK are in surface_vtk.cpp. Polygons are cut into fans of
+// triangles.
 
 #include <fmt/format.h>
 
@@ -11,28 +12,12 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/surface_formats.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::int64_t most_corners = 10'000;  // of one polygon
-
-// Collects corners of one polygon after another; indices are checked at the end, when all nodes are known.
-struct Builder {
-  Surface surface;
-  std::vector<std::int64_t> polygon;
-  std::int64_t greatest = -1;
-
-  void end_polygon() {
-    for (const std::int64_t node : polygon) greatest = std::max(greatest, node);
-    for (std::size_t k = 1; k + 1 < polygon.size(); ++k)
-      surface.triangles.push_back({static_cast<NodeIndex>(polygon[0]), static_cast<NodeIndex>(polygon[k]),
-                                   static_cast<NodeIndex>(polygon[k + 1])});
-    polygon.clear();
-  }
-};
-
-void read_obj_corner(Scanner& in, Builder& out, std::string_view corner) {
+void read_obj_corner(Scanner& in, SurfaceBuilder& out, std::string_view corner) {
   std::int64_t index = 0;
   const auto known = static_cast<std::int64_t>(out.surface.nodes.size());
   if (!parse_integer(corner.substr(0, corner.find('/')), index) || index == 0 || index < -known ||
@@ -61,7 +46,7 @@ Vec3 read_obj_vertex(Scanner& in, const std::vector<std::string_view>& word) {
   return node;
 }
 
-void read_obj(Scanner& in, Builder& out) {
+void read_obj(Scanner& in, SurfaceBuilder& out) {
   std::string_view line;
   while (in.line(line)) {
     const std::vector<std::string_view> word = words(line.substr(0, line.find('#')));
@@ -77,7 +62,7 @@ void read_obj(Scanner& in, Builder& out) {
   }
 }
 
-void read_off(Scanner& in, Builder& out) {
+void read_off(Scanner& in, SurfaceBuilder& out) {
   in.comment('#');
   const std::string kind(in.token("OFF"));
   if (kind != "OFF" && kind != "COFF" && kind != "NOFF" && kind != "CNOFF")
@@ -104,7 +89,7 @@ void read_off(Scanner& in, Builder& out) {
 // STL repeats coordinates; equal ones are one node.
 class Welder {
  public:
-  explicit Welder(Builder& out) : out_(out) {}
+  explicit Welder(SurfaceBuilder& out) : out_(out) {}
   void corner(const Vec3& point) {
     const std::array<double, 3> key{point.x() + 0.0, point.y() + 0.0, point.z() + 0.0};  // -0 is 0
     if (key[0] != key[0] || key[1] != key[1] || key[2] != key[2]) {
@@ -118,18 +103,29 @@ class Welder {
   }
 
  private:
-  Builder& out_;
+  SurfaceBuilder& out_;
   std::map<std::array<double, 3>, std::int64_t> known_;
 };
 
-void read_stl_text(Scanner& in, Builder& out) {
+// "endfacet", written in one word or two.
+std::string end_word(Scanner& in) {
+  std::string word = lower_case(in.token("endfacet"));
+  if (word == "end") word += lower_case(in.token("facet"));
+  return word;
+}
+
+void read_stl_text(Scanner& in, SurfaceBuilder& out) {
   Welder weld(out);
   std::string_view line;
   in.line(line);  // solid NAME
   bool ended = false;
   while (!in.at_end()) {
     const std::string word = lower_case(in.token("facet"));
-    if (word == "endsolid") {
+    if (word == "end" && lower_case(in.peek()) == "solid") {  // some programs write two words
+      in.token("solid");
+      ended = true;
+      in.line(line);
+    } else if (word == "endsolid") {
       ended = true;
       in.line(line);
     } else if (word == "solid") {
@@ -143,8 +139,8 @@ void read_stl_text(Scanner& in, Builder& out) {
         const double x = in.real("x"), y = in.real("y"), z = in.real("z");
         weld.corner({x, y, z});
       }
-      if (next != "endloop" || lower_case(in.token("endfacet")) != "endfacet")
-        in.fail("expected 'endloop' and 'endfacet'");
+      if (next == "end") next += lower_case(in.token("loop"));
+      if (next != "endloop" || end_word(in) != "endfacet") in.fail("expected 'endloop' and 'endfacet'");
       if (out.polygon.size() < 3) in.fail("a facet with fewer than 3 vertices");
       out.end_polygon();
     } else {
@@ -154,7 +150,7 @@ void read_stl_text(Scanner& in, Builder& out) {
   if (!ended) throw InputError({.file = in.name()}, "ends before endsolid, the file is cut short");
 }
 
-void read_stl(Scanner& in, Builder& out) {
+void read_stl(Scanner& in, SurfaceBuilder& out) {
   std::uint32_t n = 0;
   if (in.content().size() >= 84) std::memcpy(&n, in.content().data() + 80, 4);
   if (std::endian::native == std::endian::big) n = byte_swapped(n);
@@ -179,7 +175,7 @@ void read_stl(Scanner& in, Builder& out) {
 
 class PlyReader {
  public:
-  PlyReader(Scanner& in, Builder& out) : in_(in), out_(out) {}
+  PlyReader(Scanner& in, SurfaceBuilder& out) : in_(in), out_(out) {}
 
   void read() {
     read_header();
@@ -311,7 +307,7 @@ class PlyReader {
   }
 
   Scanner& in_;
-  Builder& out_;
+  SurfaceBuilder& out_;
   bool formatted_ = false, binary_ = false;
   std::vector<Element> elements_;
 };
@@ -329,25 +325,46 @@ void check_surface(const Surface& surface, std::int64_t greatest, const std::str
 
 }  // namespace
 
+namespace {
+
+// .vtk is a mesh or a surface: the line DATASET says which.
+bool holds_polydata(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0)
+    return false;
+  Scanner in(read_start(file, 1024), file.string());
+  std::string_view line;
+  for (int i = 0; i < 6 && in.line(line); ++i)
+    if (const std::string words = lower_case(trimmed(line)); words.starts_with("dataset"))
+      return words.ends_with("polydata");
+  return false;
+}
+
+}  // namespace
+
 bool is_surface_file(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  return extension == ".obj" || extension == ".off" || extension == ".stl" || extension == ".ply";
+  return extension == ".obj" || extension == ".off" || extension == ".stl" || extension == ".ply" ||
+         extension == ".vtp" || (extension == ".vtk" && holds_polydata(file));
 }
 
 Surface read_surface(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  if (!is_surface_file(file))
-    throw InputError(
-        {.file = file.string()},
-        fmt::format("unknown kind of surface '{}', expected .obj, .off, .stl or .ply", extension));
+  if (extension != ".vtk" && !is_surface_file(file))
+    throw InputError({.file = file.string()},
+                     fmt::format("unknown kind of surface '{}', expected {}", extension, surface_extensions));
   Scanner in(read_file(file), file.string());
-  Builder out;
+  SurfaceBuilder out;
   if (extension == ".obj")
     read_obj(in, out);
   else if (extension == ".off")
     read_off(in, out);
   else if (extension == ".stl")
     read_stl(in, out);
+  else if (extension == ".vtk")
+    read_polydata(std::move(in), out);
+  else if (extension == ".vtp")
+    read_vtp(std::move(in), out);
   else
     PlyReader(in, out).read();
   check_surface(out.surface, out.greatest, file.string());

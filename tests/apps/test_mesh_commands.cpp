@@ -59,13 +59,50 @@ TEST_CASE("mesh refuses what it cannot use", "[mesh]") {
   check_refused(shop, "mesh -o a.msh", {"expected a file or --phantom"});
   check_refused(shop, "mesh cube.off --phantom ball -o a.msh", {"expected one of them"});
   check_refused(shop, "mesh --phantom kidney -o a.msh", {"liver, beam, ball, slab"});
-  check_refused(shop, "mesh cube.off -o a.vtk", {"ends in .msh"});
+  check_refused(shop, "mesh cube.off -o a.vtk", {"ends in .msh or .vtu"});
   check_refused(shop, "mesh cube.off -o none/a.msh", {"does not exist"});
   check_refused(shop, "mesh cube.off -o a.msh --elements=0", {"--elements"});
   check_refused(shop, "mesh cube.off -o a.msh --elements=-5", {"--elements"});
   check_refused(shop, "mesh cube.off -o a.msh --elements=many", {"--elements"});
   check_refused(shop, "mesh cube.off -o a.msh --length=-1", {"--length"});
   check_refused(shop, "mesh cube.off -o a.msh --length=nan", {"--length"});
+}
+
+TEST_CASE("mesh and info say where the body lies, and a mesh can be written for ParaView", "[mesh]") {
+  const Workshop shop;
+  shop.write("cube.off", cube_off);
+  const auto made = shop.forefeel("mesh cube.off -o cube.vtu --elements 200");
+  CHECK_THAT(made.err + made.out, Catch::Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
+  CHECK_THAT(shop.forefeel("info cube.vtu").out, Catch::Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
+  CHECK_THAT(shop.forefeel("info cube.off").out, Catch::Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
+  const auto info = shop.forefeel("info cube.vtu --json").json();
+  CHECK(info["volume"].get<double>() == Approx(1));
+  const auto again = shop.forefeel("mesh cube.vtu -o cube.msh --json").json();
+  CHECK(again["elements"] == info["elements"]);
+  CHECK(again["box"] == info["box"]);
+}
+
+TEST_CASE("a mesh that lost volume is said to, with what to do", "[mesh]") {
+  const Workshop shop;
+  // Two cubes of which one lies in the other: together 1.125 m3, filled 1 m3.
+  std::string inner = "OFF\n16 24 0\n";
+  for (const double size : {1.0, 0.5})
+    for (int i = 0; i < 8; ++i)
+      inner += std::to_string(0.1 * (size < 1) + size * (i & 1)) + " " +
+               std::to_string(0.1 * (size < 1) + size * (i >> 1 & 1)) + " " +
+               std::to_string(0.1 * (size < 1) + size * (i >> 2 & 1)) + "\n";
+  const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (const int first : {0, 8})
+    for (const auto& [a, b, c] : faces)
+      inner += "3 " + std::to_string(first + a) + " " + std::to_string(first + b) + " " +
+               std::to_string(first + c) + "\n";
+  shop.write("two.off", inner);
+  const Workshop::Outcome outcome = shop.forefeel("mesh two.off -o two.msh --elements 300 --json");
+  CHECK(outcome.code == 0);
+  CHECK(outcome.json()["volume_change"].get<double>() == Approx(1 / 1.125 - 1).epsilon(1e-3));
+  CHECK_THAT(outcome.err, Catch::Contains("11 % less volume than the surface"));
+  CHECK_THAT(outcome.err, Catch::Contains("elements"));
 }
 
 TEST_CASE("a flipped mesh is turned with a warning", "[mesh]") {

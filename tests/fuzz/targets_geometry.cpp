@@ -2,13 +2,16 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <stdexcept>
 
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/geometry/state_samples.hpp"
+#include "tests/support/labelled_meshes.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -18,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> mesh_extensions{".msh", ".vtk", ".vtu", ".mesh"},
-    surface_extensions{".obj", ".off", ".stl", ".ply"};
+    surface_extensions{".obj", ".off", ".stl", ".ply", ".vtp", ".vtk"};
 
 void read_any_mesh(std::string_view input) {
   const NamedInput named = named_input(input, mesh_extensions);
@@ -26,6 +29,10 @@ void read_any_mesh(std::string_view input) {
   check_and_orient(mesh, "mesh");
   surface_nodes(mesh);
   mesh_quality(mesh);
+  for (const auto& [name, tets] : mesh.element_groups)
+    for (const TetIndex tet : tets)
+      if (tet < 0 || static_cast<std::size_t>(tet) >= mesh.tets.size())
+        throw std::logic_error("a group names a tetrahedron that is not there");
 }
 
 void read_any_surface(std::string_view input) {
@@ -63,7 +70,12 @@ std::string bytes_of_states(int count) {
 }  // namespace
 
 std::vector<Target> geometry_targets() {
-  return {{"mesh", read_any_mesh, [] { return seeds_of(test::sample_mesh_files()); }},
+  const auto mesh_seeds = [] {
+    std::map<std::string, std::string> files = test::sample_mesh_files();
+    files.merge(test::labelled_mesh_files());
+    return seeds_of(files);
+  };
+  return {{"mesh", read_any_mesh, mesh_seeds},
           {"surface", read_any_surface, [] { return seeds_of(test::surface_files(test::unit_cube())); }},
           {"states", read_state_file, [] {
              return std::vector{bytes_of_states(0), bytes_of_states(3), bytes_of_states(60)};

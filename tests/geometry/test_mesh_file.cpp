@@ -54,6 +54,20 @@ TEST_CASE("every format gives the same mesh") {
   }
 }
 
+TEST_CASE("a mesh written as .vtu is read back bit for bit, with its groups of nodes and of elements") {
+  const TemporaryFolder folder;
+  TetMesh mesh = phantom("ball", 300);
+  mesh.groups["a name with spaces & <signs> \"too\""] = {1, 5, 9};
+  mesh.element_groups = {{"core", {3, 4, 5}}, {"shell", {0, 1, 2}}};
+  write_mesh(folder / "ball.vtu", mesh);
+  const TetMesh back = read_mesh(folder / "ball.vtu");
+  CHECK(back.nodes == mesh.nodes);
+  CHECK(back.tets == mesh.tets);
+  CHECK(back.groups == mesh.groups);
+  CHECK(back.element_groups.at("core") == mesh.element_groups.at("core"));
+  CHECK(back.element_groups.at("shell") == mesh.element_groups.at("shell"));
+}
+
 TEST_CASE("a written mesh is read back bit for bit") {
   const TemporaryFolder folder;
   TetMesh mesh = phantom("ball", 300);

@@ -235,6 +235,54 @@ Surface unit_cube() {
   return s;
 }
 
+// Legacy .vtk with DATASET POLYDATA; offsets: as written from version 5.1 on.
+static std::string polydata(const Surface& surface, bool binary, bool offsets) {
+  std::string s =
+      fmt::format("# vtk DataFile Version {}\na surface\n{}\nDATASET POLYDATA\nPOINTS {} double\n",
+                  offsets ? "5.1" : "3.0", binary ? "BINARY" : "ASCII", surface.nodes.size());
+  for (const Vec3& n : surface.nodes) {
+    if (!binary) s += fmt::format("{} {} {}\n", n.x(), n.y(), n.z());
+    for (int k = 0; binary && k < 3; ++k) put(s, n[k], true);
+  }
+  const std::size_t faces = surface.triangles.size();
+  if (offsets) {
+    s += fmt::format("METADATA\nINFORMATION 0\n\nPOLYGONS {} {}\nOFFSETS vtktypeint64\n", faces + 1,
+                     3 * faces);
+    for (std::size_t i = 0; i <= faces; ++i) s += fmt::format("{} ", 3 * i);
+    s += "\nCONNECTIVITY vtktypeint64\n";
+    for (const auto& [a, b, c] : surface.triangles) s += fmt::format("{} {} {}\n", a, b, c);
+    return s;
+  }
+  s += fmt::format("\nPOLYGONS {} {}\n", faces, 4 * faces);
+  for (const auto& [a, b, c] : surface.triangles) {
+    if (!binary) s += fmt::format("3 {} {} {}\n", a, b, c);
+    for (const NodeIndex v : {3, a, b, c})
+      if (binary) put(s, std::int32_t{v}, true);
+  }
+  return s + fmt::format("\nCELL_DATA {}\nVECTORS normal float\n", faces) +
+         (binary ? std::string(12 * faces, '\0') : [&] {
+           std::string zeros;
+           for (std::size_t i = 0; i < faces; ++i) zeros += "0 0 0\n";
+           return zeros;
+         }());
+}
+
+static std::string vtp(const Surface& surface) {
+  std::string points, corners, ends;
+  for (const Vec3& n : surface.nodes) points += fmt::format("{} {} {}\n", n.x(), n.y(), n.z());
+  for (const auto& [a, b, c] : surface.triangles) corners += fmt::format("{} {} {}\n", a, b, c);
+  for (std::size_t i = 1; i <= surface.triangles.size(); ++i) ends += fmt::format("{} ", 3 * i);
+  return fmt::format(
+      "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n"
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+      "NumberOfPolys=\"{}\">\n<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+      "format=\"ascii\">\n{}</DataArray>\n</Points>\n<Polys>\n"
+      "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n{}</DataArray>\n"
+      "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n{}</DataArray>\n"
+      "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n",
+      surface.nodes.size(), surface.triangles.size(), points, corners, ends);
+}
+
 std::map<std::string, std::string> surface_files(const Surface& surface) {
   std::string obj = "# a surface\no body\n",
               off = fmt::format("OFF\n{} {} 0\n", surface.nodes.size(), surface.triangles.size()),
@@ -270,9 +318,18 @@ std::map<std::string, std::string> surface_files(const Surface& surface) {
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         format, surface.nodes.size(), surface.triangles.size());
   };
+  std::string two_words = stl;
+  for (const char* word : {"loop", "facet"})
+    for (std::size_t at = 0; (at = two_words.find(std::string("end") + word, at)) != std::string::npos;)
+      two_words.insert(at + 3, " ");
   return {{"s.obj", obj},
           {"s.off", off},
           {"text.stl", stl + "endsolid body\n"},
+          {"spaced.stl", two_words + "end solid body\n"},
+          {"old.vtk", polydata(surface, false, false)},
+          {"old_binary.vtk", polydata(surface, true, false)},
+          {"new.vtk", polydata(surface, false, true)},
+          {"s.vtp", vtp(surface)},
           {"binary.stl", stl_binary},
           {"text.ply", header("ascii") + ply_body},
           {"little.ply", header("binary_little_endian") + ply_binary},

@@ -1,0 +1,39 @@
+#include "geometry/meshing/deviation.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/meshing/surface_summary.hpp"
+
+namespace forefeel {
+
+Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff) {
+  Deviation deviation{.hausdorff = hausdorff, .longest_side = longest_side(mesh)};
+  const SurfaceSummary sum = summarise(surface);
+  const double scale = deviation.longest_side / sum.box.size().maxCoeff();
+  const double before = std::abs(sum.volume) * scale * scale * scale;
+  if (before > 0) deviation.volume_change = mesh_quality(mesh).volume / before - 1;
+  return deviation;
+}
+
+std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair) {
+  const std::string what_to_do =
+      repair.wrapped || repair.self_intersections > 0 || repair.holes > 0
+          ? "mend the surface in a mesh editor first, or try more elements, which follow it more closely"
+          : "more elements follow the surface more closely";
+  std::vector<std::string> words;
+  if (std::abs(deviation.volume_change) > large_volume_change)
+    words.push_back(fmt::format(
+        "the mesh has {:.0f} % {} volume than the surface{}; {}", 100 * std::abs(deviation.volume_change),
+        deviation.volume_change < 0 ? "less" : "more",
+        repair.self_intersections > 0 ? ", whose overlapping parts count twice" : "", what_to_do));
+  if (deviation.hausdorff > large_hausdorff * deviation.longest_side)
+    words.push_back(fmt::format(
+        "the mesh is up to {:.3g} mm off the surface, {:.0f} % of its longest side; {}",
+        1e3 * deviation.hausdorff, 100 * deviation.hausdorff / deviation.longest_side, what_to_do));
+  return words;
+}
+
+}  // namespace forefeel

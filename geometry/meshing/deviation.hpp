@@ -1,0 +1,28 @@
+#pragma once
+// How far a mesh is from the surface it was made of, and what to do about it.
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "geometry/meshing/surface.hpp"
+
+namespace forefeel {
+
+struct Deviation {
+  // (mesh - surface) / surface; NaN where the surface is not closed and so has no volume. Parts of a surface that
+  // overlap count twice in its volume.
+  double volume_change = std::numeric_limits<double>::quiet_NaN();
+  double hausdorff = std::numeric_limits<double>::quiet_NaN();  // [m], of TetrahedraliseReport
+  double longest_side = 0;                                      // of the mesh [m]
+};
+// hausdorff: NaN if it was not measured. The mesh may be scaled, but not turned.
+Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff);
+
+inline constexpr double large_volume_change = 0.05;
+inline constexpr double large_hausdorff = 0.05;  // of the longest side
+
+// A sentence for each of the two that is large: what, how much, what to do.
+std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair);
+
+}  // namespace forefeel

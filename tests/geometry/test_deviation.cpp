@@ -1,0 +1,38 @@
+// What is said of a mesh that is not its surface.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "geometry/meshing/deviation.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "tests/support/mesh_samples.hpp"
+
+using namespace forefeel;
+
+TEST_CASE(
+    "a mesh with a twentieth less volume, or off by a twentieth of its length, is said with what to do") {
+  const TetMesh ball = phantom("ball", 300);
+  const Surface same = boundary_surface(ball);
+  const Deviation none = deviation_of(same, ball, 0);
+  CHECK(none.volume_change == Approx(0).margin(1e-12));
+  CHECK(in_words(none, {}).empty());
+  // The cube about the ball has 6 / pi of its volume.
+  Surface cube = test::unit_cube();
+  const Box box = bounding_box(ball);
+  for (Vec3& node : cube.nodes) node = box.low + node.cwiseProduct(box.size());
+  const Deviation lost = deviation_of(cube, ball, 0.2 * longest_side(ball));
+  CHECK(lost.volume_change == Approx(-0.5).margin(0.03));
+  const auto words = in_words(lost, {});
+  REQUIRE(words.size() == 2);
+  CHECK_THAT(words[0], Catch::Contains("% less volume than the surface; more elements"));
+  CHECK_THAT(words[1], Catch::Contains("20 % of its longest side; more elements"));
+  CHECK_THAT(in_words(lost, {.self_intersections = 3})[0],
+             Catch::Contains("whose overlapping parts count twice; mend the surface"));
+  // A scaled mesh is compared with the scaled surface.
+  TetMesh larger = ball;
+  scale_to_length(larger, 2);
+  CHECK(deviation_of(same, larger, 0).volume_change == Approx(0).margin(1e-9));
+  // An open surface has no volume.
+  Surface open = same;
+  open.triangles.pop_back();
+  CHECK(std::isnan(deviation_of(open, ball, 0).volume_change));
+}
