@@ -226,7 +226,8 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   const SceneTable root = document.root(keys_of(""));
   const auto table = [&](const char* name) { return root.sub(name, keys_of(name)); };
   const SceneTable space = table("state_space"), model = table("model"), session = table("session");
-  const BodySections sections{table("body"), table("material"), table("clamp"), table("contact")};
+  const BodySections sections{table("body"), root.subs("material", keys_of("material")), table("clamp"),
+                              table("contact")};
   Scene scene;
   scene.file = file;
   scene.model = read_model(model);

@@ -10,9 +10,9 @@
 #include "apps/console/suggest.hpp"
 #include "apps/scene_input/phantom_cache.hpp"
 #include "apps/scene_input/scene_declared.hpp"
+#include "apps/scene_input/scene_materials.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "solver/body/material_limits.hpp"
 
 namespace forefeel {
 namespace {
@@ -21,12 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t most_elements = 10'000'000;
 
-bool is_surface_file(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension == ".obj" || extension == ".off" || extension == ".stl" || extension == ".ply";
-}
-
 TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
   const fs::path file = folder / *body.text("mesh");
   if (!fs::is_regular_file(file))
@@ -34,7 +28,7 @@ TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
                      fmt::format("no such file '{}', expected a mesh, relative to the scene", file.string()));
   const auto elements = body.integer("elements", 4, most_elements);
   if (!is_surface_file(file)) {
-    if (elements) throw body.wrong("elements", "only with a surface (.obj .off .stl .ply) or a phantom");
+    if (elements) throw body.wrong("elements", "only with a surface (.obj .off .stl .ply .vtp) or a phantom");
     return read_mesh(file);
   }
   if (!elements)
@@ -49,24 +43,6 @@ TetMesh make_phantom(const SceneTable& body) {
   const std::string name = names[chosen_word(body, "phantom", *body.text("phantom"), names)];
   return cached_phantom(name,
                         static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
-}
-
-Material read_material(const SceneTable& table, bool defaults) {
-  std::vector<std::pair<std::string, Law>> words;
-  for (const Law law : all_laws()) words.emplace_back(name(law), law);
-  if (!defaults)
-    for (const std::string key : {"law", "young", "poisson"})
-      if (!table.has(key)) throw table.wrong(key, key == "law" ? "a material law" : "a number");
-  Material material;
-  material.law = table.word("law", words).value_or(material.law);
-  material.young = table
-                       .number("young", {softest_young, stiffest_young, false, false,
-                                         "a number above 0, from 1e-3 to 1e15 [Pa]"})
-                       .value_or(material.young);
-  material.poisson =
-      table.number("poisson", {-1, 0.5, true, true, "a number between -1 and 0.5, both excluded"})
-          .value_or(material.poisson);
-  return material;
 }
 
 std::vector<NodeIndex> group_nodes(const SceneTable& table, const TetMesh& mesh) {
@@ -158,8 +134,8 @@ Body make_body(const BodySections& sections, const fs::path& folder, const std::
                std::vector<std::string>& warnings) {
   const bool is_phantom = sections.body.exactly_one_of({"mesh", "phantom"}) == "phantom";
   Body body;
-  body.material =
-      read_material(sections.material, is_phantom);  // cheap checks first, before the mesh is made
+  const std::vector<MaterialTable> materials =
+      read_materials(sections.materials, is_phantom);  // cheap checks first, before the mesh is made
   const std::optional<double> length = sections.body.number(
       "length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
   body.element =
@@ -171,6 +147,7 @@ Body make_body(const BodySections& sections, const fs::path& folder, const std::
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
   for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
   if (length) scale_to_length(body.mesh, *length);
+  assign_materials(materials, body, warnings);
   body.clamp = read_clamp(sections.clamp, body.mesh, is_phantom);
   body.contact = read_contact(sections.contact, body.mesh, is_phantom);
   for (const std::string& warning : check(body, file)) warnings.push_back(file + ": " + warning);

@@ -2,6 +2,8 @@
 // The parts of a scene that make a body: mesh, material, clamp, contact.
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "apps/scene_input/scene_table.hpp"
 #include "solver/body/body.hpp"
@@ -9,7 +11,9 @@
 namespace forefeel {
 
 struct BodySections {
-  SceneTable body, material, clamp, contact;
+  SceneTable body;
+  std::vector<SceneTable> materials;
+  SceneTable clamp, contact;
 };
 
 // Makes the mesh (reads a file, fills a surface or builds a phantom) and the node sets. Appends warnings

@@ -60,11 +60,13 @@ DeclaredTable material_table() {
   std::vector<std::string> laws;
   for (const Law law : all_laws()) laws.emplace_back(name(law));
   const Material soft;
-  return {"material",
-          "The law of the tissue.",
-          {{"law", "", with_mesh(std::string(name(soft.law))), any_of(laws)},
-           {"young", "Pa", with_mesh(shown(soft.young)), "Young's modulus at small strain"},
-           {"poisson", "1", with_mesh(shown(soft.poisson)), "Poisson's ratio, between -1 and 0.5"}}};
+  return {
+      "material",
+      "The law of the tissue. Of several tissues: [[material]] tables with a group each, and one without.",
+      {{"group", "", "", "name of a group of tetrahedra of the mesh; without it, the table is for the rest"},
+       {"law", "", with_mesh(std::string(name(soft.law))), any_of(laws)},
+       {"young", "Pa", with_mesh(shown(soft.young)), "Young's modulus at small strain"},
+       {"poisson", "1", with_mesh(shown(soft.poisson)), "Poisson's ratio, between -1 and 0.5"}}};
 }
 
 std::vector<DeclaredTable> boundary_tables() {

@@ -13,7 +13,7 @@
 #include <stdexcept>
 
 #include "apps/console/suggest.hpp"
-#include "apps/scene_input/scene_keys.hpp"
+#include "apps/scene_input/scene_override.hpp"
 #include "geometry/common/scanner.hpp"
 
 namespace forefeel {
@@ -220,6 +220,24 @@ SceneTable SceneTable::sub(const std::string& key, std::vector<std::string> know
           known};
 }
 
+std::vector<SceneTable> SceneTable::subs(const std::string& key,
+                                         const std::vector<std::string>& known) const {
+  const toml::node* value = source_->node(key);
+  if (!value || value->is_table()) return {sub(key, known)};
+  const toml::array* list = value->as_array();
+  if (!list || list->empty() || !list->is_homogeneous<toml::table>())
+    throw wrong(key, fmt::format("a table, or a list of tables: [[{}]]", full(key)));
+  std::vector<SceneTable> tables;
+  for (const toml::node& element : *list) {
+    const std::optional<std::string_view> group = group_of(element);
+    const std::string path = group ? full(key) + "." + std::string(*group) : full(key);
+    tables.push_back({std::make_shared<Source>(Source{element.as_table(), path, source_->file,
+                                                      source_->overridden, source_->asked, known}),
+                      known});
+  }
+  return tables;
+}
+
 std::string SceneTable::exactly_one_of(const std::vector<std::string>& keys) const {
   std::vector<std::string> given;
   for (const std::string& key : keys)
@@ -266,51 +284,6 @@ toml::table parse_scene(const fs::path& file) {
     std::ranges::replace(problem, '\n', ' ');
     throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
   }
-}
-
-// The text after '=', read as TOML if it is one value, else as a bare string.
-toml::table parse_value(const std::string& text) {
-  if (text.find('\n') == std::string::npos) {
-    try {
-      toml::table table = toml::parse("value = " + text, std::string_view("--set"));
-      if (table.size() == 1) return table;
-    } catch (const toml::parse_error&) {  // a bare word
-    }
-  }
-  return toml::table{{"value", text}};
-}
-
-void drop_alternatives(const std::string& section, const std::string& key, toml::table& table) {
-  for (const auto& [name, keys] : alternative_keys())
-    if (name == section && std::ranges::find(keys, key) != keys.end())
-      for (const std::string& other : keys)
-        if (other != key) table.erase(other);
-}
-
-void override_key(toml::table& scene, const std::string& text, std::set<std::string>& overridden) {
-  const std::size_t equals = text.find('=');
-  const InputPlace where =
-      equals == std::string::npos
-          ? InputPlace{.option = "--set", .key = text}
-          : InputPlace{.option = "--set", .key = text.substr(0, equals), .value = text.substr(equals + 1)};
-  if (equals == std::string::npos || equals == 0)
-    throw InputError(where, "has no value, expected key.path=value");
-  const std::string path = text.substr(0, equals);
-  std::vector<std::string> keys;
-  std::istringstream parts(path);
-  for (std::string key; std::getline(parts, key, '.');) keys.push_back(key);
-  if (std::ranges::find(keys, "") != keys.end() || path.ends_with("."))
-    throw InputError(where, "has an empty key, expected key.path=value");
-  toml::table* table = &scene;
-  for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
-    if (i == 1) drop_alternatives(keys[0], keys[1], *table);
-    table = table->emplace<toml::table>(keys[i]).first->second.as_table();
-    if (!table) throw InputError(where, fmt::format("'{}' is not a table of the scene", keys[i]));
-  }
-  if (keys.size() == 2) drop_alternatives(keys[0], keys[1], *table);
-  toml::table parsed = parse_value(text.substr(equals + 1));
-  table->insert_or_assign(keys.back(), std::move(*parsed.get("value")));
-  overridden.insert(path);
 }
 
 std::string as_toml(const toml::table& table) {
@@ -361,9 +334,14 @@ std::string SceneDocument::text() const {
 }
 
 std::optional<std::string> SceneDocument::section_text(const std::string& section) const {
-  const toml::table* table = parsed_->table[section].as_table();
-  if (!table) return {};
-  return as_toml(*table);
+  const toml::node* node = parsed_->table.get(section);
+  if (node && node->is_array()) {  // [[section]]
+    toml::table alone;
+    alone.insert(section, *node->as_array());
+    return as_toml(alone);
+  }
+  if (!node || !node->is_table()) return {};
+  return as_toml(*node->as_table());
 }
 
 }  // namespace forefeel

@@ -161,7 +161,7 @@ BaselineNewton::BaselineNewton(std::shared_ptr<const Discretisation> discretisat
 
 bool BaselineNewton::factorise(const std::vector<double>& u) {
   std::fill(blocks_.begin(), blocks_.end(), 0.0);
-  d_->kernels->hessian(d_->view(), u.data(), blocks_.data());
+  d_->elements.hessian(u.data(), blocks_.data());
   for (std::size_t i = 0; i < source_.size(); ++i) values_[i] = blocks_[static_cast<std::size_t>(source_[i])];
   return solver_->factor(values_.data());
 }
@@ -182,7 +182,7 @@ State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolera
   Vec3 move = x - Vec3(u[n], u[n + 1], u[n + 2]);
   for (s.iterations = 0; s.iterations <= max_iterations; ++s.iterations) {
     std::fill(gradient_.begin(), gradient_.end(), 0.0);
-    const FieldSummary field = d_->kernels->gradient(d_->view(), u.data(), gradient_.data());
+    const FieldSummary field = d_->elements.gradient(u.data(), gradient_.data());
     double squares = 0;
     for (std::size_t i = 0; i < n; ++i) squares += gradient_[i] * gradient_[i];
     s.force = -Vec3(gradient_[n], gradient_[n + 1], gradient_[n + 2]);

@@ -12,6 +12,12 @@
 namespace forefeel {
 namespace {
 
+bool has_rest(const Body& body) {
+  std::size_t in_regions = 0;
+  for (const MaterialRegion& region : body.regions) in_regions += region.tets.size();
+  return in_regions < body.mesh.tets.size() || body.regions.empty();
+}
+
 void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const InputPlace& where) {
   if (nodes.empty()) throw InputError(where, "no node is in it, expected at least one");
   for (const NodeIndex node : nodes) {
@@ -21,14 +27,38 @@ void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const
   }
 }
 
-void check_material(const Material& material, const std::string& file) {
+void check_material(const Material& material, const std::string& file, const std::string& key) {
   if (!(material.young >= softest_young && material.young <= stiffest_young))
-    throw InputError({.file = file, .key = "material.young"},
+    throw InputError({.file = file, .key = key + ".young"},
                      fmt::format("{} Pa, expected more than 0, from {:g} to {:g}", material.young,
                                  softest_young, stiffest_young));
   if (!(material.poisson > -1 && material.poisson < 0.5))
-    throw InputError({.file = file, .key = "material.poisson"},
+    throw InputError({.file = file, .key = key + ".poisson"},
                      fmt::format("{}, expected more than -1 and less than 0.5", material.poisson));
+}
+
+std::string key_of(const MaterialRegion& region) {
+  return "material." + region.name;
+}
+
+void check_regions(const Body& body, const std::string& file) {
+  std::vector<const MaterialRegion*> owner(body.mesh.tets.size(), nullptr);
+  for (const MaterialRegion& region : body.regions) {
+    const InputPlace where{.file = file, .key = key_of(region)};
+    if (region.tets.empty()) throw InputError(where, "no tetrahedron is in it, expected at least one");
+    for (const TetIndex tet : region.tets) {
+      if (tet < 0 || static_cast<std::size_t>(tet) >= owner.size())
+        throw InputError(
+            where, fmt::format("tetrahedron {} is out of range, expected 0 to {}", tet, owner.size() - 1));
+      const MaterialRegion*& its = owner[static_cast<std::size_t>(tet)];
+      if (its)
+        throw InputError(where, fmt::format("tetrahedron {} is in '{}' too, expected one material for each",
+                                            tet, its->name));
+      its = &region;
+    }
+    check_material(region.material, file, key_of(region));
+  }
+  if (has_rest(body)) check_material(body.material, file, "material");
 }
 
 void check_parts(const Body& body, const std::string& file) {
@@ -83,7 +113,7 @@ void check_held(const Body& body, const std::string& file) {
 std::vector<std::string> check(const Body& body, const std::string& file) {
   if (body.mesh.tets.empty())
     throw InputError({.file = file, .key = "body.mesh"}, "no tetrahedra, expected at least one");
-  check_material(body.material, file);
+  check_regions(body, file);
   check_nodes(body.clamp, body.mesh, {.file = file, .key = "clamp"});
   check_nodes(body.contact, body.mesh, {.file = file, .key = "contact"});
   std::vector<char> clamped(body.mesh.nodes.size(), 0);
@@ -96,11 +126,15 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
   check_held(body, file);
 
   std::vector<std::string> warnings;
-  if (body.material.poisson > 0.45 && body.element == Element::linear)
-    warnings.push_back(
-        fmt::format("material.poisson = {}: linear tetrahedra lock above 0.45 and answer too stiffly; "
-                    "body.element = \"quadratic\" does not",
-                    body.material.poisson));
+  const auto locking = [&](const Material& material, const std::string& key) {
+    if (material.poisson > 0.45 && body.element == Element::linear)
+      warnings.push_back(
+          fmt::format("{}.poisson = {}: linear tetrahedra lock above 0.45 and answer too stiffly; "
+                      "body.element = \"quadratic\" does not",
+                      key, material.poisson));
+  };
+  if (has_rest(body)) locking(body.material, "material");
+  for (const MaterialRegion& region : body.regions) locking(region.material, key_of(region));
   if (body.contact.size() == 1)
     warnings.push_back(
         "the contact is one node: its force falls without limit as the mesh is refined; give a radius that "
@@ -108,8 +142,33 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
   return warnings;
 }
 
+std::vector<MaterialPart> material_parts(const Body& body) {
+  std::vector<const Material*> of(body.mesh.tets.size(), &body.material);
+  for (const MaterialRegion& region : body.regions)
+    for (const TetIndex tet : region.tets) of[static_cast<std::size_t>(tet)] = &region.material;
+  std::vector<MaterialPart> parts;
+  for (std::size_t tet = 0; tet < of.size(); ++tet) {
+    auto part = std::ranges::find(parts, *of[tet], &MaterialPart::material);
+    if (part == parts.end()) part = parts.insert(part, {*of[tet], {}});
+    part->tets.push_back(static_cast<TetIndex>(tet));
+  }
+  return parts;
+}
+
+std::vector<Material> materials(const Body& body) {
+  std::vector<Material> distinct;
+  const auto add = [&](const Material& material) {
+    if (std::ranges::find(distinct, material) == distinct.end()) distinct.push_back(material);
+  };
+  if (has_rest(body)) add(body.material);
+  for (const MaterialRegion& region : body.regions) add(region.material);
+  return distinct;
+}
+
 bool is_linear(const Body& body) {
-  return law_entry(body.material.law).linear;
+  if (body.regions.empty()) return law_entry(body.material.law).linear;
+  return std::ranges::all_of(materials(body),
+                             [](const Material& material) { return law_entry(material.law).linear; });
 }
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// A body: mesh [m], material, clamped nodes (u = 0), and contact nodes that move with the HIP (u = x, a
+// A body: mesh [m], one or several materials, clamped nodes (u = 0), and contact nodes that move with the HIP (u = x, a
 // translation). HIP: haptic interaction point, the tip of the device; x [m] counts from the rest position of
 // the contact.
 
@@ -18,18 +18,36 @@ enum class Element { linear, quadratic };
 std::string_view name(Element element);  // "linear", "quadratic"
 std::vector<std::string> element_names();
 
+// Tetrahedra of another material than the rest of the body: a tumour, a vessel, a bone.
+struct MaterialRegion {
+  std::string name;
+  Material material;
+  std::vector<TetIndex> tets;  // sorted, not empty; no tetrahedron is in two regions
+};
+
 struct Body {
   TetMesh mesh;
-  Material material;
+  Material material;               // of all tetrahedra outside the regions
   std::vector<NodeIndex> clamp;    // sorted, not empty
   std::vector<NodeIndex> contact;  // sorted, not empty, disjoint from clamp
   Element element = Element::linear;
+  std::vector<MaterialRegion> regions = {};
 };
 
 // Throws InputError(file: key) for a body that cannot be solved: empty or out-of-range node sets, contact on
-// a clamped node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5). Returns warnings (nu
-// > 0.45 locks …).
+// a clamped node, a connected part without a clamped node, E <= 0, nu outside (-1, 0.5), a tetrahedron in two
+// regions. Returns warnings (nu > 0.45 locks …).
 std::vector<std::string> check(const Body& body, const std::string& file);
+
+// One material and all tetrahedra that have it, ascending.
+struct MaterialPart {
+  Material material;
+  std::vector<TetIndex> tets;
+};
+// The distinct materials of the body in the order of their first tetrahedra; regions of equal material are one
+// part. What is computed from the parts does not depend on the regions' names and order.
+std::vector<MaterialPart> material_parts(const Body& body);
+std::vector<Material> materials(const Body& body);  // that at least one tetrahedron has
 
 // True if f = -K x exactly: one factorisation then gives every state.
 bool is_linear(const Body& body);

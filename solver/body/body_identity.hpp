@@ -7,8 +7,8 @@
 
 namespace forefeel {
 
-// "mesh" (positions and tetrahedra), "clamp" and "contact" as SHA-256; "element" and "material" in words. Node
-// positions count to the last bit.
+// "mesh" (positions and tetrahedra), "clamp" and "contact" as SHA-256; "element" and "material" in words, of
+// several materials with the SHA-256 of their tetrahedra. Node positions count to the last bit.
 BodyIdentity identity_of(const Body& body);
 
 }  // namespace forefeel

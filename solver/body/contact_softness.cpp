@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -59,7 +60,7 @@ std::vector<double> distances(const Body& body) {
   return distance;
 }
 
-// Moments of the part of a body between two distances.
+// Moments of the part of a body between two distances, weighted by E / E_0.
 struct Section {
   double volume = 0;
   Vec3 first = Vec3::Zero();      // int x dV
@@ -81,11 +82,22 @@ struct Sections {
   double width = 0;  // of a bin [m]
 };
 
+// E / E_0 of each tetrahedron.
+std::vector<double> relative_young(const Body& body, double young_at_patch) {
+  std::vector<double> relative(body.mesh.tets.size(), body.material.young / young_at_patch);
+  for (const MaterialRegion& region : body.regions)
+    for (const TetIndex tet : region.tets)
+      relative[static_cast<std::size_t>(tet)] = region.material.young / young_at_patch;
+  return relative;
+}
+
 // Each tetrahedron is spread evenly over the distances of its nodes.
-Sections sections(const Body& body, const std::vector<double>& distance, double end) {
+Sections sections(const Body& body, const std::vector<double>& distance, double end, double young_at_patch) {
   constexpr std::size_t count = 48;
   Sections cut{.bins = std::vector<Section>(count), .width = end / count};
-  for (const Tet& tet : body.mesh.tets) {
+  const std::vector<double> relative = relative_young(body, young_at_patch);
+  for (std::size_t t = 0; t < body.mesh.tets.size(); ++t) {
+    const Tet& tet = body.mesh.tets[t];
     std::array<double, 4> s{};
     Vec3 centre = Vec3::Zero();
     for (std::size_t i = 0; i < 4; ++i) {
@@ -104,7 +116,7 @@ Sections sections(const Body& body, const std::vector<double>& distance, double 
       edges.row(static_cast<int>(i) - 1) = x - body.mesh.nodes[static_cast<std::size_t>(tet[0])];
       rise[static_cast<int>(i) - 1] = s[i] - s[0];
     }
-    const double volume = std::abs(edges.determinant()) / 6;
+    const double volume = relative[t] * std::abs(edges.determinant()) / 6;
     const Vec3 gradient = edges.inverse() * rise;
     const auto first = static_cast<std::size_t>(low / cut.width);
     for (std::size_t b = first; b < count && static_cast<double>(b) * cut.width < high; ++b) {
@@ -159,7 +171,8 @@ double softness(const Body& body, const Mat3& disc, const Reach& reach) {
   if (disc.isZero(0)) return 0;
   if (!reach.reached()) return infinite;
   const double stiffest = Eigen::SelfAdjointEigenSolver<Mat3>(disc, Eigen::EigenvaluesOnly).eigenvalues()[2];
-  return stiffest * compliance(sections(body, reach.distance, reach.clamp)) / body.material.young;
+  const double young = patch_material(body)->young;  // one, or the disc's stiffness were zero
+  return stiffest * compliance(sections(body, reach.distance, reach.clamp, young)) / young;
 }
 
 double breadth(const Body& body, const Reach& reach) {
@@ -197,6 +210,8 @@ constexpr double least_breadth = 0.32, least_depth = 4, most_poisson = 0.46;
 constexpr std::size_t least_nodes = 6;
 
 std::string why_left_out(const Body& body, double softness, const Reach& reach) {
+  const std::optional<Material> material = patch_material(body);
+  if (!material) return "several materials lie at the contact";
   if (!(softness <= most_softness))
     return fmt::format("the body is about {:.2g} times softer at its contact than a block of its material",
                        softness);
@@ -206,8 +221,8 @@ std::string why_left_out(const Body& body, double softness, const Reach& reach) 
   if (body.contact.size() < least_nodes)
     return fmt::format("the contact has {} nodes of the mesh, and fewer than {} say too little of its size",
                        body.contact.size(), least_nodes);
-  if (body.element == Element::linear && body.material.poisson > most_poisson)
-    return fmt::format("linear elements lock at a Poisson ratio of {:g}", body.material.poisson);
+  if (body.element == Element::linear && material->poisson > most_poisson)
+    return fmt::format("linear elements lock at a Poisson ratio of {:g}", material->poisson);
   return {};
 }
 

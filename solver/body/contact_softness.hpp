@@ -28,6 +28,8 @@
 //   depth          to the nearest clamp at least 4 radii of the patch: a thin layer is stiffer than the disc
 //   nodes          at least 6 in the contact: a mesh is stiffer about fewer
 //   Poisson ratio  at most 0.46 with linear elements, which lock above it
+//   material       one within 2 radii of the patch (patch_material())
+// Where E varies, A and I above are integrals of E / E_0 over the section, with E_0 at the patch in place of E.
 
 #include <string>
 
@@ -35,7 +37,8 @@
 
 namespace forefeel {
 
-// Infinite where no path leads from the patch to a clamp; 0 without a surface to touch.
+// Infinite where no path leads from the patch to a clamp; 0 without a surface to touch, or where several
+// materials lie at the patch.
 double contact_softness(const Body& body);
 
 inline constexpr double most_softness = 1.9;

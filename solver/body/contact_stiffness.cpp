@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace forefeel {
 namespace {
@@ -35,9 +36,33 @@ double contact_area(const Body& body) {
   return contact_patch(body).area;
 }
 
+std::optional<Material> patch_material(const Body& body) {
+  if (body.regions.empty()) return body.material;
+  const TetMesh& mesh = body.mesh;
+  const double reach = 2 * std::sqrt(contact_patch(body).area / std::numbers::pi);
+  std::vector<char> near(mesh.nodes.size(), 0);
+  for (std::size_t node = 0; node < near.size(); ++node)
+    near[node] = std::ranges::any_of(body.contact, [&](NodeIndex touched) {
+      return (mesh.nodes[node] - mesh.nodes[static_cast<std::size_t>(touched)]).norm() <= reach;
+    });
+  std::optional<Material> found;
+  for (const MaterialPart& part : material_parts(body)) {
+    const bool at_patch = std::ranges::any_of(part.tets, [&](TetIndex tet) {
+      return std::ranges::any_of(mesh.tets[static_cast<std::size_t>(tet)],
+                                 [&](NodeIndex node) { return near[static_cast<std::size_t>(node)] != 0; });
+    });
+    if (!at_patch) continue;
+    if (found) return {};
+    found = part.material;
+  }
+  return found;
+}
+
 Mat3 disc_stiffness(const Body& body) {
   const Patch patch = contact_patch(body);
-  const auto [law, young, poisson] = body.material;
+  const std::optional<Material> material = patch_material(body);
+  if (!material) return Mat3::Zero();
+  const auto [law, young, poisson] = *material;
   const double shear = young / (2 * (1 + poisson)), a = std::sqrt(patch.area / std::numbers::pi);
   const double s = 1 - 2 * poisson;  // ln(1 + 2 s) / s tends to 2
   const double normal = 4 * shear * a * (s > 1e-8 ? std::log1p(2 * s) / s : 2);

@@ -1,6 +1,6 @@
 #pragma once
 // Estimate of the contact stiffness at rest, without a solve: the contact patch is taken for a rigid disc of
-// the same area A [m^2], bonded to an elastic half-space of the body's material,
+// the same area A [m^2], bonded to an elastic half-space of the material at the patch,
 //   a = sqrt(A / pi)   k_n = 4 G a ln(3 - 4 nu) / (1 - 2 nu)   k_t = 8 G a / (2 - nu)   G = E / (2 (1 + nu))
 //   K = k_t I + (k_n - k_t) n n^T
 // E [Pa], nu: elastic constants; a [m]: radius; k_n, k_t, K [N/m]; n: mean outward normal of the patch.
@@ -8,6 +8,8 @@
 // is that of R. D. Mindlin, J. Appl. Mech. 16, 1949, which neglects the small coupling of shift and tilt. A
 // real body is stiffer where it is thin above its clamp and softer where it is slender, so this is a first
 // guess only.
+
+#include <optional>
 
 #include "solver/body/body.hpp"
 
@@ -18,7 +20,12 @@ namespace forefeel {
 // two.
 double contact_area(const Body& body);
 
-// K [N/m], symmetric, positive definite. Zero if no contact node belongs to a triangle of the surface.
+// The material of all tetrahedra within 2 a of the patch, from where most of the disc's compliance comes.
+// Nothing if there are several.
+std::optional<Material> patch_material(const Body& body);
+
+// K [N/m], symmetric, positive definite. Zero if no contact node belongs to a triangle of the surface, or if
+// patch_material() finds several materials.
 Mat3 disc_stiffness(const Body& body);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// A homogeneous isotropic material: its law (solver/laws, one file each) and the two elastic constants at
+// An isotropic material: its law (solver/laws, one file each) and the two elastic constants at
 // rest.
 
 #include "solver/body/law_table.hpp"
@@ -10,6 +10,7 @@ struct Material {
   Law law = Law::neo_hookean;
   double young = 5000;    // E [Pa], > 0
   double poisson = 0.45;  // nu, in (-1, 0.5)
+  friend bool operator==(const Material&, const Material&) = default;
 };
 
 }  // namespace forefeel

@@ -109,7 +109,7 @@ bool LaneSolver::iterate(const Factorisation& factor, int count, double toleranc
   int pairs = 0;
   for (int iteration = 0;; ++iteration) {
     std::fill(residual_.begin(), residual_.end(), 0.0);
-    d_->kernels->gradient_lanes(d_->view(), u_.data(), residual_.data(), energy.data(), min_jacobian.data());
+    d_->elements.gradient_lanes(u_.data(), residual_.data(), energy.data(), min_jacobian.data());
     k.dot_lanes(rows, residual_.data(), residual_.data(), squares.data());
     bool any = false, slow = false;
     for (int l = 0; l < count; ++l) {
@@ -161,8 +161,7 @@ void LaneSolver::finish(const Factorisation& factor, int count, int rounds,
   one.fill(1);
   for (int round = 0; round < rounds; ++round) {
     std::fill(product_.begin(), product_.end(), 0.0);
-    d_->kernels->product_lanes(d_->view(), static_cast<std::int64_t>(size_), u_.data(), tangent_.data(),
-                               product_.data());
+    d_->elements.product_lanes(static_cast<std::int64_t>(size_), u_.data(), tangent_.data(), product_.data());
     std::array<Mat3, lane_count> plain, gain;
     for (int a = 0; a < 3; ++a)
       for (int b = a; b < 3; ++b) {
@@ -229,7 +228,7 @@ bool detail::condense_alone(NewtonSolver& newton, LocalField& field, LaneResult&
   result.stiffness = newton.factor().stiffness();
   newton.factor().tangent(field.tangent.data());
   std::vector<double> gradient(field.u.size(), 0.0);
-  d.kernels->gradient(d.view(), field.u.data(), gradient.data());
+  d.elements.gradient(field.u.data(), gradient.data());
   const auto contact = static_cast<std::size_t>(3 * d.free_nodes);
   for (std::size_t c = 0; c < 3; ++c) {
     double force = -gradient[contact + c];

@@ -26,7 +26,7 @@ State LinearBody::state(const Vec3& x, LocalField& field) const {
   const LocalField rest = field;
   detail::predict(d_, rest, x, x, field.u);
   std::vector<double> gradient(field.u.size(), 0.0);
-  s.min_jacobian = d_.kernels->gradient(d_.view(), field.u.data(), gradient.data()).min_jacobian;
+  s.min_jacobian = d_.elements.gradient(field.u.data(), gradient.data()).min_jacobian;
   double squares = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(3 * d_.free_nodes); ++i)
     squares += gradient[i] * gradient[i];
@@ -70,7 +70,7 @@ double LinearBasis::min_jacobian(const Vec3& x) const {
   std::vector<double> u(local_[0].size()), gradient(u.size(), 0.0);
   for (std::size_t i = 0; i < u.size(); ++i)
     u[i] = x[0] * local_[0][i] + x[1] * local_[1][i] + x[2] * local_[2][i];
-  return d_->kernels->gradient(d_->view(), u.data(), gradient.data()).min_jacobian;
+  return d_->elements.gradient(u.data(), gradient.data()).min_jacobian;
 }
 
 State LinearBasis::at(const Vec3& x, bool want_displacements) {

@@ -26,7 +26,7 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const Discretisation> discretisation)
 
 void NewtonSolver::evaluate(const std::vector<double>& u, NewtonReport& report) {
   std::fill(trial_gradient_.begin(), trial_gradient_.end(), 0.0);
-  const FieldSummary field = d_->kernels->gradient(d_->view(), u.data(), trial_gradient_.data());
+  const FieldSummary field = d_->elements.gradient(u.data(), trial_gradient_.data());
   report.energy = field.energy;
   report.min_jacobian = field.min_jacobian;
   const double* contact = &trial_gradient_[static_cast<std::size_t>(3 * d_->free_nodes)];
@@ -37,7 +37,7 @@ void NewtonSolver::evaluate(const std::vector<double>& u, NewtonReport& report) 
 
 bool NewtonSolver::factorise(const std::vector<double>& u) {
   std::fill(blocks_.begin(), blocks_.end(), 0.0);
-  d_->kernels->hessian(d_->view(), u.data(), blocks_.data());
+  d_->elements.hessian(u.data(), blocks_.data());
   return factor_.compute(blocks_.data());
 }
 
@@ -47,7 +47,7 @@ bool NewtonSolver::factorise_shifted(const std::vector<double>& u) {
   if (rest_blocks_.empty()) {
     rest_blocks_.assign(blocks_.size(), 0.0);
     const std::vector<double> rest(u.size(), 0.0);
-    d_->kernels->hessian(d_->view(), rest.data(), rest_blocks_.data());
+    d_->elements.hessian(rest.data(), rest_blocks_.data());
   }
   for (const double wanted : {0.05, 0.2, 0.8, 3.2, 12.8, 51.2}) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) blocks_[i] += (wanted - shift_) * rest_blocks_[i];
@@ -155,7 +155,7 @@ bool NewtonSolver::condense(const std::vector<double>& u, double left, double* t
   lanes_.resize(size * lane_count);
   for (int round = 0; round < most_rounds; ++round) {
     std::fill(product_.begin(), product_.end(), 0.0);
-    d_->kernels->product(d_->view(), static_cast<std::int64_t>(size), u.data(), tangent, product_.data());
+    d_->elements.product(static_cast<std::int64_t>(size), u.data(), tangent, product_.data());
     std::fill(lanes_.begin(), lanes_.end(), 0.0);
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < rows; ++i) lanes_[i * lane_count + c] = -product_[c * size + i];

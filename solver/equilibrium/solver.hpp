@@ -3,7 +3,7 @@
 //   r(u) = dW/du = 0 on the free nodes,   u = 0 on the clamp,   u = x on the contact
 //   f = -sum of dW/du over the contact nodes [N]     K = -df/dx = H_cc - H_cf H_ff^{-1} H_fc [N/m]
 // W [J] stored energy, H = d2W/du2, f and c the free nodes and the contact. The residual is |r| / max(|f|,
-// 1e-12 E L^2) with Young's modulus E and the longest side L of the mesh.
+// 1e-12 E L^2) with Young's modulus E of the stiffest material and the longest side L of the mesh.
 
 #include <cstddef>
 #include <functional>

@@ -133,7 +133,9 @@ std::vector<LatticeIndex> SweepPlan::fine_of(const LatticeIndex& cell) const {
 
 SweepOptions sweep_options(const Body& body, const GenerateOptions& options, const std::stop_token& stop,
                            SolvedNodes solved) {
-  const bool soft = law_entry(body.material.law).softens || body.material.poisson >= 0.49;
+  const bool soft = std::ranges::any_of(materials(body), [](const Material& material) {
+    return law_entry(material.law).softens || material.poisson >= 0.49;
+  });
   return {.spacing = options.spacing,
           .residual_tolerance = (soft ? 5 : 20) * options.tolerance,
           .stop = stop,

@@ -48,7 +48,7 @@ std::vector<char> members(const std::vector<NodeIndex>& set, const Discretisatio
 
 void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, Discretisation& d) {
   const std::vector<char> clamped = members(body.clamp, d), touched = members(body.contact, d);
-  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element);
+  const std::size_t per_element = static_cast<std::size_t>(d.elements.nodes_per_element);
   std::vector<char> used(clamped.size(), 0);
   for (const std::int32_t node : elements) used[static_cast<std::size_t>(node)] = 1;
   std::vector<std::int32_t> number(clamped.size(), -1);
@@ -87,44 +87,56 @@ void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, D
   }
 }
 
-void fill_groups(const Body& body, const std::vector<std::int32_t>& elements, Discretisation& d) {
-  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element),
-                    count = body.mesh.tets.size();
-  const std::size_t groups = (count + lane_count - 1) / lane_count;
-  d.element_node.assign(groups * per_element * lane_count, static_cast<std::int32_t>(d.free_nodes + 1));
-  d.element_gradient.assign(groups * 12 * lane_count, 0.0);
-  d.element_volume.assign(groups * lane_count, 0.0);
-  for (std::size_t e = 0; e < count; ++e) {
-    const std::size_t group = e / lane_count, lane = e % lane_count;
-    for (std::size_t a = 0; a < per_element; ++a)
-      d.element_node[(group * per_element + a) * lane_count + lane] =
-          d.local[static_cast<std::size_t>(elements[e * per_element + a])];
-    const Tet& tet = body.mesh.tets[e];
-    Mat3 sides;
+// Element e of the connectivity into one lane of one group.
+void fill_lane(const Body& body, const std::int32_t* nodes, std::size_t e, std::size_t at,
+               Discretisation& d) {
+  ElementGroups& to = d.elements;
+  const auto per_element = static_cast<std::size_t>(to.nodes_per_element);
+  const std::size_t group = at / lane_count, lane = at % lane_count;
+  for (std::size_t a = 0; a < per_element; ++a)
+    to.node[(group * per_element + a) * lane_count + lane] = d.local[static_cast<std::size_t>(nodes[a])];
+  const Tet& tet = body.mesh.tets[e];
+  Mat3 sides;
+  for (int i = 0; i < 3; ++i)
+    sides.col(i) = body.mesh.nodes[static_cast<std::size_t>(tet[static_cast<std::size_t>(i + 1)])] -
+                   body.mesh.nodes[static_cast<std::size_t>(tet[0])];
+  const Mat3 inverse = sides.inverse();  // rows: gradients of barycentric coordinates 1 to 3
+  Eigen::Matrix<double, 4, 3> gradients;
+  gradients.row(0) = -inverse.colwise().sum();
+  gradients.bottomRows<3>() = inverse;
+  for (int a = 0; a < 4; ++a)
     for (int i = 0; i < 3; ++i)
-      sides.col(i) = body.mesh.nodes[static_cast<std::size_t>(tet[static_cast<std::size_t>(i + 1)])] -
-                     body.mesh.nodes[static_cast<std::size_t>(tet[0])];
-    const Mat3 inverse = sides.inverse();  // rows: gradients of barycentric coordinates 1 to 3
-    Eigen::Matrix<double, 4, 3> gradients;
-    gradients.row(0) = -inverse.colwise().sum();
-    gradients.bottomRows<3>() = inverse;
-    for (int a = 0; a < 4; ++a)
-      for (int i = 0; i < 3; ++i)
-        d.element_gradient[(group * 12 + static_cast<std::size_t>(3 * a + i)) * lane_count + lane] =
-            gradients(a, i);
-    d.element_volume[group * lane_count + lane] = sides.determinant() / 6;
+      to.gradient_of_node[(group * 12 + static_cast<std::size_t>(3 * a + i)) * lane_count + lane] =
+          gradients(a, i);
+  to.volume[group * lane_count + lane] = sides.determinant() / 6;
+}
+
+void fill_groups(const Body& body, const std::vector<std::int32_t>& elements,
+                 const std::vector<MaterialPart>& parts, Discretisation& d) {
+  ElementGroups& to = d.elements;
+  const auto per_element = static_cast<std::size_t>(to.nodes_per_element);
+  std::size_t groups = 0;
+  for (const MaterialGroups& of : to.materials) groups += static_cast<std::size_t>(of.count);
+  to.node.assign(groups * per_element * lane_count, static_cast<std::int32_t>(d.free_nodes + 1));
+  to.gradient_of_node.assign(groups * 12 * lane_count, 0.0);
+  to.volume.assign(groups * lane_count, 0.0);
+  for (std::size_t m = 0; m < parts.size(); ++m) {
+    std::size_t at = static_cast<std::size_t>(to.materials[m].first) * lane_count;
+    for (const TetIndex tet : parts[m].tets) {
+      const auto e = static_cast<std::size_t>(tet);
+      fill_lane(body, &elements[e * per_element], e, at++, d);
+    }
   }
 }
 
 void fill_pattern(Discretisation& d) {
-  const std::size_t per_element = static_cast<std::size_t>(d.nodes_per_element);
-  const std::size_t groups = d.element_volume.size() / lane_count,
-                    pairs = per_element * (per_element + 1) / 2;
+  const std::size_t per_element = static_cast<std::size_t>(d.elements.nodes_per_element);
+  const std::size_t groups = d.elements.count(), pairs = per_element * (per_element + 1) / 2;
   const auto clamp = static_cast<std::int32_t>(d.free_nodes + 1);
   std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(d.free_nodes + 1));
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(static_cast<std::int32_t>(i));
   const auto at = [&](std::size_t group, std::size_t a, std::size_t lane) {
-    return d.element_node[(group * per_element + a) * lane_count + lane];
+    return d.elements.node[(group * per_element + a) * lane_count + lane];
   };
   for (std::size_t group = 0; group < groups; ++group)
     for (std::size_t lane = 0; lane < lane_count; ++lane)
@@ -141,8 +153,8 @@ void fill_pattern(Discretisation& d) {
     d.pattern.column.insert(d.pattern.column.end(), row.begin(), row.end());
     d.pattern.row_start.push_back(d.pattern.size());
   }
-  d.element_block.assign(groups * pairs * lane_count, static_cast<std::int32_t>(d.pattern.size()));
-  d.element_block_kind.assign(groups * pairs * lane_count, 0);
+  d.elements.block.assign(groups * pairs * lane_count, static_cast<std::int32_t>(d.pattern.size()));
+  d.elements.block_kind.assign(groups * pairs * lane_count, 0);
   for (std::size_t group = 0; group < groups; ++group)
     for (std::size_t lane = 0; lane < lane_count; ++lane)
       for (std::size_t b = 0; b < per_element; ++b)
@@ -153,26 +165,13 @@ void fill_pattern(Discretisation& d) {
           const auto first = d.pattern.column.begin() + d.pattern.row_start[row];
           const auto last = d.pattern.column.begin() + d.pattern.row_start[row + 1];
           const std::size_t slot = (group * pairs + b * (b + 1) / 2 + a) * lane_count + lane;
-          d.element_block[slot] = static_cast<std::int32_t>(std::lower_bound(first, last, std::max(i, j)) -
-                                                            d.pattern.column.begin());
-          d.element_block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
+          d.elements.block[slot] = static_cast<std::int32_t>(std::lower_bound(first, last, std::max(i, j)) -
+                                                             d.pattern.column.begin());
+          d.elements.block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
         }
 }
 
 }  // namespace
-
-ElementView Discretisation::view() const {
-  ElementView v;
-  v.groups = static_cast<std::int64_t>(element_volume.size()) / lane_count;
-  v.nodes_per_element = nodes_per_element;
-  v.node = element_node.data();
-  v.gradient = element_gradient.data();
-  v.volume = element_volume.data();
-  v.block = element_block.data();
-  v.block_kind = element_block_kind.data();
-  v.constants = constants;
-  return v;
-}
 
 void Discretisation::to_local(const std::vector<double>& by_node, double* u) const {
   std::fill(u, u + local_size(), 0.0);
@@ -191,19 +190,19 @@ std::vector<double> Discretisation::to_nodes(const double* u) const {
 
 Discretisation discretise(const Body& body) {
   Discretisation d;
-  d.nodes_per_element = body.element == Element::quadratic ? 10 : 4;
+  const std::vector<MaterialPart> parts = material_parts(body);
+  d.elements = empty_groups(body, parts);
   const std::vector<std::int32_t> elements = connect(body, d.edges);
   d.nodes = static_cast<std::int64_t>(body.mesh.nodes.size() + d.edges.size());
   number_nodes(body, elements, d);
-  fill_groups(body, elements, d);
+  fill_groups(body, elements, parts, d);
   fill_pattern(d);
   const double length = longest_side(body.mesh);
-  d.force_floor = 1e-12 * body.material.young * length * length;
-  const LawConstants moduli = law_constants(body.material);
-  d.round_off = 1e-16 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length;
-  d.needs_positive_jacobian = needs_positive_jacobian(body.material.law);
-  d.constants = law_constants(body.material);
-  d.kernels = &law_entry(body.material.law).kernels;
+  for (const MaterialPart& part : parts) {
+    const LawConstants moduli = law_constants(part.material);
+    d.force_floor = std::max(d.force_floor, 1e-12 * part.material.young * length * length);
+    d.round_off = std::max(d.round_off, 1e-16 * (std::abs(moduli.lambda) + 2 * moduli.mu) * length * length);
+  }
   return d;
 }
 

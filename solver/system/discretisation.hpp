@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "solver/body/body.hpp"
-#include "solver/kernels/kernels.hpp"
+#include "solver/system/elements.hpp"
 
 namespace forefeel {
 
@@ -31,18 +31,10 @@ struct Discretisation {
   std::vector<std::array<NodeIndex, 2>> edges;  // of the mid-edge nodes (quadratic elements)
   std::vector<std::int32_t> local;              // node -> local node
   BlockPattern pattern;
-  double force_floor = 0;  // 1e-12 E L^2 [N]
+  double force_floor = 0;  // 1e-12 E L^2 [N], E of the stiffest material
   double round_off = 0;    // smaller residuals are rounding error [N]
-  bool needs_positive_jacobian = false;
-  const ElementKernels* kernels = nullptr;
-
-  std::vector<std::int32_t> element_node, element_block;
-  std::vector<double> element_gradient, element_volume;
-  std::vector<std::int8_t> element_block_kind;
-  LawConstants constants;
-  int nodes_per_element = 4;
+  ElementGroups elements;
   std::shared_ptr<const FactorLayout> layout = {};  // of its factors; null: each factor makes its own
-  ElementView view() const;
 
   std::int64_t local_size() const { return 3 * (free_nodes + 2); }
   // #V x 3 by node (mesh nodes, then mid-edge nodes) <-> local vector. A node that no element uses stays at

@@ -38,7 +38,7 @@ struct FreeBody {
   }
   std::vector<double> gradient(const std::vector<double>& u, double* energy = nullptr) const {
     std::vector<double> r(u.size(), 0.0);
-    const FieldSummary summary = d.kernels->gradient(d.view(), u.data(), r.data());
+    const FieldSummary summary = d.elements.gradient(u.data(), r.data());
     if (energy) *energy = summary.energy;
     return r;
   }
@@ -59,7 +59,7 @@ TEST_CASE("patch test: a homogeneous deformation leaves the inner nodes in equil
       double energy = 0;
       const auto r =
           b.gradient(b.field([&](const Vec3& x) { return Vec3((f - Mat3::Identity()) * x); }), &energy);
-      const double psi = evaluate_law(law, b.d.constants, f).energy;
+      const double psi = evaluate_law(law, b.d.elements.materials.front().constants, f).energy;
       CHECK(energy == Approx(psi).epsilon(1e-12));
       double inner = 0, all = 0;
       for (std::size_t node = 0; node < b.nodes.size(); ++node) {
@@ -81,7 +81,8 @@ TEST_CASE(
     for (const double stretch : {0.8, 1.3}) {
       const FreeBody b(law, 0.4, 2, Element::linear);
       const auto stress_at = [&](double lateral) {
-        return evaluate_law(law, b.d.constants, Vec3(stretch, lateral, lateral).asDiagonal().toDenseMatrix())
+        return evaluate_law(law, b.d.elements.materials.front().constants,
+                            Vec3(stretch, lateral, lateral).asDiagonal().toDenseMatrix())
             .stress;
       };
       double low = 0.5, high = 1.6;  // P_yy grows with the lateral stretch here
@@ -117,8 +118,8 @@ TEST_CASE(
         &energy);
     double largest = 0;
     for (const double v : r) largest = std::max(largest, std::abs(v));
-    CHECK(largest < 1e-10 * b.d.constants.lambda);
-    CHECK(std::abs(energy) < 1e-10 * b.d.constants.lambda);
+    CHECK(largest < 1e-10 * b.d.elements.materials.front().constants.lambda);
+    CHECK(std::abs(energy) < 1e-10 * b.d.elements.materials.front().constants.lambda);
   }
 }
 
@@ -133,7 +134,7 @@ TEST_CASE("the Hessian is the gradient's derivative, and eight lanes equal one")
           b.field([](const Vec3& x) { return Vec3(std::sin(3 * x[0]), x[1] - x[2], std::cos(2 * x[1])); });
       std::vector<double> blocks(9 * static_cast<std::size_t>(b.d.pattern.size() + 1), 0.0),
           product(u.size(), 0.0);
-      b.d.kernels->hessian(b.d.view(), u.data(), blocks.data());
+      b.d.elements.hessian(u.data(), blocks.data());
       for (std::int64_t i = 0; i < b.d.free_nodes; ++i)
         for (std::int64_t s = b.d.pattern.row_start[static_cast<std::size_t>(i)];
              s < b.d.pattern.row_start[static_cast<std::size_t>(i) + 1]; ++s)
@@ -164,9 +165,9 @@ TEST_CASE("the Hessian is the gradient's derivative, and eight lanes equal one")
           many[8 * i + l] = u[i] * (1 + 0.1 * static_cast<double>(l));
           along[8 * u.size() + 8 * i + l] = direction[i];
         }
-      b.d.kernels->gradient_lanes(b.d.view(), many.data(), r.data(), energy.data(), least.data());
-      b.d.kernels->product_lanes(b.d.view(), static_cast<std::int64_t>(8 * u.size()), many.data(),
-                                 along.data(), y.data());
+      b.d.elements.gradient_lanes(many.data(), r.data(), energy.data(), least.data());
+      b.d.elements.product_lanes(static_cast<std::int64_t>(8 * u.size()), many.data(), along.data(),
+                                 y.data());
       for (std::size_t l = 0; l < 8; ++l) {
         auto one = u;
         for (double& v : one) v *= 1 + 0.1 * static_cast<double>(l);
@@ -198,7 +199,7 @@ double manufactured_error(Element element, int n) {
     Mat3 f = Mat3::Identity();
     for (int j = 0; j < 3; ++j)
       f.col(j) += (exact(x + h * Vec3::Unit(j)) - exact(x - h * Vec3::Unit(j))) / (2 * h);
-    return evaluate_law(Law::neo_hookean, b.d.constants, f).stress;
+    return evaluate_law(Law::neo_hookean, b.d.elements.materials.front().constants, f).stress;
   };
   const auto load = [&](const Vec3& x) {  // -Div P
     Vec3 sum = Vec3::Zero();
@@ -209,7 +210,7 @@ double manufactured_error(Element element, int n) {
   // Points of a rule exact for degree three (Keast), fine enough for both elements.
   const double weights[5] = {-0.8, 0.45, 0.45, 0.45, 0.45};
   const std::size_t size = static_cast<std::size_t>(b.d.local_size());
-  const auto per = static_cast<std::size_t>(b.d.nodes_per_element);
+  const auto per = static_cast<std::size_t>(b.d.elements.nodes_per_element);
   const auto shapes = [&](const double* l, double* value) {
     const int from[6] = {0, 0, 0, 1, 1, 2}, to[6] = {1, 2, 3, 2, 3, 3};
     for (int a = 0; a < 4; ++a) value[a] = per == 4 ? l[a] : l[a] * (2 * l[a] - 1);
@@ -225,7 +226,7 @@ double manufactured_error(Element element, int n) {
         Vec3 x = Vec3::Zero();
         for (std::size_t a = 0; a < 4; ++a)
           x += l[a] * b.body.mesh.nodes[static_cast<std::size_t>(b.body.mesh.tets[t][a])];
-        const std::int32_t* node = &b.d.element_node[(t / 8) * per * 8 + t % 8];
+        const std::int32_t* node = &b.d.elements.node[(t / 8) * per * 8 + t % 8];
         visit(x, weights[q] * tet_volume(b.body.mesh, t), value, node);
       }
   };
@@ -248,7 +249,7 @@ double manufactured_error(Element element, int n) {
   for (int iteration = 0; iteration < 8; ++iteration) {
     const auto r = b.gradient(u);
     std::vector<double> blocks(9 * static_cast<std::size_t>(b.d.pattern.size() + 1), 0.0);
-    b.d.kernels->hessian(b.d.view(), u.data(), blocks.data());
+    b.d.elements.hessian(u.data(), blocks.data());
     std::vector<Eigen::Triplet<double>> entries;
     for (std::int64_t i = 0; i < b.d.free_nodes; ++i)
       for (std::int64_t s = b.d.pattern.row_start[static_cast<std::size_t>(i)];
