@@ -209,20 +209,28 @@ class LegacyReader {
     }
   }
 
+  // A count that read_attribute() compares with the file.
+  std::size_t any_count(const char* expected) {
+    return static_cast<std::size_t>(in_.integer(expected, 0, std::int64_t{1} << 40));
+  }
+
   // POINT_DATA n and CELL_DATA n up to the end of the file, or to an attribute of an unknown kind.
   void read_attributes(std::string section) {
-    std::size_t n = in_.count("a number of values", 0);
+    std::size_t n = any_count("a number of values");
     while (!in_.at_end()) {
       const std::string keyword = lower_case(in_.token("an attribute"));
       if (keyword == "point_data" || keyword == "cell_data") {
         section = keyword;
-        n = in_.count("a number of values", 0);
+        n = any_count("a number of values");
       } else if (keyword == "scalars") {
         const std::string name(in_.token("an array name")), type = lower_case(in_.token("a data type"));
-        std::size_t width = 1;
-        if (lower_case(in_.peek()) != "lookup_table") width = in_.count("a number of components", 0);
-        if (lower_case(in_.peek()) == "lookup_table") in_.token("LOOKUP_TABLE"), in_.token("a table");
-        if (!read_attribute(section, name, type, width, n)) return;
+        std::string_view rest;
+        std::int64_t width = 1;
+        in_.line(rest);
+        if (!trimmed(rest).empty() && (!parse_integer(trimmed(rest), width) || width < 0)) return;
+        if (lower_case(in_.peek()) != "lookup_table") return;
+        in_.token("LOOKUP_TABLE"), in_.token("a table");
+        if (!read_attribute(section, name, type, static_cast<std::size_t>(width), n)) return;
       } else if (keyword == "vectors" || keyword == "normals" || keyword == "tensors" ||
                  keyword == "global_ids" || keyword == "pedigree_ids") {
         const std::string name(in_.token("an array name")), type = lower_case(in_.token("a data type"));
@@ -234,10 +242,20 @@ class LegacyReader {
         const std::size_t arrays = in_.count("arrays", 1);
         for (std::size_t a = 0; a < arrays; ++a) {
           const std::string name(in_.token("an array name"));
-          const std::size_t width = in_.count("components", 0), tuples = in_.count("tuples", 0);
+          const std::size_t width = any_count("components"), tuples = any_count("tuples");
           const std::string type = lower_case(in_.token("a data type"));
           if (!read_attribute(section, name, type, width, tuples)) return;
+          if (in_.peek() == "METADATA") in_.token("METADATA"), skip_metadata();
         }
+      } else if (keyword == "texture_coordinates") {
+        in_.token("an array name");
+        const std::size_t width = any_count("components");
+        if (!read_attribute("", "", lower_case(in_.token("a data type")), width, n)) return;
+      } else if (keyword == "color_scalars" || keyword == "lookup_table") {
+        in_.token("an array name");
+        const std::size_t size = any_count("a size");
+        const bool table = keyword == "lookup_table";
+        if (!read_attribute("", "", "unsigned_char", table ? 4 : size, table ? size : n)) return;
       } else if (keyword == "metadata") {
         skip_metadata();
       } else {

@@ -168,13 +168,23 @@ void VtkXmlReader::read_root(const Tag& tag) {
 #endif
 }
 
+namespace {
+
+bool is_section(const std::string& tag) {
+  constexpr std::array sections{"Points", "Cells", "PointData", "CellData",
+                                "Verts",  "Lines", "Strips",    "Polys"};
+  return std::ranges::find(sections, tag) != sections.end();
+}
+
+}  // namespace
+
 VtkXmlPiece VtkXmlReader::read_piece(const Tag& start) {
   VtkXmlPiece piece{.attributes = start.attributes, .arrays = {}};
   std::string section;
   Tag tag;
   while (!start.empty && next_tag(tag) && tag.name != "/Piece") {
     if (tag.name != "DataArray") {
-      if (!tag.name.starts_with('/') && tag.name != "InformationKey") section = tag.name;
+      if (is_section(tag.name)) section = tag.name;
       continue;
     }
     const std::size_t begin = in_.position();

@@ -20,7 +20,12 @@ Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausd
 
 std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair) {
   const std::string what_to_do =
-      repair.wrapped || repair.self_intersections > 0 || repair.holes > 0
+      repair.components > 1
+          ? fmt::format(
+                "the surface has {} parts, and one inside another may become a cavity: remove the inner ones "
+                "in a mesh editor, or try more elements",
+                repair.components)
+      : repair.wrapped || repair.self_intersections > 0 || repair.holes > 0
           ? "mend the surface in a mesh editor first, or try more elements, which follow it more closely"
           : "more elements follow the surface more closely";
   std::vector<std::string> words;

@@ -105,7 +105,9 @@ TEST_CASE(
   refused(rest + core + core, {"scene.toml:12: material.core", "a second table of group 'core'"});
   refused(rest + "[[material]]\ngroup = \"end\"\nlaw = \"linear\"\nyoung = 1e4\npoisson = 0.5\n",
           {"scene.toml:11: material.end.poisson", "0.5"});
-  refused("material = []\n", {"material", "is a list of 0", "[[material]]"});
+  shop.write("none.toml", "material = []\n" + scene(""));
+  check_refused(shop, "solve none.toml --at=0,0,0.001",
+                {"none.toml:1: material", "is a list of 0", "[[material]]"});
   refused("", {"material.law", "missing"});
   shop.write("phantom.toml", "[body]\nphantom = \"beam\"\nelements = 240\n" + core + rest);
   check_refused(shop, "solve phantom.toml --at=0,0,0.001",
