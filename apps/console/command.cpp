@@ -47,9 +47,9 @@ void check_type(CLI::Option* option) {
   const bool whole = std::is_integral_v<Number>;
   option->check([whole](const std::string& text) {
     Number number{};
-    return reads_as(text, number) ? std::string()
-                                  : fmt::format("is '{}', expected a {}number{}", text, whole ? "whole " : "",
-                                                std::is_unsigned_v<Number> ? " of at least 0" : "");
+    if (reads_as(text, number)) return std::string();
+    return fmt::format("{}, expected a {}number{}", text.empty() ? "is empty" : fmt::format("is '{}'", text),
+                       whole ? "whole " : "", std::is_unsigned_v<Number> ? " of at least 0" : "");
   });
 }
 

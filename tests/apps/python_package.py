@@ -104,6 +104,8 @@ class Files(unittest.TestCase):
         self.assertEqual(len(grid["cells"]), len(grid["types"]))
         self.assertLess(grid["cells"].max(), len(grid["points"]))
         self.assertTrue(all(len(values) == len(grid["cells"]) for values in grid["cell_data"].values()))
+        names = np.array(ff.label_names)[grid["cell_data"]["label"].astype(int)]
+        self.assertEqual(grid["cell_data"]["label_name"].tolist(), names.tolist())
         cells = ff.read("c_cells.vtu")
         self.assertEqual(cells["cells"].shape[1], 4)
         points = ff.read("c_states.vtu")

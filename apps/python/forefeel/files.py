@@ -105,7 +105,8 @@ _types = {"Float64": "<f8", "Float32": "<f4", "Int64": "<i8", "Int32": "<i4", "U
 
 def read_vtu(file: Any) -> dict[str, Any]:
     """A VTK file that the command wrote (.vtu): dict with points (p, 3) [m], cells (c, corners), types uint8 (c,), and
-    dicts of arrays point_data and cell_data. Cells of unequal size: a list of arrays."""
+    dicts of arrays point_data and cell_data: numbers, or texts such as label_name. Cells of unequal size: a list of
+    arrays."""
     data = pathlib.Path(file).read_bytes()
     found = re.search(rb'<AppendedData encoding="raw">\s*_', data)
     end = data.rfind(b"</AppendedData>")
@@ -120,7 +121,8 @@ def read_vtu(file: Any) -> dict[str, Any]:
     size_type = np.dtype("<u8" if root.get("header_type") == "UInt64" else "<u4")
 
     def array(entry: xml.etree.ElementTree.Element) -> NDArray[Any]:
-        kind = np.dtype(_types[entry.get("type", "")])
+        texts = entry.get("type") == "String"  # each ends with a zero byte
+        kind = np.dtype(_types["UInt8" if texts else entry.get("type", "")])
         width = int(entry.get("NumberOfComponents", "1"))
         if entry.get("format") == "appended" and found:
             at = found.end() + int(entry.get("offset", "0"))
@@ -130,6 +132,8 @@ def read_vtu(file: Any) -> dict[str, Any]:
             values = np.frombuffer(base64.b64decode(entry.text or ""), kind, offset=size_type.itemsize)
         else:
             values = np.array((entry.text or "").split(), kind)
+        if texts:
+            return np.array(values.tobytes().decode().split("\0")[:-1])
         return values.reshape(-1, width) if width > 1 else values
 
     def named(section: str) -> dict[str, NDArray[Any]]:
