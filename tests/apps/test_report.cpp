@@ -13,18 +13,15 @@
 #include "apps/picture/run_data.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/support/executable.hpp"
+#include "tests/support/file_text.hpp"
 #include "tests/support/skip.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
+using test::file_text;
 using test::Workshop;
 
 namespace {
-
-std::string file_text(const Workshop& shop, const std::string& name) {
-  std::ifstream in(shop.path() / name, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // A frame at x = t [mm] whose rendered force is 1 N and whose reference is 1 N + error.
 FrameRecord frame(double t, double error) {

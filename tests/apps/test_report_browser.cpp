@@ -6,18 +6,15 @@
 #include <string>
 
 #include "tests/support/executable.hpp"
+#include "tests/support/file_text.hpp"
 #include "tests/support/skip.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
+using test::file_text;
 using test::Workshop;
 
 namespace {
-
-std::string file_text(const Workshop& shop, const std::string& name) {
-  std::ifstream in(shop.path() / name, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // What a script says in this page, at this width.
 std::string in_browser(const Workshop& shop, const std::string& page, int width, const std::string& script) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/support/executable.hpp"
+#include "tests/support/file_text.hpp"
 #include "tests/support/paths.hpp"
 
 using namespace forefeel::test;
@@ -30,12 +31,6 @@ box = [[-0.09, -0.001, -0.001], [0, 0.001, 0.001]]
 
 std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
-}
-
-std::string file_text(const Workshop& shop, const std::string& name) {
-  std::ostringstream text;
-  text << std::ifstream(shop.path() / name).rdbuf();
-  return text.str();
 }
 
 }  // namespace
