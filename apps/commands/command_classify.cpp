@@ -233,7 +233,7 @@ void add_classify(CommandLine& line) {
                "Show where the force is known from states: safe (densely), sparse, gap (a bridge between "
                "known regions), blank");
   sub.runs([arguments](const Globals& globals) { return run_classify(globals, *arguments); });
-  sub.option("states", arguments->states,
+  sub.option("STATES", arguments->states,
              ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
       .shows("STATES|RUN/");
   sub.option("--index", arguments->index, "delaunay (exact) or octree (by counting)")

@@ -155,7 +155,7 @@ void add_info(CommandLine& line) {
   Command sub = line.add("info", "Show what a file holds: states, mesh or surface");
   sub.reads_no_scene();
   sub.runs([file](const Globals& globals) { return run_info(globals, *file); });
-  sub.option("file", *file, "State file, CSV of states, mesh or surface").required().shows("FILE");
+  sub.option("FILE", *file, "State file, CSV of states, mesh or surface").required().shows("FILE");
 }
 
 }  // namespace forefeel

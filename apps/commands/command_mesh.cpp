@@ -194,7 +194,7 @@ void add_mesh(CommandLine& line) {
   Command sub = line.add("mesh", "Make a tetrahedral mesh from a surface, a volume mesh or a built-in body");
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
-  sub.option("surface", arguments->input,
+  sub.option("SURFACE", arguments->input,
              "Surface (.obj .off .stl .ply .vtp .vtk) or mesh (.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
   sub.option("-o,--output", arguments->output, "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")

@@ -110,7 +110,7 @@ void add_import(CommandLine& line) {
       line.add("import", "Convert states from a CSV, measured or from elsewhere, into a state file");
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
-  sub.option("csv", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
+  sub.option("CSV", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
   sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
   sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
       .required()
@@ -122,7 +122,7 @@ void add_export(CommandLine& line) {
   Command sub = line.add("export", "Write states as a table or for ParaView");
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_export(globals, *arguments); });
-  sub.option("states", arguments->input, "State file or CSV").required().shows("STATES");
+  sub.option("STATES", arguments->input, "State file or CSV").required().shows("STATES");
   sub.option("-o,--output", arguments->output, "File to write").required().shows("F.csv|F.vtu");
 }
 

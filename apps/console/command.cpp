@@ -222,7 +222,7 @@ void check_options(const CLI::App& app, int argc, const char* const* argv) {
   }
 }
 
-// "SCENE is required": a positional argument is named with its command.
+// A positional argument is named with its command: "solve: SCENE is missing".
 InputError missing(const std::string& option, const std::string& where) {
   if (option.starts_with("-")) return {option, fmt::format("is missing, see forefeel {} --help", where)};
   return {where, fmt::format("{} is missing, see forefeel {} --help", option, where)};
