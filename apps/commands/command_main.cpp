@@ -29,7 +29,7 @@ int run(int argc, const char* const* argv) {
   CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
   for (const auto add :
        {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show, add_classify,
-        add_evaluate, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
+        add_evaluate, add_trace, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
     add(line);
   return line.run(argc, argv);
 }

@@ -316,8 +316,8 @@ void add_session(CommandLine& line) {
   sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
   sub.option(
       "--device", given->device,
-      "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], trace:FILE[,scale=…,offset=x/y/z] or "
-      "hand:PROFILE[,target=NAME,grip=…]");
+      "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], trace:FILE[,columns=…,rate=…,unit=…,tool=…,"
+      "scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
   sub.option("--clock", given->clock, "real or virtual");
   sub.option("--seconds", given->seconds, "Length [s]");
   sub.option("--workers", given->workers, "Workers that solve");

@@ -21,5 +21,6 @@ void add_bench(CommandLine& line);
 void add_cache(CommandLine& line);
 void add_help(CommandLine& line);
 void add_show(CommandLine& line);
+void add_trace(CommandLine& line);
 
 }  // namespace forefeel

@@ -44,7 +44,7 @@ int run_command(const std::vector<std::string>& words) {
   CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
   for (const auto add :
        {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show, add_classify,
-        add_evaluate, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
+        add_evaluate, add_trace, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
     add(line);
   try {
     return line.run(argc, argv.data());

@@ -35,8 +35,17 @@ std::vector<Declared> hand_settings() {
 }
 
 std::vector<Declared> trace_settings() {
-  return {{"scale", "1", fmt::format("{}", TraceMotion{}.scale), "factor of the positions in the file"},
-          {"offset", "m", "0/0/0", "X/Y/Z, added to the scaled positions"}};
+  return {
+      {"scale", "1", fmt::format("{}", TraceMotion{}.scale), "factor of the positions in the file"},
+      {"offset", "m", "0/0/0", "X/Y/Z, added to the scaled positions"},
+      {"columns", "", "t/x/y/z",
+       "names of the header, or numbers of columns counted from 1; - for a coordinate that is zero; x/y/z "
+       "beside a rate"},
+      {"rate", "Hz", "none", "samples in a second, for a file without a time column"},
+      {"unit", "", "m/s", "of positions and times: m, cm or mm, s, ms, us or ns, or both, as mm/ms"},
+      {"tool", "", "none",
+       "one of several tools in the file: its name in a column of names, or what its own columns begin "
+       "with (left_x, left_y, left_z)"}};
 }
 
 // "KIND:NAME,key=value,…"
@@ -179,11 +188,32 @@ Vec3 offset_from(const InputPlace& where, std::string text) {
   return offset;
 }
 
+void take_format(Parts& parts, TraceFormat& format) {
+  format.rate = parts.take_number("rate", 1e-3).value_or(format.rate);
+  if (const auto columns = parts.take("columns")) {
+    format.columns = split(*columns, '/');
+    const std::size_t wanted = format.rate == 0 ? 4 : 3;
+    if (format.columns.size() != wanted || std::ranges::find(format.columns, "") != format.columns.end())
+      throw InputError(parts.where,
+                       fmt::format("columns is '{}', expected {}", *columns,
+                                   wanted == 4 ? "t/x/y/z, names or numbers from 1 (x/y/z beside a rate)"
+                                               : "x/y/z, names or numbers from 1, as a rate is given"));
+  }
+  if (const auto unit = parts.take("unit"); unit && !parse_trace_unit(*unit, format))
+    throw InputError(parts.where,
+                     fmt::format("unit is '{}', expected m, cm or mm, s, ms, us or ns, or one of "
+                                 "each, as mm/ms",
+                                 *unit));
+  if (auto tool = parts.take("tool")) format.tool = std::move(*tool);
+}
+
 TraceMotion trace_of(Parts parts) {
   TraceMotion motion{.file = parts.name};
   motion.scale = parts.take_number("scale", -1e9).value_or(motion.scale);
   if (const auto offset = parts.take("offset")) motion.offset = offset_from(parts.where, *offset);
+  take_format(parts, motion.format);
   parts.reject_rest();
+  check(DeviceSpec(motion, *parts.where.value));
   return motion;
 }
 
@@ -258,7 +288,8 @@ std::vector<DeclaredTable> device_tables() {
       {"path", "path:NAME,key=value,… A closed curve, run for ever.",
        with("NAME", any_of(path_names()), path_settings())},
       {"trace", "trace:FILE,key=value,… A recorded motion.",
-       with("FILE", "CSV t,x,y,z in s and m, relative to the scene", trace_settings())},
+       with("FILE", "a table of numbers, relative to the scene; t,x,y,z in s and m unless said otherwise",
+            trace_settings())},
       {"hand", "hand:PROFILE,key=value,… A hand that holds a device and yields to its force.",
        with("PROFILE", any_of(hand_names()), hand_settings())}};
   for (const std::string& name : registered_devices())

@@ -3,7 +3,7 @@
 // choices. Each choice keeps its text, so that it is printed as written. Such text is read nowhere else.
 //
 //   device   path:NAME[,speed=V][,amplitude=A][,tremor=S][,noise=S]    NAME: path_names()
-//            trace:FILE[,scale=F][,offset=X/Y/Z]
+//            trace:FILE[,scale=F][,offset=X/Y/Z][,columns=t/x/y/z][,rate=HZ][,unit=mm][,tool=NAME]
 //            hand:PROFILE[,target=NAME][,grip=K|light|medium|firm][,speed=V][,amplitude=A]
 //                        [,tremor=S][,noise=S]
 //            MINE[:TEXT][,KEY=VALUE…]     registered with register_device()

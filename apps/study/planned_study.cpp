@@ -146,10 +146,16 @@ StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std
   StudyCell cell;
   at_its_place([&] { cell = make_cell(study, combination, seed, session_options(scene)); });
   check_arrivals(file, scene, cell.options, warnings);
+  // A trace has its own length, unless the study itself says another.
+  if (std::holds_alternative<TraceMotion>(cell.options.motion.device.motion()) &&
+      !file.origin.contains("session.seconds") && !file.origin.contains("session"))
+    cell.options.clock.length = RunLength::motion;
   at_its_place([&] {
     check_cell(study, input, cell);
     set_cost(study, input, cell);
   });
+  for (const std::string& note : cell.notes)
+    if (std::ranges::find(warnings, note) == warnings.end()) warnings.push_back(note);
   cell.key = cell_key(scene.hash, cell, input, study.sustained);
   return cell;
 }

@@ -21,8 +21,9 @@
 //
 //   [sustained]                     # each cell searches the highest speed that it sustains (sustained_speed.hpp)
 //
-// A session ends with its motion: a trace of 3 s gives 3 s, whatever session.seconds says above that. Paths
-// and hands have no end; they run for session.seconds.
+// A session ends with its motion: a trace of 3 s gives 3 s and one of 60 s gives 60 s, whatever the scene's
+// session.seconds; where the study itself gives session.seconds, no longer than that. Paths and hands have no
+// end; they run for session.seconds.
 // The clock is virtual whatever the scene says: cells must not depend on wall time. A key may appear once, be
 // it varied, stepped, fixed or given by --set.
 

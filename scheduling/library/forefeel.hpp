@@ -32,6 +32,8 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/motion/trace.hpp"
+#include "scheduling/motion/trace_check.hpp"
+#include "scheduling/motion/trace_file.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"

@@ -23,7 +23,7 @@ std::unique_ptr<Device> make(const PathMotion& motion, const FactoryContext& con
 }
 
 std::unique_ptr<Device> make(const TraceMotion& motion, const FactoryContext& context) {
-  Trace trace = read_trace(found_from(context.folder, motion.file));
+  Trace trace = read_trace(found_from(context.folder, motion.file), motion.format);
   for (Vec3& p : trace.positions) p = motion.scale * p + motion.offset;
   return make_trace_device(std::move(trace));
 }

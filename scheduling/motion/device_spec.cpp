@@ -26,9 +26,22 @@ std::string settings_of(const PathMotion& motion) {
 std::string text_of(const PathMotion& motion) {
   return fmt::format("path:{}{}", name(motion.path), settings_of(motion));
 }
+std::string unit_of(const TraceFormat& format) {
+  const char* length = format.metre == 1e-3 ? "mm" : format.metre == 1e-2 ? "cm" : "m";
+  const char* time = format.second == 1e-3   ? "ms"
+                     : format.second == 1e-6 ? "us"
+                     : format.second == 1e-9 ? "ns"
+                                             : "s";
+  return format.metre == 1 && format.second == 1 ? "" : fmt::format(",unit={}/{}", length, time);
+}
+std::string text_of(const TraceFormat& format) {
+  return (format.columns.empty() ? "" : fmt::format(",columns={}", fmt::join(format.columns, "/"))) +
+         setting("rate", format.rate) + unit_of(format) +
+         (format.tool.empty() ? "" : fmt::format(",tool={}", format.tool));
+}
 std::string text_of(const TraceMotion& motion) {
   const Vec3& o = motion.offset;
-  return fmt::format("trace:{}{}{}", motion.file.string(),
+  return fmt::format("trace:{}{}{}{}", motion.file.string(), text_of(motion.format),
                      motion.scale == 1 ? "" : fmt::format(",scale={}", motion.scale),
                      o.isZero(0) ? "" : fmt::format(",offset={}/{}/{}", o[0], o[1], o[2]));
 }
@@ -63,6 +76,11 @@ void check_motion(const InputPlace& where, const PathMotion& motion) {
 }
 void check_motion(const InputPlace& where, const TraceMotion& motion) {
   expect_from(where, "scale", motion.scale, -1e9);
+  if (motion.format.rate != 0) {
+    expect_from(where, "rate", motion.format.rate, 1e-3);
+    if (motion.format.rate > 1e6)
+      throw InputError(where, fmt::format("rate is {:g}, expected at most 1e6 Hz", motion.format.rate));
+  }
   if (!motion.offset.allFinite())
     throw InputError(where, "offset is not X/Y/Z, expected three finite numbers [m]");
 }

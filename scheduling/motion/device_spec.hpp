@@ -14,6 +14,7 @@
 
 #include "geometry/common/types.hpp"
 #include "scheduling/common/arguments.hpp"
+#include "scheduling/motion/trace_file.hpp"
 
 namespace forefeel {
 
@@ -35,11 +36,12 @@ struct PathMotion {
   double noise = 0;      // RMS per axis, white [m], at most 1
 };
 
-// A recorded motion, samples t,x,y,z of a file: position = scale * sample + offset (trace.hpp).
+// A recorded motion, samples of a file: position = scale * sample + offset (trace.hpp, trace_file.hpp).
 struct TraceMotion {
   std::filesystem::path file;  // relative: to the scene's folder, else to the working directory
   double scale = 1;
   Vec3 offset = Vec3::Zero();  // [m]
+  TraceFormat format = {};     // where in the file the samples are
 };
 
 // A hand that holds a device and yields to the force while it follows a path (hand_device.hpp).

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "geometry/common/csv_table.hpp"
 #include "geometry/common/error.hpp"
@@ -64,6 +65,25 @@ Trace read_trace(const std::filesystem::path& file, bool whole_lines) {
     trace.positions.push_back(x);
   }
   return trace;
+}
+
+Trace trace_of(TraceRows rows, const std::filesystem::path& file) {
+  for (std::size_t i = 1; i < rows.times.size(); ++i) {
+    if (rows.times[i] > rows.times[i - 1]) continue;
+    const bool again = rows.times[i] == rows.times[i - 1];
+    throw InputError(
+        {.file = file.string(), .line = rows.lines[i]},
+        fmt::format("{} {:.9g} s after the first row{}, expected growing times{}",
+                    again ? "a second row at" : "time goes back to", rows.times[i],
+                    again ? "" : fmt::format(", from {:.9g} s", rows.times[i - 1]),
+                    again ? "; forefeel trace … -o OUT.csv keeps the first row of each time" : ""));
+  }
+  return {.times = std::move(rows.times), .positions = std::move(rows.positions)};
+}
+
+Trace read_trace(const std::filesystem::path& file, const TraceFormat& format) {
+  const MissingPositions missing = format.is_usual() ? MissingPositions::refuse : MissingPositions::leave_out;
+  return trace_of(read_trace_rows(file, format, missing), file);
 }
 
 }  // namespace forefeel

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
+#include "scheduling/motion/trace_file.hpp"
 
 namespace forefeel {
 
@@ -22,6 +23,11 @@ struct Trace {
 // rows, values that are not finite, times that do not increase, a file without rows. whole_lines: also for a
 // last line without a line break, as in frames.csv of a run whose disk was full.
 Trace read_trace(const std::filesystem::path& file, bool whole_lines = false);
+// The same of a table of another form (trace_file.hpp). In the usual form, t,x,y,z in SI units, each row needs a
+// position; in others those without one are left out.
+Trace read_trace(const std::filesystem::path& file, const TraceFormat& format);
+// Rows in their order as a motion; `file` is named where their times do not increase.
+Trace trace_of(TraceRows rows, const std::filesystem::path& file);
 std::unique_ptr<Device> make_trace_device(Trace trace);
 
 // folder/file if that exists; otherwise returns `file` unchanged, relative to the working directory.

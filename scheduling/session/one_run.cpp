@@ -78,6 +78,7 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
         "the {} known states are of another body: they alone are rendered, nothing is solved, and "
         "errors are not measured",
         plan.input.known.size()));
+  for (const std::string& note : plan.motion_notes) result.notes.push_back(note);
   result.guess_softness = plan.guess_softness;
   if (!plan.guess_left_out.empty())
     result.notes.push_back(fmt::format(

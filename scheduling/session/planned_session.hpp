@@ -33,6 +33,7 @@ struct SessionPlan {
   int batch = 1;  // states of one job
   // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
   double guess_softness = unknown;
+  std::vector<std::string> motion_notes = {};  // on a recorded motion (motion/trace_check.hpp), one line each
   std::string guess_left_out = {};  // why the first guess is; empty: it is rendered, or none was wanted
 };
 

@@ -10,7 +10,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "scheduling/common/option_check.hpp"
-#include "scheduling/motion/trace.hpp"
+#include "scheduling/motion/trace_check.hpp"
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "solver/body/contact_softness.hpp"
@@ -54,6 +54,20 @@ void check_motion(const SessionPlan& plan) {
     greatest = std::max(greatest, distance);
   }
   if (!(greatest <= most)) throw InputError(place, "leads to a position that " + too_far(greatest, most));
+}
+
+// What is to be said of a recorded motion: of its file, and as far as the session reaches.
+void note_motion(SessionPlan& plan) {
+  const auto* motion = std::get_if<TraceMotion>(&plan.options.motion.device.motion());
+  if (!motion || plan.input.parts.device || plan.options.motion.replay) return;
+  const std::filesystem::path file = found_from(plan.input.files.scene, motion->file);
+  TraceRows rows = read_trace_rows(file, motion->format, MissingPositions::leave_out);
+  for (Vec3& x : rows.positions) x = motion->scale * x + motion->offset;
+  plan.motion_notes = sayings(rows);
+  const TraceRows used = window(rows, 0, plan.options.clock.seconds);
+  for (std::string& line : sayings(check_trace(used, plan.input.touched.space.box)))
+    plan.motion_notes.push_back(std::move(line));
+  for (std::string& line : plan.motion_notes) line = fmt::format("trace {}: {}", motion->file.string(), line);
 }
 
 void take_replay(SessionPlan& plan) {
@@ -224,6 +238,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");
   check_memory(memory_request(plan), available_memory());
   check_motion(plan);
+  note_motion(plan);
   choose_model(plan);
   plan.batch = chosen.planning.batch > 0 ? chosen.planning.batch : chosen.clock.kind == Clock::real ? 8 : 1;
   plan.render = {.switching = chosen.switching, .safety = chosen.safety, .frame = chosen.clock.frame};

@@ -35,8 +35,9 @@ void check_cell(const Study& study, const SessionInput& input, StudyCell& cell) 
             "solved; expected one or the other");
   if (!study.sustained) {
     SessionOptions options = cell.options;
-    options.clock.length = RunLength::shorter;
+    if (options.clock.length != RunLength::motion) options.clock.length = RunLength::shorter;
     const SessionPlan plan = make_plan(input, options);
+    cell.notes = plan.motion_notes;
     cell.options.clock.seconds = plan.options.clock.seconds;
     cell.motion_seconds = plan.device->duration();
     return;

@@ -32,6 +32,7 @@ struct StudyCell {
   double load_to_find = 0, free_demand = 0;
   // Duration of the motion itself [s]; infinite for one without end. A session is no longer than its motion.
   double motion_seconds = std::numeric_limits<double>::infinity();
+  std::vector<std::string> notes = {};  // on its motion: starts pressed in, leaves the box, rests
   // Identifies the content of the cell, to find its result on disk; empty: no result is kept.
   std::string key = {};
 };

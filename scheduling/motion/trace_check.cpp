@@ -1,0 +1,177 @@
+#include "scheduling/motion/trace_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "scheduling/motion/device.hpp"
+
+namespace forefeel {
+namespace {
+
+void push(TraceRows& out, double t, const Vec3& x, std::size_t line) {
+  out.times.push_back(t);
+  out.positions.push_back(x);
+  out.lines.push_back(line);
+}
+
+TraceRows without_samples(const TraceRows& rows) {
+  TraceRows out;
+  out.missing = rows.missing;
+  out.ignored = rows.ignored;
+  out.orientation = rows.orientation;
+  return out;
+}
+
+TraceCheck::Times times_of(const TraceRows& rows) {
+  TraceCheck::Times out;
+  std::vector<double> steps;
+  double last = rows.times.front();
+  for (std::size_t i = 1; i < rows.times.size(); ++i) {
+    const double step = rows.times[i] - last;
+    if (step > 0) {
+      steps.push_back(step);
+      last = rows.times[i];
+    } else {
+      ++(step < 0 ? out.backward : out.repeated);
+    }
+  }
+  if (steps.empty()) return out;
+  const double usual = median(steps);
+  out.rate = 1 / usual;
+  for (const double step : steps) {
+    if (!(step > 3 * usual)) continue;
+    ++out.gaps;
+    out.longest_gap = std::max(out.longest_gap, step);
+  }
+  return out;
+}
+
+TraceCheck::Speed speed_of(const TraceRows& rows) {
+  std::vector<double> speeds;
+  for (std::size_t i = 1; i < rows.times.size(); ++i)
+    speeds.push_back((rows.positions[i] - rows.positions[i - 1]).norm() /
+                     (rows.times[i] - rows.times[i - 1]));
+  if (speeds.empty()) return {};
+  std::ranges::sort(speeds);
+  const auto at = [&](double share) { return quantile(speeds, share, QuantileRule::inverted_cdf); };
+  return {.p50 = at(0.5), .p95 = at(0.95), .p99 = at(0.99), .max = speeds.back()};
+}
+
+TraceCheck::Rests rests_of(const TraceRows& rows) {
+  TraceCheck::Rests out;
+  double resting = 0;
+  for (std::size_t begin = 0; begin < rows.times.size();) {
+    std::size_t end = begin;
+    while (end + 1 < rows.times.size() &&
+           (rows.positions[end + 1] - rows.positions[begin]).norm() <= rest_radius)
+      ++end;
+    const double length = rows.times[end] - rows.times[begin];
+    if (length >= rest_seconds) {
+      ++out.count;
+      resting += length;
+      if (length > out.longest) {
+        out.longest = length;
+        out.longest_from = rows.times[begin];
+      }
+    }
+    begin = length >= rest_seconds ? end + 1 : begin + 1;
+  }
+  if (rows.times.back() > 0) out.share = resting / rows.times.back();
+  return out;
+}
+
+}  // namespace
+
+TraceCheck check_trace(const TraceRows& rows, const std::optional<Box>& space) {
+  const TraceRows grown = growing(rows);
+  TraceCheck check;
+  check.rows = rows.times.size();
+  check.seconds = grown.times.back();
+  check.times = times_of(rows);
+  check.speed = speed_of(grown);
+  check.box = {rows.positions.front(), rows.positions.front()};
+  for (const Vec3& x : rows.positions) {
+    check.box.low = check.box.low.cwiseMin(x);
+    check.box.high = check.box.high.cwiseMax(x);
+  }
+  check.start = rows.positions.front().norm();
+  check.rests = rests_of(grown);
+  if (!space) return check;
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < grown.times.size(); ++i) {
+    if (space->contains(grown.positions[i])) continue;
+    if (outside++ == 0) check.outside_from = grown.times[i];
+  }
+  check.outside = static_cast<double>(outside) / static_cast<double>(grown.times.size());
+  return check;
+}
+
+std::vector<std::string> sayings(const TraceCheck& check) {
+  std::vector<std::string> lines;
+  if (check.starts_pressed_in())
+    lines.push_back(
+        fmt::format("starts pressed in: its first position is {:.3g} mm from rest (forefeel trace "
+                    "--to-contact shifts it)",
+                    1e3 * check.start));
+  if (check.outside.value_or(0) > outside_much)
+    lines.push_back(fmt::format("leaves the box of states: {:.3g} % of it is outside, from {:.3g} s on",
+                                100 * *check.outside, *check.outside_from));
+  if (check.rests.count > 0)
+    lines.push_back(fmt::format("rests for {:.3g} % of its time, longest for {:.3g} s from {:.3g} s on",
+                                100 * check.rests.share, check.rests.longest, check.rests.longest_from));
+  return lines;
+}
+
+std::vector<std::string> sayings(const TraceRows& rows) {
+  std::vector<std::string> lines;
+  if (rows.missing > 0)
+    lines.push_back(fmt::format("{} rows without a position are left out, the motion is interpolated there",
+                                rows.missing));
+  if (rows.orientation)
+    lines.push_back(
+        fmt::format("the recorded orientation is not used: the HIP is a point ({} columns are "
+                    "not read)",
+                    rows.ignored));
+  return lines;
+}
+
+TraceRows growing(const TraceRows& rows) {
+  TraceRows out = without_samples(rows);
+  for (std::size_t i = 0; i < rows.times.size(); ++i)
+    if (out.times.empty() || rows.times[i] > out.times.back())
+      push(out, rows.times[i], rows.positions[i], rows.lines[i]);
+  return out;
+}
+
+TraceRows window(const TraceRows& rows, double from, double to) {
+  TraceRows out = without_samples(rows);
+  double begin = 0;
+  for (std::size_t i = 0; i < rows.times.size(); ++i) {
+    if (rows.times[i] < from || rows.times[i] > to) continue;
+    if (out.times.empty()) begin = rows.times[i];
+    push(out, rows.times[i] - begin, rows.positions[i], rows.lines[i]);
+  }
+  if (out.times.empty())
+    throw InputError(
+        "window", fmt::format("has no rows from {:g} s to {:g} s, expected some within 0 to {:g} s", from, to,
+                              rows.times.back()));
+  return out;
+}
+
+TraceRows resampled(const TraceRows& rows, double rate) {
+  TraceRows out = without_samples(rows);
+  const auto motion = make_trace_device(Trace{rows.times, rows.positions});
+  const auto last = static_cast<std::size_t>(std::floor(rows.times.back() * rate + 1e-9));
+  for (std::size_t k = 0; k <= last; ++k) {
+    const double t = static_cast<double>(k) / rate;
+    push(out, t, motion->position(t, Vec3::Zero()), 0);
+  }
+  return out;
+}
+
+}  // namespace forefeel

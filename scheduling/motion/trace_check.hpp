@@ -1,0 +1,66 @@
+#pragma once
+// What a recorded motion is like, before a session is spent on it, and its changes: shifted to the contact,
+// cut to a window, resampled.
+//
+// Speeds are |x_{i+1} - x_i| / (t_{i+1} - t_i). A gap is a step in time longer than three times the median
+// one. A rest is a stretch of rows that stay within rest_radius of its first row for at least rest_seconds.
+// Rows at a time that was already there, or before it, take part in no step.
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+#include "scheduling/motion/trace.hpp"
+
+namespace forefeel {
+
+constexpr double rest_radius = 1e-4;   // [m]
+constexpr double rest_seconds = 1;     // [s]
+constexpr double pressed_in = 5e-4;    // a motion that starts farther from rest starts pressed in [m]
+constexpr double outside_much = 0.05;  // a share of time outside the box above which it is said
+
+struct TraceCheck {
+  struct Times {
+    std::size_t repeated = 0, backward = 0;  // rows
+    std::size_t gaps = 0;
+    double longest_gap = 0;  // [s]; 0: no gap
+    double rate = 0;         // 1 / median step [Hz]; 0 with one row
+  };
+  struct Speed {
+    double p50 = 0, p95 = 0, p99 = 0, max = 0;  // [m/s]
+  };
+  struct Rests {
+    std::size_t count = 0;
+    double share = 0;                      // of the duration
+    double longest = 0, longest_from = 0;  // [s]
+  };
+  std::size_t rows = 0;
+  double seconds = 0;
+  Times times = {};
+  Speed speed = {};
+  Box box = {};
+  double start = 0;  // distance of the first row from rest [m]
+  Rests rests = {};
+  // Share of the rows outside the scene's box, and when the first one comes [s]; unset: no scene.
+  std::optional<double> outside = {}, outside_from = {};
+  bool starts_pressed_in() const { return start > pressed_in; }
+};
+
+// rows: at least one. space: the scene's box of states.
+TraceCheck check_trace(const TraceRows& rows, const std::optional<Box>& space);
+// What a session with this motion should know: starts pressed in, leaves the box, rests. One line each, empty
+// if there is nothing to say.
+std::vector<std::string> sayings(const TraceCheck& check);
+// Rows left out and columns not read: "orientation is not used …". Empty if there is nothing to say.
+std::vector<std::string> sayings(const TraceRows& rows);
+
+// The first row of each time; rows that go back are left out.
+TraceRows growing(const TraceRows& rows);
+// Rows from `from` to `to` [s], the first of them at time 0. InputError if there is none.
+TraceRows window(const TraceRows& rows, double from, double to);
+// Samples of the motion `rate` times a second, from its first row to its last (trace.hpp interpolates).
+TraceRows resampled(const TraceRows& rows, double rate);
+
+}  // namespace forefeel

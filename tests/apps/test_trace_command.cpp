@@ -1,0 +1,83 @@
+// forefeel trace, and what sessions and studies say of a recorded motion.
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/executable.hpp"
+#include "tests/support/paths.hpp"
+
+using forefeel::test::beam_scene;
+using forefeel::test::Workshop;
+
+namespace {
+
+// 1 s at 5 mm/s along y, then 2 s of rest; 100 Hz, mm and ms, two pens, an orientation.
+std::string recording() {
+  std::string text = "# recorder 3\ntime pen px py pz qw qx qy qz\n";
+  for (int i = 0; i <= 300; ++i) {
+    const std::string t = std::to_string(10 * i), y = std::to_string(0.05 * std::min(i, 100));
+    text += t + " A 1 " + y + " 0 1 0 0 0\n" + t + " B 900 " + y + " 0 1 0 0 0\n";
+  }
+  return text;
+}
+
+const std::string form = "rec.txt,columns=time/px/py/pz,unit=mm/ms,tool=A";
+
+}  // namespace
+
+TEST_CASE("trace checks a recording, changes it and writes it", "[trace]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  shop.write("rec.txt", recording());
+  const auto checked = shop.run("trace " + form + " --scene beam.toml --json");
+  INFO(checked.err);
+  REQUIRE(checked.code == 0);
+  const auto json = nlohmann::json::parse(checked.out);
+  CHECK(json["rows"] == 301);
+  CHECK(json["seconds"].get<double>() == Approx(3));
+  CHECK(json["rate"].get<double>() == Approx(100));
+  CHECK(json["speed"]["max"].get<double>() == Approx(0.005));
+  CHECK(json["starts_pressed_in"] == true);
+  CHECK(json["start"].get<double>() == Approx(0.001));
+  CHECK(json["rests"]["longest"].get<double>() == Approx(2).margin(0.021));
+  CHECK(json["orientation_ignored"] == true);
+  CHECK(json["outside"]["share"].is_number());
+
+  const auto written = shop.run("trace " + form + " --to-contact --from 0.2 --to 0.8 --rate 500 -o out.csv");
+  INFO(written.err);
+  REQUIRE(written.code == 0);
+  const auto again = nlohmann::json::parse(shop.run("trace out.csv --json").out);
+  CHECK(again["rows"] == 301);
+  CHECK(again["seconds"].get<double>() == Approx(0.6));
+  CHECK(again["start"] == 0.0);
+  CHECK(again["box"][1][1].get<double>() == Approx(0.003));
+}
+
+TEST_CASE("bad input of trace is refused", "[trace]") {
+  const Workshop shop;
+  shop.write("rec.txt", recording());
+  shop.write("beam.toml", beam_scene());
+  check_refused(shop, "trace rec.txt,columns=time/px/py/pz", {"several tools (pen)", "A, B"});
+  check_refused(shop, "trace rec.txt", {"no column 't'", "time, pen, px"});
+  check_refused(shop, "trace " + form + " --from 9 -o out.csv", {"--from"});
+  check_refused(shop, "trace " + form + " --to-contact --offset 0,0,1 -o out.csv", {"--offset"});
+  check_refused(shop, "trace " + form + " --rate 0 -o out.csv", {"--rate"});
+  check_refused(shop, "trace " + form + " -o rec.txt", {"rec.txt"});
+  check_refused(shop, "trace rec.txt,columns=a/b", {"columns is 'a/b'"});
+  check_refused(shop, "trace rec.txt,unit=furlong", {"unit is 'furlong'"});
+  check_refused(shop, "trace gone.csv", {"gone.csv"});
+}
+
+TEST_CASE("a session says what is unusual about its recorded motion", "[trace]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  shop.write("rec.txt", recording());
+  const auto run = shop.run("session beam.toml --clock virtual --device trace:" + form + " -o run --json");
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  const auto json = nlohmann::json::parse(run.out);
+  CHECK(json["seconds"].get<double>() == Approx(3).margin(0.01));
+  const std::string notes = json["notes"].dump();
+  CHECK_THAT(notes, Catch::Contains("starts pressed in: its first position is 1 mm from rest") &&
+                        Catch::Contains("rests for") && Catch::Contains("orientation is not used"));
+}
