@@ -29,7 +29,7 @@ TEST_CASE("trace checks a recording, changes it and writes it", "[trace]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   shop.write("rec.txt", recording());
-  const auto checked = shop.run("trace " + form + " --scene beam.toml --json");
+  const auto checked = shop.forefeel("trace " + form + " --scene beam.toml --json");
   INFO(checked.err);
   REQUIRE(checked.code == 0);
   const auto json = nlohmann::json::parse(checked.out);
@@ -43,10 +43,11 @@ TEST_CASE("trace checks a recording, changes it and writes it", "[trace]") {
   CHECK(json["orientation_ignored"] == true);
   CHECK(json["outside"]["share"].is_number());
 
-  const auto written = shop.run("trace " + form + " --to-contact --from 0.2 --to 0.8 --rate 500 -o out.csv");
+  const auto written =
+      shop.forefeel("trace " + form + " --to-contact --from 0.2 --to 0.8 --rate 500 -o out.csv");
   INFO(written.err);
   REQUIRE(written.code == 0);
-  const auto again = nlohmann::json::parse(shop.run("trace out.csv --json").out);
+  const auto again = nlohmann::json::parse(shop.forefeel("trace out.csv --json").out);
   CHECK(again["rows"] == 301);
   CHECK(again["seconds"].get<double>() == Approx(0.6));
   CHECK(again["start"] == 0.0);
@@ -72,7 +73,8 @@ TEST_CASE("a session says what is unusual about its recorded motion", "[trace]")
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   shop.write("rec.txt", recording());
-  const auto run = shop.run("session beam.toml --clock virtual --device trace:" + form + " -o run --json");
+  const auto run =
+      shop.forefeel("session beam.toml --clock virtual --device trace:" + form + " -o run --json");
   INFO(run.err);
   REQUIRE(run.code == 0);
   const auto json = nlohmann::json::parse(run.out);
@@ -80,4 +82,22 @@ TEST_CASE("a session says what is unusual about its recorded motion", "[trace]")
   const std::string notes = json["notes"].dump();
   CHECK_THAT(notes, Catch::Contains("starts pressed in: its first position is 1 mm from rest") &&
                         Catch::Contains("rests for") && Catch::Contains("orientation is not used"));
+}
+
+TEST_CASE("a study takes a trace's own length, unless it gives one itself, and says what the trace is like",
+          "[trace]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene("[session]\nseconds = 0.5\ncost = \"constant:0.01\"\n"));
+  shop.write("long.csv", "t,x,y,z\n0,0,0.002,0\n0.1,0,0.003,0\n0.8,0,0.003,0.001\n");
+  const auto seconds = [&](const std::string& given) {
+    shop.write("study.toml", "scene = \"beam.toml\"\nseeds = [1]\n" + given +
+                                 "[vary]\npolicy = [\"nearest\"]\ndevice = [\"trace:long.csv\"]\n");
+    const auto run = shop.forefeel("study study.toml -o out" + std::to_string(given.size()) + " --json");
+    INFO(run.err);
+    REQUIRE(run.code == 0);
+    CHECK_THAT(run.err, Catch::Contains("trace long.csv: starts pressed in: its first position is 2 mm"));
+    return run.json()["devices"][0]["seconds"].get<double>();
+  };
+  CHECK(seconds("") == Approx(0.801));
+  CHECK(seconds("[session]\nseconds = 0.3\n") == Approx(0.3));
 }
