@@ -1,0 +1,98 @@
+// A worker that returns what cannot be: a force 1000 times too strong, a stiffness of another body, NaN.
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "scheduling/plan/planner.hpp"
+#include "scheduling/plan/plausible.hpp"
+#include "scheduling/session/session_plan.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+
+namespace {
+
+State spring(const Vec3& x, double strength = 1) {
+  State state;
+  state.at = x;
+  state.force = -strength * 100 * x;
+  state.stiffness = strength * 100 * Mat3::Identity();
+  state.status = SolveStatus::converged;
+  return state;
+}
+
+// One worker; its answer comes when the test asks for it.
+struct OneWorker final : Generator {
+  std::optional<Job> job;
+  int workers() const override { return 1; }
+  void dispatch(int, Job given) override { job = std::move(given); }
+  void cancel(int) override {}
+  JobResult answer(const State& state) {
+    JobResult result{.dispatch = job->dispatch,
+                     .worker = 0,
+                     .started = 0,
+                     .finished = 0.01,
+                     .state = state,
+                     .equilibrium = nullptr};
+    job.reset();
+    return result;
+  }
+};
+
+struct Bench {
+  SessionInput input = testing::small_input();
+  SessionPlan plan = make_plan(input, testing::virtual_options());
+  OneWorker worker;
+  std::vector<State> told;
+  Planner planner{planner_setup(plan), worker, {.on_state = [this](const State& s) { told.push_back(s); }}};
+  int k = 0;
+
+  void solve(double strength) {  // the next state
+    const double now = 0.01 * ++k;
+    planner.observe({.t = now, .at = Vec3::Zero(), .velocity = Vec3::Zero()});
+    planner.plan(now);
+    REQUIRE(worker.job.has_value());
+    planner.receive(worker.answer(spring(worker.job->at, strength)), now);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a state that known ones beside it contradict is set aside, and the session goes on") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double wrong : {1000.0, nan}) {
+    CAPTURE(wrong);
+    Bench b;
+    for (int i = 0; i < 5; ++i) b.solve(1);
+    CHECK(b.planner.space().size() == 5);
+    b.solve(wrong);
+    CHECK(b.planner.space().size() == 5);
+    CHECK(b.planner.failed() == 1);
+    CHECK_FALSE(b.told.back().usable());  // nor does a later session begin with it
+    b.solve(10);                          // stiffer than its neighbours, as a body may be
+    CHECK(b.planner.space().size() == 6);
+    CHECK(b.planner.failed() == 1);
+    CHECK(b.planner.solved() == 6);
+  }
+}
+
+TEST_CASE("far too strong: the bound, and what is said without neighbours") {
+  StateSpaceOptions options;
+  options.spacing = 0.006;
+  options.box = {Vec3::Constant(-0.024), Vec3::Constant(0.024)};
+  StateSpace space(options);
+  const Vec3 x(0.006, 0, 0);
+  CHECK_FALSE(is_far_too_strong(spring(x, 1000), space));  // nothing is known yet
+  space.insert(spring(Vec3::Zero()));
+  CHECK(is_far_too_strong(spring(x, 1000), space));
+  CHECK_FALSE(is_far_too_strong(spring(x, 90), space));
+  CHECK_FALSE(is_far_too_strong(spring(Vec3(0.013, 0, 0), 1000), space));  // farther than two spacings
+  State no_stiffness = spring(x, 90);
+  no_stiffness.stiffness.setConstant(unknown);
+  CHECK_FALSE(is_far_too_strong(no_stiffness, space));
+  no_stiffness.force *= 1e4;
+  CHECK(is_far_too_strong(no_stiffness, space));
+}
