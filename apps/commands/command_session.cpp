@@ -314,10 +314,10 @@ void add_session(CommandLine& line) {
   const Option extend = sub.flag("--extend", given->states.extend,
                                  "Append what is solved to the file of --states; it is made if missing");
   sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
-  sub.option(
-      "--device", given->device,
-      "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], trace:FILE[,columns=…,rate=…,unit=…,tool=…,"
-      "scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
+  sub.option("--device", given->device,
+             "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], "
+             "trace:FILE[,columns=…,rate=…,unit=…,tool=…,"
+             "scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
   sub.option("--clock", given->clock, "real or virtual");
   sub.option("--seconds", given->seconds, "Length [s]");
   sub.option("--workers", given->workers, "Workers that solve");
