@@ -276,7 +276,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   document["failures"] = salvage.failures();
   if (globals.json) print_json(document);
   if (!globals.json) tell(globals, summary, run);
-  return exit_code(globals, result, plan, salvage.failures());
+  const int code = exit_code(globals, result, plan, salvage.failures());
+  if (!summary.energy.stability || summary.energy.stability->stable) return code;
+  if (globals.json || globals.quiet) warn(globals, attention(summary).front());
+  flush_warnings();
+  return 1;
 }
 
 int run_with_mpi(const Globals& globals, const SessionArguments& given) {

@@ -26,6 +26,18 @@ std::string clamped(const SessionSummary::Safety& safety) {
       100 * safety.clamped_share, limit);
 }
 
+std::string unstable(const StabilityReport& report, const SessionSummary::Safety& safety) {
+  std::string line = fmt::format("ran, but unstable at {:.3g} s", report.since);
+  if (report.generated > 0)
+    line += fmt::format("; the loop generated {:.3g} J within a second", report.generated);
+  if (std::isfinite(report.frequency))
+    line += fmt::format("; the hand shakes at {:.3g} Hz, {:.2g} mm RMS", report.frequency,
+                        1e3 * report.amplitude);
+  if (safety.clamped_share > clamped_too_often)
+    line += fmt::format("; {:.3g} % of the frames were clamped", 100 * safety.clamped_share);
+  return line;
+}
+
 std::string samples(const char* what, std::size_t n) {
   return fmt::format("{} rest on {} sample{}", what, n, n == 1 ? "" : "s");
 }
@@ -35,6 +47,8 @@ std::string samples(const char* what, std::size_t n) {
 std::vector<std::string> attention(const SessionSummary& summary) {
   const auto& [motion, safety, states] = std::tie(summary.motion, summary.safety, summary.states);
   std::vector<std::string> lines;
+  const std::optional<StabilityReport>& stability = summary.energy.stability;
+  if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
   if (motion.starts_wrong) lines.push_back(pressed_in(motion));
   if (motion.outside > outside_too_often)

@@ -1,5 +1,5 @@
 #pragma once
-// What a reader must know before any figure of a session: what no method could answer (a motion that starts
+// What a reader must know before any figure of a session: that it is unstable (record/stability.hpp), what no method could answer (a motion that starts
 // pressed in, or leaves the box of states) and what makes figures mean less than they say (clamped frames,
 // inverted elements, few samples). Console, report.html and summary.json begin with these lines.
 

@@ -7,6 +7,7 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/state_outcome.hpp"
+#include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/render/render_loop.hpp"
 
@@ -204,6 +205,28 @@ SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& op
           .failures = result.failures};
 }
 
+HandNumbers hand_numbers(const HandMotion& motion) {
+  const HandOptions usual;
+  const HandProfile& profile = profile_of(motion.profile);
+  return {.grip = motion.grip,
+          .damping = 2 * usual.damping_ratio * std::sqrt(motion.grip * usual.mass),
+          .mass = usual.mass,
+          .tremor = std::hypot(motion.target.tremor, motion.target.noise),
+          .resolution = profile.resolution,
+          .stiffness = profile.stiffness};
+}
+
+SessionSummary::Energy energy_of(const SessionResult& result, const SessionInput& input,
+                                 const SessionOptions& options) {
+  SessionSummary::Energy energy{.generated = result.safety.generated, .work = result.safety.work};
+  if (options.motion.replay) return energy;
+  const auto* hand = input.parts.device ? nullptr : std::get_if<HandMotion>(&options.motion.device.motion());
+  if (hand) energy.hand = hand_numbers(*hand);
+  if (hand || (input.parts.device && input.parts.device->answers_force()))
+    energy.stability = judge_stability(result.frames, energy.hand, options.clock.frame);
+  return energy;
+}
+
 SessionSummary::Loop loop_of(const LoopReport& loop, const SessionOptions& options) {
   const bool real = options.clock.kind == Clock::real;
   return {.skipped = loop.skipped,
@@ -260,7 +283,7 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .switching = switching_of(result, options.switching.rule, options.clock.frame),
           .error = error_of(result, options.switching),
           .load = load_of(result, input, options),
-          .energy = {.generated = result.safety.generated, .work = result.safety.work},
+          .energy = energy_of(result, input, options),
           .safety = safety_of(result),
           .loop = loop_of(result.loop, options),
           .motion = motion_of(result, input.touched.space, options)};
@@ -270,6 +293,9 @@ SessionSummary summarise(const SessionResult& result, const SessionPlan& plan) {
   SessionSummary summary = summarise(result, plan.input, plan.options);
   summary.run.frames_asked = plan.frames;
   summary.safety.force_limit = plan.render.safety.force_limit;
+  std::optional<StabilityReport>& stability = summary.energy.stability;
+  if (!stability && plan.device->answers_force())  // of a registered device
+    stability = judge_stability(result.frames, summary.energy.hand, plan.options.clock.frame);
   return summary;
 }
 

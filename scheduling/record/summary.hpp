@@ -17,11 +17,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/coverage/coverage.hpp"
 #include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/record/stability.hpp"
 #include "scheduling/session/session.hpp"
 
 namespace forefeel {
@@ -82,6 +84,8 @@ struct SessionSummary {
   };
   struct Energy {
     double generated = 0, work = 0;  // [J]
+    HandNumbers hand = {};
+    std::optional<StabilityReport> stability = {};  // where the motion answers the force
   };
   // Frames in which a safety rule acted, and two of these numbers as shares of all frames.
   struct Safety {
