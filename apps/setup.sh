@@ -9,7 +9,7 @@ set -euo pipefail
 
 packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboost-dev libtet1.5-dev libsqlite3-dev libcli11-dev
           libtomlplusplus-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libnanoflann-dev
-          zlib1g-dev catch2 gnuplot-nox libjs-three)
+          zlib1g-dev libnifti2-dev catch2 gnuplot-nox libjs-three)
 case "${1:-}" in
   "") ;;
   tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx python3-dolfinx

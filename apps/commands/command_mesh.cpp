@@ -1,5 +1,5 @@
-// forefeel mesh SURFACE -o OUT.msh: repairs, decimates and fills a surface; or makes a phantom; or cleans a
-// volume mesh.
+// forefeel mesh SURFACE -o OUT.msh: repairs, decimates and fills a surface; or meshes a label volume; or makes a
+// phantom; or cleans a volume mesh.
 
 #include <fmt/format.h>
 
@@ -10,12 +10,14 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/extent.hpp"
+#include "apps/commands/mesh_labels.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/look_at_it.hpp"
 #include "apps/console/values.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/image/label_volume.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_summary.hpp"
 #include "geometry/meshing/deviation.hpp"
@@ -27,7 +29,7 @@ namespace forefeel {
 namespace {
 
 struct MeshArguments {
-  std::string input, output, phantom;
+  std::string input, output, phantom, labels;
   std::optional<long long> elements;
   std::optional<double> length, time_limit;
 };
@@ -39,6 +41,7 @@ struct MadeMesh {
   double hausdorff = std::numeric_limits<double>::quiet_NaN();      // [m]
   double volume_change = std::numeric_limits<double>::quiet_NaN();  // (mesh - surface) / surface
   std::vector<std::string> warnings;
+  std::optional<LabelBody> labels = {};  // of a label volume; its mesh is moved to the one above
 };
 
 void check_arguments(const MeshArguments& arguments) {
@@ -46,6 +49,8 @@ void check_arguments(const MeshArguments& arguments) {
     throw InputError("mesh", arguments.input.empty()
                                  ? "no surface given, expected a file or --phantom NAME"
                                  : "both a file and --phantom given, expected one of them");
+  if (!arguments.labels.empty() && !is_label_volume_file(arguments.input))
+    throw InputError("--labels", fmt::format("needs a label volume, expected {}", label_volume_extensions));
   if (!is_written_mesh(arguments.output))
     throw InputError(arguments.output, "expected a name that ends in .msh or .vtu");
   if (arguments.elements && (*arguments.elements < 1 || *arguments.elements > 20'000'000))
@@ -84,6 +89,19 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   return made;
 }
 
+MadeMesh from_labels(const MeshArguments& arguments, Progress& progress) {
+  LabelMeshOptions options{.length = arguments.length, .time_limit = arguments.time_limit};
+  if (!arguments.labels.empty()) options.labels = parse_labels(arguments.labels);
+  if (arguments.elements) options.elements = static_cast<std::size_t>(*arguments.elements);
+  MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
+  made.labels = body_of_labels(arguments.input, options, progress);
+  made.mesh = std::move(made.labels->mesh);
+  made.hausdorff = made.labels->report.hausdorff;
+  for (const std::string& warning : made.labels->report.warnings)
+    made.warnings.push_back(arguments.input + ": " + warning);
+  return made;
+}
+
 MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   // How long a surface takes is not known beforehand: the line gives the step, and the time so far.
   Progress progress(globals, "mesh");
@@ -100,12 +118,13 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
     if (arguments.length) scale_to_length(made.mesh, *arguments.length);
     return made;
   }
+  if (is_label_volume_file(arguments.input)) return from_labels(arguments, progress);
   if (is_surface_file(arguments.input))
     return from_surface(read_surface(arguments.input), arguments, arguments.input, progress);
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
     throw InputError(arguments.input,
-                     "unknown kind of file, expected a surface (.obj .off .stl .ply .vtp .vtk) or a mesh "
-                     "(.msh .vtk .vtu .mesh)");
+                     "unknown kind of file, expected a surface (.obj .off .stl .ply .vtp .vtk), a mesh "
+                     "(.msh .vtk .vtu .mesh) or a label volume (.nii .nii.gz .mha .nrrd .vti)");
   TetMesh mesh = read_mesh(arguments.input);
   MeshCheck check = check_and_orient(mesh, arguments.input);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
@@ -150,6 +169,7 @@ nlohmann::ordered_json document_of(const MadeMesh& made, const MeshSummary& sum,
   document["surface_triangles"] = sum.surface_triangles;
   document["groups"] = nlohmann::ordered_json::object();
   for (const auto& [name, nodes] : sum.groups) document["groups"][name] = nodes;
+  if (made.labels) document["labels"] = labels_json(made.labels->report);
   document["file"] = output;
   document["warnings"] = made.warnings;
   return document;
@@ -162,6 +182,7 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, 
           output, sum.elements, sum.nodes, sum.box.size().maxCoeff(), 1e6 * sum.quality.volume,
           sum.quality.min_dihedral_deg, sum.quality.max_dihedral_deg));
   say(globals, "within " + box_text(sum.box));
+  if (made.labels) tell_labels(globals, *made.labels);
   if (!made.repaired) return;
   const RepairReport& r = made.report.repair;
   say(globals, fmt::format("surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff "
@@ -191,16 +212,22 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 
 void add_mesh(CommandLine& line) {
   auto arguments = std::make_shared<MeshArguments>();
-  Command sub = line.add("mesh", "Make a tetrahedral mesh from a surface, a volume mesh or a built-in body");
+  Command sub = line.add(
+      "mesh", "Make a tetrahedral mesh from a surface, a label volume, a volume mesh or a built-in body");
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
   sub.option("SURFACE", arguments->input,
-             "Surface (.obj .off .stl .ply .vtp .vtk) or mesh (.msh .vtk .vtu .mesh)")
+             "Surface (.obj .off .stl .ply .vtp .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
+             "(.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
   sub.option("-o,--output", arguments->output, "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")
       .required()
       .shows("OUT.msh");
-  sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 %").shows("N");
+  sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 % [label volume: 20000]")
+      .shows("N");
+  sub.option("--labels", arguments->labels,
+             "Labels of a label volume and names of their groups, 1=liver,7=tumour [all, as label_7]")
+      .shows("LABEL=NAME,...");
   sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
   sub.option("--time-limit", arguments->time_limit,
              "Time for the surface, all tries together [s] [120; for above 600000 elements N/5000]")

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <sys/mman.h>
 
 #include <atomic>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/meshing_progress.hpp"
+#include "geometry/meshing/shared_value.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/meshing/surface_process.hpp"
 #include "geometry/meshing/tet_fill.hpp"
@@ -59,23 +59,6 @@ struct Told {
   std::atomic<int> step = 0, attempt = 0, fills = 0;
 };
 static_assert(std::atomic<int>::is_always_lock_free);
-
-class SharedTold {
- public:
-  SharedTold()
-      : at_(::mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
-    if (at_ == MAP_FAILED) throw std::bad_alloc();
-    told_ = new (at_) Told;
-  }
-  ~SharedTold() { ::munmap(at_, sizeof(Told)); }
-  SharedTold(const SharedTold&) = delete;
-  SharedTold& operator=(const SharedTold&) = delete;
-  Told& operator*() const { return *told_; }
-
- private:
-  void* at_;
-  Told* told_ = nullptr;
-};
 
 void tell(Told& told, MeshingStep step) {
   told.step = static_cast<int>(step);
@@ -291,7 +274,7 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
   const double limit = options.time_limit.value_or(default_time_limit(options.elements));
   const auto deadline =
       std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * limit));
-  const SharedTold shared;
+  const SharedValue<Told> shared;
   Told& told = *shared;
   const auto tick = [&] {
     if (show)

@@ -6,11 +6,13 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "geometry/image/label_volume.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/geometry/state_samples.hpp"
+#include "tests/support/label_samples.hpp"
 #include "tests/support/labelled_meshes.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -21,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> mesh_extensions{".msh", ".vtk", ".vtu", ".mesh"},
+    label_extensions{".nii", ".mha", ".nrrd", ".vti"},
     surface_extensions{".obj", ".off", ".stl", ".ply", ".vtp", ".vtk"};
 
 void read_any_mesh(std::string_view input) {
@@ -42,6 +45,16 @@ void read_any_surface(std::string_view input) {
     for (const NodeIndex node : triangle)
       if (node < 0 || static_cast<std::size_t>(node) >= surface.nodes.size())
         throw std::logic_error("a triangle names a vertex that is not there");
+}
+
+void read_any_labels(std::string_view input) {
+  const NamedInput named = named_input(input, label_extensions);
+  const LabelVolume volume =
+      read_label_volume(file_of("labels" + std::string(named.extension), named.content));
+  if (volume.voxels.size() != static_cast<std::size_t>(volume.size[0] * volume.size[1] * volume.size[2]))
+    throw std::logic_error("a volume without all of its voxels");
+  for (const std::uint8_t voxel : volume.voxels)
+    if (voxel >= volume.values.size()) throw std::logic_error("a voxel without a label");
 }
 
 void read_state_file(std::string_view input) {
@@ -77,6 +90,10 @@ std::vector<Target> geometry_targets() {
   };
   return {{"mesh", read_any_mesh, mesh_seeds},
           {"surface", read_any_surface, [] { return seeds_of(test::surface_files(test::unit_cube())); }},
+          {"labels", read_any_labels,
+           [] {
+             return seeds_of(test::label_files(test::nested_spheres({5, 4, 3}, {1, 2, 3}, 4, 2)));
+           }},
           {"states", read_state_file, [] {
              return std::vector{bytes_of_states(0), bytes_of_states(3), bytes_of_states(60)};
            }}};

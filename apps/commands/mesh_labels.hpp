@@ -1,0 +1,26 @@
+#pragma once
+// `forefeel mesh` of a label volume: what its options say, and what it tells.
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "apps/console/console.hpp"
+#include "geometry/meshing/label_mesh.hpp"
+
+namespace forefeel {
+
+// "1=liver,7=tumour" as label -> name; InputError for anything else, for a label or a name given twice.
+std::map<std::int64_t, std::string> parse_labels(const std::string& text);
+
+struct LabelBody {
+  TetMesh mesh;
+  LabelMeshReport report;
+  std::string taken;  // "120 x 120 x 80 voxels of 0.8 x 0.8 x 2 mm, lengths taken in mm"
+};
+LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, Progress& progress);
+
+nlohmann::ordered_json labels_json(const LabelMeshReport& report);
+void tell_labels(const Globals& globals, const LabelBody& body);
+
+}  // namespace forefeel
