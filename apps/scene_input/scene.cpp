@@ -10,6 +10,7 @@
 #include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/scene_declared.hpp"
+#include "apps/scene_input/scene_materials.hpp"
 #include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
@@ -248,6 +249,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     share_body(*like, scene);
   else
     take_body(read_body(sections, file.parent_path(), file.string(), scene.warnings), scene);
+  scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;

@@ -25,6 +25,7 @@ struct Scene {
   BodyIdentity identity;             // mesh, material, clamp, contact -> hash
   StateSpaceOptions space;
   bool displacements = false;
+  Viscosity viscosity = {};  // of all materials
   // Of the relative error where the label is safe [1]; spacing = "auto" meets it.
   double tolerance = usual_tolerance;
   bool automatic_spacing = false;               // spacing = "auto"

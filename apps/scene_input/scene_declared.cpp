@@ -66,7 +66,18 @@ DeclaredTable material_table() {
       {{"group", "", "", "name of a group of tetrahedra of the mesh; without it, the table is for the rest"},
        {"law", "", with_mesh(std::string(name(soft.law))), any_of(laws)},
        {"young", "Pa", with_mesh(shown(soft.young)), "Young's modulus at small strain"},
-       {"poisson", "1", with_mesh(shown(soft.poisson)), "Poisson's ratio, between -1 and 0.5"}}};
+       {"poisson", "1", with_mesh(shown(soft.poisson)), "Poisson's ratio, between -1 and 0.5"},
+       {"viscosity", "", "",
+        "[[material.viscosity]] tables: the tissue relaxes; the same for all materials"}}};
+}
+
+DeclaredTable viscosity_table() {
+  return {
+      "material.viscosity",
+      "[[material.viscosity]]: a branch of a generalised Maxwell tissue. The law is that of a fast press; a "
+      "held one relaxes to 1 - the sum of the shares of it.",
+      {{"share", "1", needed, "of the force that relaxes, between 0 and 1; their sum is below 1"},
+       {"time", "s", needed, "relaxation time, in which that share falls to 37 %"}}};
 }
 
 std::vector<DeclaredTable> boundary_tables() {
@@ -184,7 +195,7 @@ std::vector<DeclaredTable> session_tables() {
 }
 
 std::vector<DeclaredTable> all_tables() {
-  std::vector<DeclaredTable> tables{body_table(), material_table()};
+  std::vector<DeclaredTable> tables{body_table(), material_table(), viscosity_table()};
   for (DeclaredTable& table : boundary_tables()) tables.push_back(std::move(table));
   tables.push_back(space_table());
   tables.push_back(model_table());

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/scene_input/scene_declared.hpp"
 #include "solver/body/material_limits.hpp"
 
 namespace forefeel {
@@ -41,7 +42,33 @@ const std::vector<TetIndex>& tets_of(const MaterialTable& of, const TetMesh& mes
   return mesh.element_groups.at(names[chosen_word(of.table, "group", of.group, names)]);
 }
 
+// The [[material.viscosity]] tables of one material.
+Viscosity viscosity_of(const SceneTable& material) {
+  Viscosity viscosity;
+  for (const SceneTable& branch : material.subs("viscosity", keys_of("material.viscosity"))) {
+    const auto share = branch.number("share", {0, 1, true, true, "a number between 0 and 1, both excluded"});
+    const auto time = branch.number("time", {0, 1e9, true, false, "a number above 0 [s]"});
+    if (!material.has("viscosity")) return {};
+    if (!share) throw branch.wrong("share", "a number between 0 and 1, both excluded");
+    if (!time) throw branch.wrong("time", "a number above 0 [s]");
+    viscosity.push_back({*share, *time});
+  }
+  const std::string problem = problem_of(viscosity);
+  if (!problem.empty()) throw InputError(material.where("viscosity"), "has " + problem);
+  return viscosity;
+}
+
 }  // namespace
+
+Viscosity read_viscosity(const std::vector<SceneTable>& tables) {
+  const Viscosity first = viscosity_of(tables.front());
+  for (const SceneTable& table : tables)
+    if (viscosity_of(table) != first)
+      throw InputError(table.where("viscosity"),
+                       "differs from that of the first [[material]], expected the same in every table: the "
+                       "force at the tip has one relaxation function");
+  return first;
+}
 
 std::vector<MaterialTable> read_materials(const std::vector<SceneTable>& tables, bool defaults) {
   std::vector<MaterialTable> read;

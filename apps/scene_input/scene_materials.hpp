@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "approx/relaxation/relaxation.hpp"
 #include "apps/scene_input/scene_table.hpp"
 #include "solver/body/body.hpp"
 
@@ -17,6 +18,10 @@ struct MaterialTable {
 
 // defaults: keys that are not given have default values, as for phantoms.
 std::vector<MaterialTable> read_materials(const std::vector<SceneTable>& tables, bool defaults);
+
+// The viscosity of the body, which is that of every table: the rendered force has one relaxation function.
+// InputError if they differ.
+Viscosity read_viscosity(const std::vector<SceneTable>& tables);
 
 // Sets the body's material and regions. InputError: a group that the mesh does not name, tetrahedra in two
 // groups or in none. Warns of a table without effect.

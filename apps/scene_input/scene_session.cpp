@@ -12,7 +12,8 @@ SessionInput session_input(const Scene& scene) {
                       .identity = scene.identity,
                       .space = scene.space,
                       .displacements = scene.displacements,
-                      .inward = scene.inward},
+                      .inward = scene.inward,
+                      .viscosity = scene.viscosity},
           .files = {.cache = cache_folder(), .scene = std::filesystem::absolute(scene.file).parent_path()}};
 }
 

@@ -6,9 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "scheduling/judge/viscous_reference.hpp"
 #include "scheduling/judge/visited_cells.hpp"
 #include "scheduling/render/session_model.hpp"
 
@@ -21,8 +23,21 @@ void judge(FrameRecord& frame, const Vec3& reference, const Vec3& fresh, double 
   judged.reference = reference;
   judged.error = (frame.force - reference).norm() / scale;
   judged.approximation = (frame.undamped - reference).norm() / scale;
-  judged.switching = (frame.force - frame.undamped).norm() / scale;
+  judged.switching = (frame.elastic - frame.undamped).norm() / scale;
   judged.staleness = (frame.undamped - fresh).norm() / scale;
+}
+
+// The error of a viscous body: the reference passes the same filter as the rendered force.
+void judge_viscous(std::span<const SampledState> samples, const Viscosity& viscosity, double floor,
+                   std::vector<FrameRecord>& frames) {
+  const std::vector<Vec3> forces = viscous_reference(frames, samples, viscosity);
+  for (const SampledState& sample : samples) {
+    const Vec3& force = forces[sample.frame];
+    Judgement& judged = frames[sample.frame].judged;
+    judged.elastic_reference = judged.reference;
+    judged.reference = force;
+    judged.error = (frames[sample.frame].force - force).norm() / std::max(force.norm(), floor);
+  }
 }
 
 // Selects the sampled frames: by arc length, and every visit_stride-th first visit of a lattice cell. The
@@ -89,6 +104,7 @@ struct SessionJudge::Impl {
         samples(all.options(), setup.judging),
         known(all),
         model(all, setup.model),
+        viscosity(setup.viscosity),
         errors(setup.errors),
         floor(setup.judging.error_floor) {}
 
@@ -103,7 +119,8 @@ struct SessionJudge::Impl {
   SessionModel model;
   PathWalk walk;
   Vec3 last = Vec3::Zero();
-  std::vector<Found> found;                                                                  // by frame
+  std::vector<Found> found;  // by frame
+  const Viscosity viscosity;
   bool errors;                                                                               // wanted
   double floor;                                                                              // f0 [N]
   std::chrono::steady_clock::time_point end = std::chrono::steady_clock::time_point::max();  // of waiting
@@ -160,6 +177,7 @@ std::optional<State> SessionJudge::Impl::wait_for(const Vec3& at, bool interrupt
 void SessionJudge::Impl::enter_errors(const std::vector<std::size_t>& chosen, SessionResult& result,
                                       const ShowProgress& show) {
   std::size_t failed = 0, late = 0;
+  std::vector<SampledState> samples_known;  // of a viscous body
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     FrameRecord& frame = result.frames[chosen[i]];
     const std::optional<State> reference = wait_for(frame.at, result.interrupted());
@@ -169,12 +187,15 @@ void SessionJudge::Impl::enter_errors(const std::vector<std::size_t>& chosen, Se
       judge(frame, reference->force, found[chosen[i]].fresh, floor);
     else
       ++failed;
+    if (!viscosity.empty() && reference && reference->usable())
+      samples_known.push_back({chosen[i], *reference});
     if (show)
       show({.phase = SessionPhase::references,
             .t = static_cast<double>(i + 1),
             .seconds = static_cast<double>(chosen.size()),
             .known = result.states.size()});
   }
+  if (!viscosity.empty()) judge_viscous(samples_known, viscosity, floor, result.frames);
   if (late > 0) {
     if (result.end == RunEnd::whole) result.end = RunEnd::interrupted;
     result.notes.push_back(

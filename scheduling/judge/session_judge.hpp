@@ -7,12 +7,15 @@
 //     switch         |F - f~|
 //     staleness      |f~ - f~*|   f~* the force of a model made from all states known at that moment
 //   each over max(|f|, f0), f0 = error_floor
+// Of a viscous body: f and F of `error` are the forces after the relaxation filter (viscous_reference.hpp), the three
+// parts compare elastic forces before it.
 // Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell. The
 // judge is a stage that follows the run: it computes labels, samples and f~* frame by frame. finish() writes
 // them to the result, waits for the references and adds the errors.
 
 #include <memory>
 
+#include "approx/relaxation/relaxation.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/judge/frame_pipeline.hpp"
 #include "scheduling/judge/judging_options.hpp"
@@ -27,7 +30,8 @@ struct JudgeSetup {
   ModelRecipe model = {};
   JudgingOptions judging = {};
   StopOptions stop = {};
-  bool errors = true;  // false: labels alone; there is no body to compare with
+  Viscosity viscosity = {};  // of the body
+  bool errors = true;        // false: labels alone; there is no body to compare with
 };
 
 class SessionJudge final : public FrameStage {

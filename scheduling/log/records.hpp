@@ -23,9 +23,10 @@ struct SwitchStep {
 // For sampled frames: the force of a tight solve, and the errors of the rendered force. Errors are relative
 // to max(|reference|, error_floor); judge/session_judge.hpp defines them.
 struct Judgement {
-  bool sampled = false;                      // by arc length
-  bool first_visit = false;                  // of a lattice cell
-  Vec3 reference = Vec3::Constant(unknown);  // [N]
+  bool sampled = false;                              // by arc length
+  bool first_visit = false;                          // of a lattice cell
+  Vec3 reference = Vec3::Constant(unknown);          // [N]; of a viscous body: after the same filter
+  Vec3 elastic_reference = Vec3::Constant(unknown);  // of a viscous body: before it [N]
   double error = unknown, approximation = unknown, switching = unknown, staleness = unknown;  // [1]
 };
 
@@ -37,7 +38,8 @@ struct FrameTiming {             // real clock only
 struct FrameRecord {
   double t = 0;                  // [s]
   Vec3 at = Vec3::Zero();        // of the HIP [m]
-  Vec3 force = Vec3::Zero();     // as rendered by the switch [N]
+  Vec3 force = Vec3::Zero();     // as rendered: by the switch, and of a viscous body after its filter [N]
+  Vec3 elastic = Vec3::Zero();   // by the switch, before that filter [N]
   Vec3 sent = Vec3::Zero();      // after safety, to the device [N]
   Vec3 undamped = Vec3::Zero();  // of the newest model [N]
   Label label = Label::blank;    // at the HIP, from the states known in this frame

@@ -60,6 +60,7 @@ struct SessionResult {
   SolverReport solver;
   ProcessReport process;
   double guess_softness = unknown;  // of the plan (session/session_plan.hpp)
+  bool viscous = false;             // the elastic force passed a relaxation function
   double wall_seconds = 0;          // session, labels and references; without file access
   RunEnd end = RunEnd::whole;
   std::vector<std::string> notes;     // what the system refused, what failed

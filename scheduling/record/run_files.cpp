@@ -45,7 +45,16 @@ template <class Record>
 struct RunColumn {
   std::string_view names, unit, meaning;
   void (*write)(Text&, const Record&);
-  bool real = false;  // under the real clock only
+  bool real = false;     // under the real clock only
+  bool viscous = false;  // of a viscous body only
+};
+
+struct Circumstances {
+  bool real = false, viscous = false;
+  template <class Record>
+  bool show(const RunColumn<Record>& column) const {
+    return (real || !column.real) && (viscous || !column.viscous);
+  }
 };
 
 using Frame = FrameRecord;
@@ -91,7 +100,11 @@ constexpr RunColumn<Frame> frame_columns[] = {
     {"cost_us", "us", "time to compute the frame", [](Text& o, const Frame& f) { put(o, f.timing.cost_us); },
      true},
     {"lateness_us", "us", "delay of the frame's start",
-     [](Text& o, const Frame& f) { put(o, f.timing.lateness_us); }, true}};
+     [](Text& o, const Frame& f) { put(o, f.timing.lateness_us); }, true},
+    {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
+     [](Text& o, const Frame& f) { put(o, f.elastic); }, false, true},
+    {"elastic_rx,elastic_ry,elastic_rz", "N", "force of the tight solve before the relaxation function",
+     [](Text& o, const Frame& f) { put(o, f.judged.elastic_reference); }, false, true}};
 
 using Dispatched = DispatchRecord;
 constexpr RunColumn<Dispatched> dispatch_columns[] = {
@@ -134,19 +147,20 @@ constexpr RunColumn<Change> switch_columns[] = {
     {"fit_us", "us", "time to make the model", [](Text& o, const Change& s) { put(o, s.fit_us); }, true}};
 
 template <class Record>
-std::string header_of(std::span<const RunColumn<Record>> columns, bool real) {
+std::string header_of(std::span<const RunColumn<Record>> columns, const Circumstances& of) {
   std::string header;
   for (const RunColumn<Record>& column : columns)
-    if (real || !column.real) header += (header.empty() ? "" : ",") + std::string(column.names);
+    if (of.show(column)) header += (header.empty() ? "" : ",") + std::string(column.names);
   return header + '\n';
 }
 
 template <class Record>
-Text rows_of(std::span<const Record> records, std::span<const RunColumn<Record>> columns, bool real) {
+Text rows_of(std::span<const Record> records, std::span<const RunColumn<Record>> columns,
+             const Circumstances& of) {
   Text out;
   for (const Record& record : records) {
     for (const RunColumn<Record>& column : columns) {
-      if (column.real && !real) continue;
+      if (!of.show(column)) continue;
       if (&column != columns.data()) out.push_back(',');
       column.write(out, record);
     }
@@ -158,16 +172,16 @@ Text rows_of(std::span<const Record> records, std::span<const RunColumn<Record>>
 // Parts of a long table are made side by side.
 template <class Record>
 void write(const std::filesystem::path& file, std::span<const Record> records,
-           std::span<const RunColumn<Record>> columns, bool real) {
+           std::span<const RunColumn<Record>> columns, const Circumstances& of) {
   const std::size_t n = records.size(), parts = n < 1000 ? 1 : 4;
   std::vector<std::future<Text>> texts;
   for (std::size_t part = 0; part < parts; ++part) {
     const std::size_t first = part * n / parts, last = (part + 1) * n / parts;
     texts.push_back(std::async(std::launch::async, [mine = records.subspan(first, last - first), columns,
-                                                    real] { return rows_of(mine, columns, real); }));
+                                                    of] { return rows_of(mine, columns, of); }));
   }
   OutputFile out(file);
-  out.write(header_of(columns, real));
+  out.write(header_of(columns, of));
   for (std::future<Text>& text : texts) {
     const Text mine = text.get();
     out.write({mine.data(), mine.size()});
@@ -180,7 +194,9 @@ std::vector<Declared> declared(std::span<const RunColumn<Record>> columns) {
   std::vector<Declared> rows;
   for (const RunColumn<Record>& column : columns)
     rows.push_back({std::string(column.names), std::string(column.unit), "",
-                    std::string(column.meaning) + (column.real ? "; real clock only" : "")});
+                    std::string(column.meaning) + (column.real      ? "; real clock only"
+                                                   : column.viscous ? "; viscous bodies only"
+                                                                    : "")});
   return rows;
 }
 
@@ -208,14 +224,16 @@ void prepare_run_folder(const std::filesystem::path& folder) {
 
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options) {
-  const bool real = options.clock.kind == Clock::real;
+  const Circumstances of_run{.real = options.clock.kind == Clock::real, .viscous = result.viscous};
   std::future<std::string> others = std::async(std::launch::async, [&] {
-    return problem_of(
-               [&] { write<Dispatched>(folder / "dispatch.csv", result.dispatch, dispatch_columns, real); }) +
-           problem_of([&] { write<Change>(folder / "switches.csv", result.switches, switch_columns, real); });
+    return problem_of([&] {
+             write<Dispatched>(folder / "dispatch.csv", result.dispatch, dispatch_columns, of_run);
+           }) +
+           problem_of(
+               [&] { write<Change>(folder / "switches.csv", result.switches, switch_columns, of_run); });
   });
   std::string problems =
-      problem_of([&] { write<Frame>(folder / "frames.csv", result.frames, frame_columns, real); });
+      problem_of([&] { write<Frame>(folder / "frames.csv", result.frames, frame_columns, of_run); });
   problems += others.get();
   if (problems.empty()) return;
   problems.resize(problems.size() - 2);

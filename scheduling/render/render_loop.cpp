@@ -14,9 +14,12 @@ RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& opti
       frame_(options.frame),
       frames_(frames),
       now_(std::move(real.now)),
-      log_(frames + real.spare) {}
+      log_(frames + real.spare) {
+  if (!options.viscosity.empty()) filter_.emplace(options.viscosity);
+}
 
 void RenderLoop::frame(std::size_t k, double started) noexcept {
+  const double before = hip_.t;
   hip_ = next_hip(device_, hip_, k, frame_, sent_, next_ > 0 && k >= next_ ? k - next_ + 1 : 1);
   next_ = k + 1;
   const double t = hip_.t;
@@ -30,14 +33,16 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
   if (f.took_model) model_ = newest_;  // the switch may let it wait, and takes the latest
   give_back(f.released);
   give_back(f.released_too);
-  sent_ = send(f.force, started);
+  const Vec3 rendered = filter_ ? filter_->step(f.force, t - before) : f.force;
+  sent_ = send(rendered, started);
 
   recorded_ = done_ < log_.size();
   if (recorded_) {
     FrameRecord& record = log_[done_++];
     record.t = t;
     record.at = x;
-    record.force = f.force;
+    record.force = rendered;
+    record.elastic = f.force;
     record.sent = sent_;
     record.undamped = f.undamped;
     record.model = model_;
@@ -47,9 +52,9 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
     record.step.change = f.change.norm();
     record.step.delta = f.change;
     record.step.bound = f.bound;
-    record.step.motion_change = (f.force - rendered_ - f.change).norm();
+    record.step.motion_change = (f.force - elastic_ - f.change).norm();
   }
-  rendered_ = f.force;
+  elastic_ = f.force;
 }
 
 Vec3 RenderLoop::send(const Vec3& rendered, double started) noexcept {

@@ -1,6 +1,8 @@
 #pragma once
 // One frame of the haptic loop, the same under both clocks:
-//   device -> HIP -> newest model -> switch -> safety -> device (+ log)
+//   device -> HIP -> newest model -> switch -> relaxation -> safety -> device (+ log)
+// relaxation: of a viscous body (approx/relaxation/relaxation.hpp), with the time from frame to frame, frames that
+// were left out included; of an elastic body there is none.
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
 //
 // The end. The force that is sent is zero when the loop ends, and it gets there within the slew limit:
@@ -18,8 +20,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "approx/relaxation/relaxation.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "scheduling/log/records.hpp"
 #include "scheduling/motion/device.hpp"
@@ -58,7 +62,8 @@ struct LoopLink {
 struct RenderOptions {
   SwitchOptions switching = {};
   SafetyOptions safety = {};
-  double frame = 1e-3;  // [s]
+  double frame = 1e-3;       // [s]
+  Viscosity viscosity = {};  // of the body
 };
 
 // What only a loop under the real clock has.
@@ -100,6 +105,7 @@ class RenderLoop {
   Device& device_;
   LoopLink& link_;
   ForceSwitch switch_;
+  std::optional<RelaxationFilter> filter_;  // none: the body is elastic
   Safety safety_;
   double frame_;
   std::size_t frames_;
@@ -110,7 +116,7 @@ class RenderLoop {
   bool recorded_ = false;                // the last frame
   double started_ = 0, sent_at_ = 0;     // last frame, by the real clock [s]
   HipSample hip_;
-  Vec3 rendered_ = Vec3::Zero(), sent_ = Vec3::Zero();
+  Vec3 elastic_ = Vec3::Zero(), sent_ = Vec3::Zero();
   std::uint32_t model_ = 0, newest_ = 0;  // serial numbers: rendered, newest received
 };
 

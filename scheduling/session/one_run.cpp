@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "approx/relaxation/relaxation.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "scheduling/session/real_run.hpp"
 #include "scheduling/session/virtual_run.hpp"
@@ -68,6 +69,15 @@ bool is_virtual(const SessionPlan& plan) {
   return plan.options.clock.kind == Clock::virtual_time;
 }
 
+void note_viscosity(const SessionPlan& plan, SessionResult& result) {
+  result.notes.push_back(fmt::format(
+      "viscous: the force of a held press relaxes to {:.3g} of its first value{}; errors compare with tight "
+      "solves after the same relaxation",
+      long_term_share(plan.render.viscosity),
+      is_linear(*plan.input.touched.body) ? " (exact for this law)"
+                                          : " (quasi-linear: an approximation where the law is not linear)"));
+}
+
 // Notes and warnings that are known before the first frame.
 void note_start(const SessionPlan& plan, const ReferenceService& references, SessionResult& result) {
   const WorkerOptions& workers = plan.options.workers;
@@ -79,6 +89,8 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
         "errors are not measured",
         plan.input.known.size()));
   for (const std::string& note : plan.motion_notes) result.notes.push_back(note);
+  result.viscous = !plan.render.viscosity.empty();
+  if (result.viscous) note_viscosity(plan, result);
   result.guess_softness = plan.guess_softness;
   if (!plan.guess_left_out.empty())
     result.notes.push_back(fmt::format(

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "approx/relaxation/relaxation.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/motion/device.hpp"
@@ -25,6 +26,7 @@ struct TouchedBody {
   StateSpaceOptions space = {};  // box and spacing of the states
   bool displacements = false;    // states hold the displacements of all nodes
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
+  Viscosity viscosity = {};      // of all its tissue; states are elastic and do not depend on it
 };
 
 struct SessionFiles {

@@ -223,6 +223,8 @@ std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService&
 SessionPlan make_plan(SessionInput input, SessionOptions options) {
   detail::expect_option(input.touched.body != nullptr, "body", "there is none, expected a body to touch");
   check(*input.touched.body, "the session's body");
+  const std::string viscosity = problem_of(input.touched.viscosity);
+  if (!viscosity.empty()) throw InputError("material.viscosity", "has " + viscosity);
   options.switching.frame = options.clock.frame;
   check(options);
   check_known(input.known);
@@ -241,7 +243,10 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   note_motion(plan);
   choose_model(plan);
   plan.batch = chosen.planning.batch > 0 ? chosen.planning.batch : chosen.clock.kind == Clock::real ? 8 : 1;
-  plan.render = {.switching = chosen.switching, .safety = chosen.safety, .frame = chosen.clock.frame};
+  plan.render = {.switching = chosen.switching,
+                 .safety = chosen.safety,
+                 .frame = chosen.clock.frame,
+                 .viscosity = plan.input.touched.viscosity};
   plan.render.safety.force_limit = std::min(chosen.safety.force_limit, plan.device->limits().force);
   take_future(plan);
   check_registered(plan);
@@ -293,6 +298,7 @@ JudgeSetup judge_setup(const SessionPlan& plan) {
   return {.model = plan.model,
           .judging = plan.options.judging,
           .stop = plan.options.stop,
+          .viscosity = plan.input.touched.viscosity,
           .errors = !plan.input.foreign};
 }
 
