@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cmath>
 
+#include "approx/bar/error_scale.hpp"
 #include "approx/fit/rbf_fit.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "tests/approx/sets.hpp"
@@ -98,6 +100,24 @@ TEST_CASE("Evaluation and switch allocate nothing and lock nothing", "[realtime]
       CHECK(locked_after == locked);
       CHECK(sum.allFinite());
     }
+}
+
+TEST_CASE("The scale of an error bar allocates nothing and locks nothing", "[realtime]") {
+  if (!counting_works()) return;
+  const auto states = states_at(hard_set("lattice", 40, 1));
+  const ErrorScale scale(states, 0.006);
+  const Vec3 force(0.1, -0.2, 0.3);
+  const long allocated = allocations, locked = locks;
+  ErrorScale copied;  // as the loop takes it
+  double sum = 0;
+  for (int frame = 0; frame < 500; ++frame) {
+    copied = scale;
+    sum += copied.at(Vec3(1e-5 * frame, 0, -2e-5 * frame), force);
+  }
+  const long allocated_after = allocations, locked_after = locks;
+  CHECK(allocated_after == allocated);
+  CHECK(locked_after == locked);
+  CHECK((std::isfinite(sum) && sum > 0));
 }
 
 TEST_CASE("Fits and updates allocate nothing after construction", "[realtime]") {
