@@ -25,7 +25,7 @@ class ErrorScale {
   // The states of a model nearest to the HIP, the first `most` of which count.
   ErrorScale(std::span<const State> nearest, double spacing);
 
-  // force: f~(x). No allocation, no lock, nothing thrown; below a tenth of a microsecond.
+  // force: f~(x). No allocation, no lock, nothing thrown.
   double at(const Vec3& x, const Vec3& force) const noexcept;
   bool empty() const noexcept { return count_ == 0; }
 

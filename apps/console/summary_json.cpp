@@ -28,6 +28,10 @@ struct Extra {
 };
 using Json = nlohmann::ordered_json;
 constexpr Extra extras[] = {
+    {"error_bar", "levels", "1", "list: the levels of coverage.p90, coverage.p95 and coverage.p99",
+     [](const SessionSummary&) {
+       return Json{0.90, 0.95, 0.99};
+     }},
     {"safety", "force_limit", "N", "force limit of this session: that of the scene or of the device",
      [](const SessionSummary& s) { return to_json(column_value(s.safety.force_limit)); }},
     {nullptr, "attention", "", "list of lines: what to know before any figure",

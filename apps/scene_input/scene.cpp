@@ -167,6 +167,8 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.planning.rest_first = table.boolean("rest_first").value_or(session.planning.rest_first);
   session.model.first_guess = table.boolean("first_guess").value_or(session.model.first_guess);
   session.planning.rest_known = table.boolean("rest_known").value_or(session.planning.rest_known);
+  session.planning.audit = table.number("audit", {.low = 0, .high = 0.5, .text = "from 0 to 0.5"})
+                               .value_or(session.planning.audit);
   session.planning.preempt = table.boolean("preempt").value_or(session.planning.preempt);
   session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
   session.judging.error_floor = table.number("error_floor", positive()).value_or(session.judging.error_floor);

@@ -155,6 +155,8 @@ std::vector<Declared> work_keys(const SessionOptions& s) {
       {"rest_known", "", shown(s.planning.rest_known), "the state at rest is known from the start"},
       {"batch", "", "8 in real time, 1 under the virtual clock",
        "states solved with one factorisation, 1 to 8; 0: the default"},
+      {"audit", "1", shown(s.planning.audit),
+       "share of the solves made where the tip has just been, to calibrate the error bars"},
       {"arrivals", "", "", "file t,x,y,z: states become known at these times and nothing is solved"},
       {"workers", "", fmt::format("{}", s.workers.count), "workers that solve"},
       {"workers_kind", "", s.workers.kind.name, any_of(workers_names())},

@@ -2,6 +2,7 @@
 // The records of a run: one for each frame, each dispatched solve and each model that the loop took. Plain
 // data in SI units; `unknown` (NaN) marks a missing value.
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -30,6 +31,13 @@ struct Judgement {
   double error = unknown, approximation = unknown, switching = unknown, staleness = unknown;  // [1]
 };
 
+// Half-widths around the rendered force that hold the reference with 90, 95 and 99 %, and the scale of the
+// newest model's error that they are made of (render/bar_link.hpp). Infinite while no model has states.
+struct ForceBar {
+  double scale = unknown;                                       // [N]
+  std::array<double, 3> half_width{unknown, unknown, unknown};  // [N]
+};
+
 struct FrameTiming {             // real clock only
   double cost_us = unknown;      // of the frame's work [us]
   double lateness_us = unknown;  // of its start [us]
@@ -47,6 +55,7 @@ struct FrameRecord {
   std::uint32_t known = 0;       // number of known states
   SwitchStep step = {};
   Judgement judged = {};
+  ForceBar bar = {};
   FrameTiming timing = {};
 };
 
@@ -66,6 +75,7 @@ struct DispatchRecord {
   Vec3 at = Vec3::Zero();  // [m]
   Label label = Label::blank;
   double priority = 0;
+  bool audit = false;  // not the policy's: where the HIP was, to calibrate the error bars
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;  // [s]
   double known = unknown;  // when the planner received the state: finished + a message [s]
   DispatchStatus status = DispatchStatus::running;

@@ -80,7 +80,7 @@ void Planner::receive(JobResult result, double now) {
     counts_.preempted += began ? 1 : 0;
     ++preemptions_[candidate.order];
     if (result.partial) partial_[candidate.order] = std::move(result.partial);
-    candidates_->put_back(candidate);
+    if (!record.audit) candidates_->put_back(candidate);
     return;
   }
   record.known = now;
@@ -99,7 +99,7 @@ void Planner::receive(JobResult result, double now) {
   if (!result.state.usable()) {
     record.status = DispatchStatus::failed;
     ++counts_.failed;
-    candidates_->fail(candidate.at);
+    if (!record.audit) candidates_->fail(candidate.at);
     notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(),
                                  result.state.at.y(), result.state.at.z(),
                                  set_aside
@@ -182,6 +182,10 @@ void Planner::plan(double now) {
   for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates_->empty();
        ++worker) {
     if (!is_idle(worker)) continue;
+    if (audits(static_cast<int>(worker), now)) {
+      if (--idle_workers > 0) setup_.policy->pend(view(now));
+      continue;
+    }
     if (!many) rank(now);
     double priority = 0;
     const std::size_t chosen = many ? best_of_many(now, priority) : best();
@@ -260,7 +264,7 @@ void Planner::dispatch(int worker, const Candidate& candidate, double priority,
                        const std::vector<Candidate>& beside, double now) {
   const Start* start = nearest_start(candidate.at);
   Slot& slot = slots_[static_cast<std::size_t>(worker)];
-  slot = {.cancelling = false, .counted = false, .members = {}, .since = now, .rest = false};
+  slot = {.cancelling = false, .counted = false, .members = {}, .since = now, .rest = false, .audit = false};
   Job job{.dispatch = record_dispatch(worker, candidate, priority, start ? start->dispatch : -1, now),
           .at = candidate.at,
           .start = start ? start->equilibrium : nullptr,
@@ -298,7 +302,7 @@ void Planner::consider_preemption(double now) {
       const auto before = preemptions_.find(member.candidate.order);
       return before != preemptions_.end() && before->second >= 2;
     });
-    if (slot.cancelling || slot.rest || enough) continue;
+    if (slot.cancelling || slot.rest || slot.audit || enough) continue;
     gather_pending(&slot);
     const PlannerView seen = view(now);
     setup_.policy->pend(seen);

@@ -23,6 +23,12 @@
 
 namespace forefeel {
 
+// Audits: solves where the HIP has just been instead of where the policy would, to calibrate the error bars.
+struct AuditPlan {
+  double share = 0;  // of the solves
+  std::uint64_t seed = 0;
+};
+
 // What a planner is made of. `known` is read by the constructor only.
 struct PlannerSetup {
   StateSpaceOptions space = {};
@@ -36,6 +42,7 @@ struct PlannerSetup {
   double latency = 0;  // of a message to or from a worker [s]
   ModelRecipe model = {};
   SwitchOptions jnd = {};  // unit of PlannerView::surprises
+  AuditPlan audits = {};
 };
 
 class Planner {
@@ -71,7 +78,8 @@ class Planner {
     bool cancelling = false, counted = false;
     std::vector<Member> members;  // unfinished states of its job, in solving order
     double since = 0;
-    bool rest = false;  // its job is the state at rest
+    bool rest = false;   // its job is the state at rest
+    bool audit = false;  // its job is an audit
     bool busy() const { return !members.empty(); }
   };
   struct Ranked {  // in a heap, the best is on top
@@ -105,7 +113,8 @@ class Planner {
                                 double now);
   void dispatch(int worker, const Candidate& candidate, double priority, const std::vector<Candidate>& beside,
                 double now);
-  bool rest_comes_first(double now);  // whether nothing else is dispatched yet
+  bool audits(int worker, double now);  // whether this job was an audit, which it then dispatched
+  bool rest_comes_first(double now);    // whether nothing else is dispatched yet
   void consider_preemption(double now);
   const Start* nearest_start(const Vec3& x) const;
   void remember_start(const Vec3& at, std::int64_t dispatch, std::shared_ptr<const Equilibrium> equilibrium);
@@ -139,6 +148,7 @@ class Planner {
   std::vector<Vec3> pending_;  // where states are being solved
   std::vector<DispatchRecord> dispatches_;
   StateCounts counts_;
+  std::uint64_t audit_draws_ = 0;
   std::size_t jobs_ = 0, not_numbers_ = 0, predictions_refused_ = 0;
   std::vector<std::string> notes_;
 };

@@ -22,6 +22,9 @@ struct PlanningOptions {
   // States per job, 1 to 8: the chosen state and neighbours solved with its factorisation. 0 means 8 under
   // the real clock and 1 under the virtual clock, whose cost models describe single solves.
   int batch = 0;
+  // Share of the solves that are audits: solved where the HIP has just been, to calibrate the error bars
+  // (render/bar_keeper.hpp). Models of method rbf only.
+  double audit = 0.03;
   // A file CSV t,x,y,z, rows in any order. States become known at these times; nothing is dispatched.
   std::optional<std::filesystem::path> arrivals = {};
 };

@@ -101,6 +101,16 @@ constexpr RunColumn<Frame> frame_columns[] = {
      true},
     {"lateness_us", "us", "delay of the frame's start",
      [](Text& o, const Frame& f) { put(o, f.timing.lateness_us); }, true},
+    {"bar90,bar95,bar99", "N",
+     "error bar: |rendered - reference| is at most this with 90, 95, 99 %; empty where nothing is known of "
+     "it "
+     "yet; of the elastic force where the body is viscous",
+     [](Text& o, const Frame& f) {
+       const auto& [at_90, at_95, at_99] = f.bar.half_width;
+       put(o, Vec3(at_90, at_95, at_99));
+     }},
+    {"bar_scale", "N", "scale of the newest model's error that the error bar is made of",
+     [](Text& o, const Frame& f) { put(o, f.bar.scale); }},
     {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
      [](Text& o, const Frame& f) { put(o, f.elastic); }, false, true},
     {"elastic_rx,elastic_ry,elastic_rz", "N", "force of the tight solve before the relaxation function",
@@ -127,7 +137,9 @@ constexpr RunColumn<Dispatched> dispatch_columns[] = {
     {"parent", "", "id of the solve whose state this one started from; -1: rest or a state known before",
      [](Text& o, const Dispatched& d) { put(o, d.parent); }},
     {"known", "s", "time at which the planner received the state",
-     [](Text& o, const Dispatched& d) { put(o, d.known); }}};
+     [](Text& o, const Dispatched& d) { put(o, d.known); }},
+    {"audit", "", "1: solved where the tip had just been, to calibrate the error bars",
+     [](Text& o, const Dispatched& d) { put(o, d.audit); }}};
 
 using Change = SwitchRecord;
 constexpr RunColumn<Change> switch_columns[] = {

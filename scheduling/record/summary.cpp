@@ -56,6 +56,44 @@ std::vector<double> sorted_part(const SessionResult& result, double Judgement::*
   return sorted;
 }
 
+template <class Choose>
+SessionSummary::Bars bars_of(const SessionResult& result, Choose choose) {
+  SessionSummary::Bars bars;
+  std::array<std::size_t, 3> inside{};
+  std::vector<double> widths, errors;
+  for (const FrameRecord& f : result.frames) {
+    if (!f.judged.sampled || !std::isfinite(f.judged.error) || !choose(f)) continue;
+    if (!std::isfinite(f.bar.half_width[1])) continue;
+    const bool viscous = std::isfinite(f.judged.elastic_reference.x());  // bars are of the elastic force
+    const double error =
+        viscous ? (f.elastic - f.judged.elastic_reference).norm() : (f.force - f.judged.reference).norm();
+    for (std::size_t i = 0; i < inside.size(); ++i) inside[i] += error <= f.bar.half_width[i];
+    widths.push_back(f.bar.half_width[1]);
+    errors.push_back(error);
+  }
+  bars.samples = errors.size();
+  if (errors.empty()) return bars;
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    bars.inside[i] = static_cast<double>(inside[i]) / static_cast<double>(errors.size());
+  std::sort(widths.begin(), widths.end());
+  std::sort(errors.begin(), errors.end());
+  bars.width_p50 = rank_quantile(widths, 0.5);
+  bars.error_p95 = rank_quantile(errors, 0.95);
+  if (bars.error_p95 > 0) bars.width_over_p95 = bars.width_p50 / bars.error_p95;
+  return bars;
+}
+
+SessionSummary::ErrorBars error_bars_of(const SessionResult& result) {
+  SessionSummary::ErrorBars found;
+  found.all = bars_of(result, [](const FrameRecord&) { return true; });
+  for (const Label label : all_labels)
+    found.by_label[label] = bars_of(result, [label](const FrameRecord& f) { return f.label == label; });
+  const auto judged = std::ranges::count_if(
+      result.frames, [](const FrameRecord& f) { return f.judged.sampled && std::isfinite(f.judged.error); });
+  found.without = static_cast<std::size_t>(judged) - found.all.samples;
+  return found;
+}
+
 SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options) {
   SessionSummary::Error error;
   error.samples = errors_of(result, options, [](const FrameRecord& f) { return f.judged.sampled; });
@@ -69,6 +107,7 @@ SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions&
   for (const Label label : all_labels)
     error.by_label[label] = errors_of(
         result, options, [label](const FrameRecord& f) { return f.judged.sampled && f.label == label; });
+  error.bars = error_bars_of(result);
   error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.judged.first_visit; });
   return error;
 }

@@ -74,6 +74,20 @@ struct SessionSummary {
   struct Parts {
     double approximation = unknown, switching = unknown, staleness = unknown;
   };
+  // Error bars against the truth, over the samples that have a bar: the share whose |rendered - reference| is
+  // inside, for each of bar_levels (approx/bar/conformal_factors.hpp).
+  struct Bars {
+    std::size_t samples = 0;
+    std::array<double, 3> inside{unknown, unknown, unknown};
+    double width_p50 = unknown;       // median half-width of 95 % [N]
+    double error_p95 = unknown;       // of |rendered - reference| [N]
+    double width_over_p95 = unknown;  // their ratio
+  };
+  struct ErrorBars {
+    Bars all;
+    ByLabel<Bars> by_label;
+    std::size_t without = 0;  // samples without a bar
+  };
   // samples: positions at equal distances along the path. first_visit: the first frames in their lattice
   // cells.
   struct Error {
@@ -81,6 +95,7 @@ struct SessionSummary {
     Parts parts_p95, parts_p50;
     ByLabel<Errors> by_label;
     Errors first_visit;
+    ErrorBars bars;
   };
   struct Energy {
     double generated = 0, work = 0;  // [J]

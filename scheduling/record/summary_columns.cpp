@@ -103,6 +103,25 @@ void add_error(std::vector<Column>& columns, const SessionSummary::Error& error,
   add_errors(columns, "error.first_visit", error.first_visit, false);
 }
 
+void add_bars(std::vector<Column>& columns, const std::string& key, const SessionSummary::Bars& bars) {
+  Group(columns, key)
+      .count("samples", bars.samples, "frames with an error bar that were compared with a tight solve")
+      .number("coverage.p90", bars.inside[0], "1", "share of them inside the bar of 90 %")
+      .number("coverage.p95", bars.inside[1], "1", "of 95 %")
+      .number("coverage.p99", bars.inside[2], "1", "of 99 %")
+      .number("width_p50", bars.width_p50, "N", "median half-width of the bar of 95 %")
+      .number("error_p95", bars.error_p95, "N", "95th percentile of |rendered - reference|")
+      .number("width_over_p95", bars.width_over_p95, "1", "width_p50 / error_p95");
+}
+
+void add_error_bars(std::vector<Column>& columns, const SessionSummary::ErrorBars& bars) {
+  add_bars(columns, "error_bar", bars.all);
+  Group(columns, "error_bar")
+      .count("without", bars.without, "compared frames without a bar: no model had states");
+  for (const Label label : all_labels)
+    add_bars(columns, "error_bar.by_label." + std::string(name(label)), bars.by_label[label]);
+}
+
 void add_safety(std::vector<Column>& columns, const SessionSummary::Safety& safety) {
   Group(columns, "safety")
       .count("clamped", safety.clamped, "frames cut at the force limit")
@@ -194,6 +213,7 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
       .number("within_jnd_at", summary.motion.start_within_jnd, "s",
               "time of the first sample within the just noticeable difference");
   add_stability(columns, summary);
+  add_error_bars(columns, summary.error.bars);
   return columns;
 }
 
@@ -227,9 +247,11 @@ std::vector<Declared> declared_columns(const std::vector<Column>& columns) {
   std::vector<Declared> rows;
   for (const Column& column : columns) {
     std::string shown = column.name;
-    const bool in_labels = shown.starts_with("error.by_label.") || shown.starts_with("time_in.");
-    if (in_labels) {
-      const std::size_t begin = shown.starts_with("time_in.") ? 8 : 15;
+    const std::size_t begin = shown.starts_with("time_in.")              ? 8
+                              : shown.starts_with("error.by_label.")     ? 15
+                              : shown.starts_with("error_bar.by_label.") ? 19
+                                                                         : 0;
+    if (begin > 0) {
       if (shown.substr(begin, shown.find('.', begin) - begin) != first) continue;
       shown.replace(begin, first.size(), "LABEL");
     }

@@ -9,7 +9,8 @@ ModelKeeper::ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, Loo
     : space_(space),
       link_(link),
       travel_(recipe.update_travel * space.options().spacing),
-      updater_(space, recipe) {}
+      updater_(space, recipe),
+      bars_(space, link) {}
 
 Model* ModelKeeper::free_model() {
   while (const auto returned = link_.returned.pop()) free_.push_back(const_cast<Model*>(*returned));
@@ -27,6 +28,7 @@ Model* ModelKeeper::free_model() {
 void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   const bool grown = space_.size() > updated_states_, travelled = (hip - updated_at_).norm() >= travel_;
   if (!(grown || (travelled && !space_.empty()) || !published_)) return;
+  bars_.learn(newest_);
   Model* model = free_model();
   if (!model) return;  // the loop has not given one back yet: try again at the next call
   const auto before = std::chrono::steady_clock::now();
@@ -43,11 +45,13 @@ void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   updated_states_ = space_.size();
   updated_at_ = hip;
   label_ = report.label;
+  if (known) bars_.publish(hip, *model);
   if (!known || !changed) {
     free_.push_back(model);
     return;
   }
   published_ = true;
+  newest_ = model;
   updated_n_ = static_cast<std::uint32_t>(report.n);
   SwitchRecord record{.t = now, .model = static_cast<std::uint32_t>(model->serial()), .cause = cause};
   record.label = report.label;

@@ -1,5 +1,5 @@
 #pragma once
-// Makes the models that the loop renders, from the states of a space. It makes a new model when states have
+// Makes the models that the loop renders and their error bars (bar_keeper.hpp), from the states of a space. It makes a new model when states have
 // come or the HIP has moved far enough, passes it to the render loop (RenderLink), and reuses models that the loop
 // returns.
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scheduling/log/records.hpp"
+#include "scheduling/render/bar_keeper.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
 
@@ -33,6 +34,8 @@ class ModelKeeper {
   SessionModel updater_;
   std::vector<std::unique_ptr<Model>> models_;
   std::vector<Model*> free_;
+  const Model* newest_ = nullptr;  // published
+  BarKeeper bars_;
   bool published_ = false;  // a model
   Vec3 updated_at_ = Vec3::Zero();
   std::size_t updated_states_ = 0;  // in the space then

@@ -1,6 +1,7 @@
 #include "scheduling/render/render_loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace forefeel {
@@ -35,6 +36,7 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
   give_back(f.released_too);
   const Vec3 rendered = filter_ ? filter_->step(f.force, t - before) : f.force;
   sent_ = send(rendered, started);
+  const ForceBar error_bar = bar(f);
 
   recorded_ = done_ < log_.size();
   if (recorded_) {
@@ -45,6 +47,7 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
     record.elastic = f.force;
     record.sent = sent_;
     record.undamped = f.undamped;
+    record.bar = error_bar;
     record.model = model_;
     record.known = known;
     record.step.took_model = f.took_model;
@@ -55,6 +58,18 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
     record.step.motion_change = (f.force - elastic_ - f.change).norm();
   }
   elastic_ = f.force;
+}
+
+// Tells the planner what is rendered here, so that it can be scored later.
+ForceBar RenderLoop::bar(const ForceSwitch::Frame& frame) noexcept {
+  if (const auto newer = link_.bars.take()) bar_ = *newer;
+  const double scale = bar_.scale.at(hip_.at, frame.undamped);
+  const double residual = (frame.force - frame.undamped).norm();
+  link_.rendered.push({hip_.at, frame.force, scale, residual, bar_.label});
+  ForceBar made{.scale = scale};
+  for (std::size_t i = 0; i < made.half_width.size(); ++i)
+    made.half_width[i] = std::hypot(bar_.factors[i] * scale, residual);
+  return made;
 }
 
 Vec3 RenderLoop::send(const Vec3& rendered, double started) noexcept {

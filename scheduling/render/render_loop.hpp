@@ -28,6 +28,7 @@
 #include "scheduling/log/records.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hip_sample.hpp"
+#include "scheduling/render/bar_link.hpp"
 #include "scheduling/render/safety.hpp"
 #include "scheduling/render/spsc_queue.hpp"
 #include "scheduling/render/triple_buffer.hpp"
@@ -52,11 +53,13 @@ inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, 
 
 // All data that planner and loop share. Each member has one writer and one reader.
 struct LoopLink {
-  TripleBuffer<const Model*> models;     // planner -> loop
-  SpscQueue<const Model*, 32> returned;  // loop -> planner, which alone frees or refills them
-  TripleBuffer<HipSample> hip;           // loop -> planner
-  std::atomic<std::uint32_t> known{0};   // planner -> loop: number of known states
-  std::atomic<double> planner_beat{0};   // planner -> loop: session time of its last step [s]
+  TripleBuffer<const Model*> models;        // planner -> loop
+  SpscQueue<const Model*, 32> returned;     // loop -> planner, which alone frees or refills them
+  TripleBuffer<HipSample> hip;              // loop -> planner
+  std::atomic<std::uint32_t> known{0};      // planner -> loop: number of known states
+  std::atomic<double> planner_beat{0};      // planner -> loop: session time of its last step [s]
+  TripleBuffer<BarEstimate> bars;           // planner -> loop
+  SpscQueue<RenderedFrame, 1024> rendered;  // loop -> planner; full: frames are left out
 };
 
 struct RenderOptions {
@@ -101,11 +104,13 @@ class RenderLoop {
  private:
   void give_back(const Model* model) noexcept;
   Vec3 send(const Vec3& rendered, double started) noexcept;
+  ForceBar bar(const ForceSwitch::Frame& frame) noexcept;
 
   Device& device_;
   LoopLink& link_;
   ForceSwitch switch_;
   std::optional<RelaxationFilter> filter_;  // none: the body is elastic
+  BarEstimate bar_;
   Safety safety_;
   double frame_;
   std::size_t frames_;

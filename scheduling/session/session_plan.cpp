@@ -291,7 +291,8 @@ PlannerSetup planner_setup(const SessionPlan& plan) {
           .rest_first = options.planning.rest_first,
           .latency = options.workers.latency,
           .model = plan.model,
-          .jnd = options.switching};
+          .jnd = options.switching,
+          .audits = {.share = options.planning.audit, .seed = options.seed}};
 }
 
 JudgeSetup judge_setup(const SessionPlan& plan) {

@@ -1,0 +1,37 @@
+#pragma once
+// What planner and loop tell each other about error bars. For the rendered force F of a frame at x, with f~ the
+// force of the newest model there, the half-width of level p is
+//   e_p = sqrt((q_p s(x))^2 + r^2),   r = ||F - f~||
+// s: the scale of the model's error (approx/bar/error_scale.hpp), q_p: its factor (conformal_factors.hpp), r:
+// what the switch holds back, known exactly; its direction is independent of the model's error. The score of
+// a frame whose truth f becomes known is then sqrt(max(0, ||F - f||^2 - r^2)) / s: it is at most q_p exactly
+// where the bar holds f.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "approx/bar/conformal_factors.hpp"
+#include "approx/bar/error_scale.hpp"
+
+namespace forefeel {
+
+// From the planner to the loop, copied as a whole. Infinite bars while no model has states.
+struct BarEstimate {
+  ErrorScale scale = {};
+  ConformalFactors::Factors factors{};
+  Label label = Label::blank;  // at the HIP when it was made: whose factors these are
+};
+
+// From the loop to the planner: what was rendered where, to be scored once the truth is known.
+struct RenderedFrame {
+  Vec3 at = Vec3::Zero(), force = Vec3::Zero();  // of the HIP [m]; F [N]
+  double scale = 0, residual = 0;                // s, r [N]
+  Label label = Label::blank;
+
+  double score(const Vec3& truth) const noexcept {
+    return std::sqrt(std::max(0.0, (force - truth).squaredNorm() - residual * residual)) / scale;
+  }
+};
+
+}  // namespace forefeel
