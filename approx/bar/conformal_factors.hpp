@@ -40,6 +40,12 @@ class ConformalFactors {
 
   explicit ConformalFactors(ConformalOptions options = {});
 
+  static Factors unknown_factors() {  // infinite
+    Factors factors{};
+    factors.fill(std::numeric_limits<double>::infinity());
+    return factors;
+  }
+
   const Factors& factors(Label label) const { return of(label).factors; }
   // weight: of this score against one of the hand's own, in (0, 1]. Scores that are no numbers are ignored.
   void learn(Label label, double score, double weight = 1);
@@ -48,15 +54,10 @@ class ConformalFactors {
   struct Score {
     double value = 0, weight = 1;
   };
-  static Factors infinite() {
-    Factors factors{};
-    factors.fill(std::numeric_limits<double>::infinity());
-    return factors;
-  }
   struct Track {
     std::deque<Score> scores;
     std::array<double, bar_levels.size()> miss{};  // a_t
-    Factors factors = infinite();
+    Factors factors = unknown_factors();
   };
   static std::size_t index(Label label) { return static_cast<std::size_t>(label); }
   const Track& of(Label label) const { return tracks_[index(label)]; }

@@ -27,7 +27,9 @@ bool Planner::audits(int worker, double now) {
   const auto near = [&](const Vec3& p) { return (p - at).norm() < least; };
   std::vector<StateId> nearest;
   space_.nearest(at, 1, nearest);
-  if (near(space_[nearest[0]].at) || std::ranges::any_of(pending_, near)) return false;
+  const bool failed_near = std::ranges::any_of(
+      dispatches_, [&](const DispatchRecord& d) { return d.status == DispatchStatus::failed && near(d.at); });
+  if (failed_near || near(space_[nearest[0]].at) || std::ranges::any_of(pending_, near)) return false;
   const Candidate audit{
       .at = at,
       .region = space_.region_label(at),

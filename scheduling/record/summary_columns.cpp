@@ -247,10 +247,11 @@ std::vector<Declared> declared_columns(const std::vector<Column>& columns) {
   std::vector<Declared> rows;
   for (const Column& column : columns) {
     std::string shown = column.name;
-    const std::size_t begin = shown.starts_with("time_in.")              ? 8
-                              : shown.starts_with("error.by_label.")     ? 15
-                              : shown.starts_with("error_bar.by_label.") ? 19
-                                                                         : 0;
+    const std::size_t begin = shown.starts_with("time_in.")                  ? 8
+                              : shown.starts_with("error.by_label.")         ? 15
+                              : shown.starts_with("error_bar.by_label.")     ? 19
+                              : shown.starts_with("stability.generated_in.") ? 23
+                                                                             : 0;
     if (begin > 0) {
       if (shown.substr(begin, shown.find('.', begin) - begin) != first) continue;
       shown.replace(begin, first.size(), "LABEL");

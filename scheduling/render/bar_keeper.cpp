@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approx/bar/prior_scores.hpp"
+
 namespace forefeel {
 namespace {
 
 constexpr std::size_t remembered = 8192;  // frames: longer than nearly all solves take
 constexpr std::size_t enough_audits = 20;
-constexpr double other_weight = 0.2, other_reach = 1.5;  // [1], [spacings]
+constexpr double other_weight = 0.05, other_reach = 1.5;  // [1], [spacings]
 
 }  // namespace
 
 BarKeeper::BarKeeper(const StateSpace& space, LoopLink& link)
-    : space_(space), link_(link), seen_(space.size()) {
+    : space_(space), link_(link), factors_({.prior = measured_prior()}), seen_(space.size()) {
   rendered_.reserve(remembered);
 }
 

@@ -4,8 +4,9 @@
 //   audit     a state at a position that the loop rendered within the last seconds: the score of what the
 //             hand felt there. It counts 1.
 //   other     within 1.5 spacings of the HIP: the score of the model in use, at that position. Such states
-//             are solved where ignorance is largest, not where the hand is: they count 0.2, and nothing once
-//             their label has 20 audits.
+//             are solved where ignorance is largest, not where the hand is: they count 0.05, and nothing
+//             once their label has 20 audits.
+// Until there are scores, those of other bodies and motions stand in for them (approx/bar/prior_scores.hpp).
 // The error of a first model, of no states, is unknown: its bar is infinite.
 
 #include <array>

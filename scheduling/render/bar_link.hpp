@@ -19,7 +19,7 @@ namespace forefeel {
 // From the planner to the loop, copied as a whole. Infinite bars while no model has states.
 struct BarEstimate {
   ErrorScale scale = {};
-  ConformalFactors::Factors factors{};
+  ConformalFactors::Factors factors = ConformalFactors::unknown_factors();
   Label label = Label::blank;  // at the HIP when it was made: whose factors these are
 };
 

@@ -43,6 +43,8 @@ std::string default_of(const std::string& table, const std::string& key) {
 std::string value_for(const std::string& setting) {
   if (setting == "target") return "circle";
   if (setting == "offset") return "0/0/0.001";
+  if (setting == "columns") return "time/px/py/pz";
+  if (setting == "unit") return "mm/ms";
   return setting == "grip" ? "200" : "0.01";
 }
 

@@ -91,6 +91,7 @@ inline SessionOptions virtual_options(double seconds = 1) {
   options.clock.seconds = seconds;
   options.motion.device = PathMotion{.path = PathName::tour, .speed = 0.06};
   options.model.fit = {.neighbours = 30};
+  options.planning.audit = 0;  // every solve is the policy's
   return options;
 }
 
