@@ -141,6 +141,11 @@ void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) 
       fmt::format("error of the rendered force: p50 {}, p95 {}; within the JND {} samples, {} first visits",
                   share(error.p50), share(error.p95), share_of_samples(error.within_jnd, error.samples),
                   share_of_samples(visits.within_jnd, visits.samples)));
+  const SessionSummary::Bars& bars = s.error.bars.all;
+  if (bars.samples > 0)
+    say(globals,
+        fmt::format("error bars: that of 95 % held the truth in {} samples; median half-width {:.2g} N",
+                    share_of_samples(bars.inside[1], bars.samples), bars.width_p50));
   say(globals,
       fmt::format("{} model switches, {} frames over the JND bound; clamped {}, slewed {} of the frames",
                   s.switching.count, s.switching.frames_over_jnd, share(s.safety.clamped_share),

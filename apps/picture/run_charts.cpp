@@ -23,10 +23,11 @@ std::string curves(std::size_t samples) {
   html += "<p class=\"legend\">" + key(ink::rendered, "line", "rendered, before the safety rules") +
           key(ink::sent, "dash", "sent to the device") + key(ink::limit, "dash", "force limit") +
           key("rgba(192,32,32,.2)", "box", "clamped") + key(ink::undamped, "line", "newest model, undamped") +
-          key(ink::reference_light, "dot", "reference") + "</p>\n<p class=\"legend\"><span>error:</span>" +
-          key(ink::rendered, "line", "rendered") + key(ink::approximation, "dot", "approximation") +
-          key(ink::switching, "dot", "switch") + key(ink::staleness, "dot", "staleness") +
-          key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
+          key(ink::reference_light, "dot", "reference") +
+          key("rgba(0,114,178,.18)", "box", "error bar, 95 %") +
+          "</p>\n<p class=\"legend\"><span>error:</span>" + key(ink::rendered, "line", "rendered") +
+          key(ink::approximation, "dot", "approximation") + key(ink::switching, "dot", "switch") +
+          key(ink::staleness, "dot", "staleness") + key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
   html +=
       "<figure><p class=\"bar\"><button id=\"run-all\">whole run</button><button id=\"run-in\">+</button>"
       "<button id=\"run-out\">−</button><button id=\"run-here\">switch at the pointer</button>"
@@ -37,7 +38,9 @@ std::string curves(std::size_t samples) {
   return html +
          "<figcaption>|force| of the body on the hand. Rendered: after the switch, before the safety rules; "
          "sent: "
-         "after them. Reference: tight solves along the path. Ticks of switches: taller for a larger "
+         "after them. Reference: tight solves along the path. Error bar: the length of the true force is "
+         "inside with 95 %. "
+         "Ticks of switches: taller for a larger "
          "difference of "
          "the two models.</figcaption></figure>\n";
 }

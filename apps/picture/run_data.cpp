@@ -48,7 +48,7 @@ Json moment(double t) {  // to 0.1 ms
   return std::round(1e4 * t) / 1e4;
 }
 
-// One column behind the other: time, |rendered|, |sent|, |newest model|, x, y, z.
+// One column behind the other: time, |rendered|, |sent|, |newest model|, x, y, z, 95 % error bar (-1: none).
 std::string columns_of(Frames frames, std::size_t every) {
   std::vector<float> values;
   const auto add = [&](auto value) {
@@ -62,6 +62,10 @@ std::string columns_of(Frames frames, std::size_t every) {
   add([](const FrameRecord& f) { return f.sent.norm(); });
   add([](const FrameRecord& f) { return f.undamped.norm(); });
   for (int axis = 0; axis < 3; ++axis) add([axis](const FrameRecord& f) { return f.at[axis]; });
+  add([](const FrameRecord& f) {
+    const double bar = f.bar.half_width[1];
+    return std::isfinite(bar) ? bar : -1.0;
+  });
   std::string bytes(values.size() * sizeof(float), '\0');
   if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
   return base64(bytes);

@@ -9,8 +9,8 @@ const std::string_view run_script_chart = R"JS(
   const run = JSON.parse(document.getElementById('run-data').textContent);
   const bytes = Uint8Array.from(atob(run.columns), c => c.charCodeAt(0));
   const numbers = new Float32Array(bytes.buffer), n = run.frames;
-  const [t, rendered, sent, newest, x, y, z] =
-      [0, 1, 2, 3, 4, 5, 6].map(i => numbers.subarray(i * n, (i + 1) * n));
+  const [t, rendered, sent, newest, x, y, z, bar] =
+      [0, 1, 2, 3, 4, 5, 6, 7].map(i => numbers.subarray(i * n, (i + 1) * n));
   const ink = run.ink, end = run.end, byId = id => document.getElementById(id);
   const at = s => {
     let a = 0, b = n;
@@ -169,6 +169,23 @@ const std::string_view run_script_chart = R"JS(
         this.pen.fill();
       }
     }
+    // The error bar: from |rendered| less the bar to |rendered| plus it, in stretches where there is one.
+    band(sy, colour) {
+      const first = Math.max(0, at(this.view.from) - 1), last = Math.min(n, at(this.view.to) + 1);
+      const step = Math.max(1, Math.floor((last - first) / (2 * this.w)));
+      this.pen.fillStyle = colour;
+      for (let i = first; i < last;) {
+        const stretch = [];
+        for (; i < last && bar[i] >= 0; i += step) stretch.push(i);
+        if (stretch.length > 1) {
+          this.pen.beginPath();
+          for (const k of stretch) this.pen.lineTo(this.sx(t[k]), sy(rendered[k] + bar[k]));
+          for (const k of stretch.reverse()) this.pen.lineTo(this.sx(t[k]), sy(Math.max(0, rendered[k] - bar[k])));
+          this.pen.fill();
+        }
+        i += step;
+      }
+    }
     // The range of the forces in view; from zero, unless the chart is to fit them closely.
     range() {
       let low = Infinity, high = 1e-3;
@@ -198,6 +215,7 @@ const std::string_view run_script_chart = R"JS(
         for (const [a, b] of run.clamped)
           if (b >= this.view.from && a <= this.view.to)
             pen.fillRect(this.sx(a), top, Math.max(1, this.sx(b) - this.sx(a)), height);
+        this.band(sy, 'rgba(0,114,178,0.18)');
         this.dots(run.samples, r => r[1], sy, ink.reference, 2.6);
         this.curve(newest, sy, ink.newest, 1);
         this.curve(rendered, sy, ink.rendered, 1.4);

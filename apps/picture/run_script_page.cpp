@@ -20,7 +20,8 @@ const std::string_view run_script_page = R"JS(
     const items = [
       ['time', digits(t[i], 5) + ' s'], ['rendered', digits(rendered[i]) + ' N'],
       ['sent', digits(sent[i]) + ' N' + (cut ? ' (clamped)' : '')],
-      ['newest model', digits(newest[i]) + ' N'], ['label', run.names[held(run.labels, t[i])] || '–'],
+      ['newest model', digits(newest[i]) + ' N'],
+      ['error bar (95 %)', bar[i] >= 0 ? '± ' + digits(bar[i]) + ' N' : '–'], ['label', run.names[held(run.labels, t[i])] || '–'],
       ['states known', held(run.known, t[i])], ['model', held(run.models, t[i])],
       ['tip', [x, y, z].map(c => digits(1e3 * c[i])).join(', ') + ' mm']
     ];

@@ -84,7 +84,7 @@ TEST_CASE("the data of the curves hold every frame of a short run, and at most 6
   const auto long_run = nlohmann::json::parse(run_data(result_with(frames), view));
   CHECK(long_run["frames"] == 43'334);
   CHECK(long_run["samples"].size() == 130);
-  CHECK(long_run["columns"].get<std::string>().size() == (43'334u * 7 * 4 + 2) / 3 * 4);
+  CHECK(long_run["columns"].get<std::string>().size() == (43'334u * 8 * 4 + 2) / 3 * 4);
   frames.resize(1001);
   const auto run = nlohmann::json::parse(run_data(result_with(frames), view));
   CHECK(run["frames"] == 1001);
