@@ -1,7 +1,7 @@
 #pragma once
-// Makes the models that the loop renders and their error bars (bar_keeper.hpp), from the states of a space. It makes a new model when states have
-// come or the HIP has moved far enough, passes it to the render loop (RenderLink), and reuses models that the loop
-// returns.
+// Makes the models that the loop renders, from the states of a space, and their error bars (bar_keeper.hpp). It
+// makes a new model when states have come or the HIP has moved far enough, passes it to the render loop
+// (RenderLink), and reuses models that the loop returns.
 
 #include <cstdint>
 #include <memory>
