@@ -21,10 +21,10 @@ constexpr double tolerance = 1e-9;
 
 void take_body(Case& bench, const Globals& globals, const std::string& file) {
   const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);
-  for (const std::string& warning : scene.warnings) warn(globals, warning);
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   bench.body = scene.body;
   bench.options = scene.space;
-  bench.name = scene.file.string();
+  bench.name = scene.source.file.string();
 }
 
 // From the least to the largest lattice position along each axis.

@@ -64,8 +64,8 @@ struct BenchCase {
 
 BenchCase take_case(const Globals& globals, const std::string& file) {
   const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);
-  for (const std::string& warning : scene.warnings) warn(globals, warning);
-  return {scene.body, scene.space, scene.file.string()};
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  return {scene.body, scene.space, scene.source.file.string()};
 }
 
 // The box, shrunk towards rest until its lattice has no more than `most` states.

@@ -320,7 +320,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
   }
   document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
   document["instruction_set"] = name(approx_instruction_set());
-  document["provenance"] = provenance(laboratory.scene().hash);
+  document["provenance"] = provenance(laboratory.scene().source.hash);
   if (globals.json) print_json(document);
   for (const std::string& line : lines) say(globals, line);
   if (good) return 0;

@@ -249,7 +249,7 @@ int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments
   const Scene& s = laboratory.scene();
   CalibrationOptions options{.space = s.space,
                              .inward = s.inward,
-                             .tolerance = s.tolerance,
+                             .tolerance = s.spacing.tolerance,
                              .floor = s.session.judging.error_floor,
                              .select = s.model.select,
                              .seed = globals.seed,
@@ -260,7 +260,7 @@ int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments
   progress.reset();
   nlohmann::ordered_json document = to_json(found, options);
   document["truth"] = data.left_out ? "left out" : "solved";
-  document["provenance"] = provenance(s.hash);
+  document["provenance"] = provenance(s.source.hash);
   if (!output.empty()) {
     const fs::path folder = output;
     write_tables(found, folder);

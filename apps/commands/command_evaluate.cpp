@@ -117,7 +117,7 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   KnownStates known{.spacing = loaded.header.spacing};
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);
-    for (const std::string& warning : scene.warnings) warn(globals, warning);
+    for (const std::string& warning : scene.source.warnings) warn(globals, warning);
     known.belonging = belonging_of(globals, scene, arguments.states, loaded.header.identity,
                                    averaged(loaded.states).states, arguments.foreign);
     if (!(known.spacing > 0)) known.spacing = scene.space.spacing;

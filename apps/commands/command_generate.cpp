@@ -69,7 +69,7 @@ nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene)
   document["error_estimate"] = nullptr;
   document["interrupted"] = result.interrupted;
   document["spacing"] = scene.space.spacing;
-  if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
+  if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
   return document;
 }
 
@@ -87,9 +87,9 @@ StateFileHeader header_of(const Scene& scene) {
   header.identity = scene.identity;
   header.spacing = scene.space.spacing;
   header.box = scene.space.box;
-  header.notes["scene"] = scene.file.string();
-  if (scene.chosen_spacing) header.notes["spacing"] = in_words(*scene.chosen_spacing);
-  header.notes["provenance"] = json_text(provenance(scene.hash));
+  header.notes["scene"] = scene.source.file.string();
+  if (scene.spacing.chosen) header.notes["spacing"] = in_words(*scene.spacing.chosen);
+  header.notes["provenance"] = json_text(provenance(scene.source.hash));
   return header;
 }
 
@@ -169,13 +169,13 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
                      fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
   check_writable(arguments.output);
   Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.quiet = globals.quiet});
-  for (const std::string& warning : scene.warnings) warn(globals, warning);
-  if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
   if (arguments.error)
     check_generate_to_error(scene);
   else if (!holds_lattice_position(scene.space.box, scene.space.spacing))
     throw InputError(
-        scene.box_place,
+        scene.written.box_place,
         fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
                     "state_space.spacing",
                     scene.space.spacing));
@@ -190,7 +190,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   end_if_interrupted("anything was solved");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held =
-      !scene.chosen_spacing || scene.chosen_spacing->holds;  // otherwise the scene has a warning
+      !scene.spacing.chosen || scene.spacing.chosen->holds;  // otherwise the scene has a warning
   const std::vector<State> known = file.read_all();
   if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
   file.drop_damaged();
@@ -200,7 +200,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
     return std::max(code, held ? 0 : 1);
   }
 
-  if (ranks) ranks->begin(rank_identity(scene.hash), said_spacing(scene.space.spacing));
+  if (ranks) ranks->begin(rank_identity(scene.source.hash), said_spacing(scene.space.spacing));
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
@@ -241,7 +241,7 @@ int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
     GenerateOptions options = options_of(scene);
     options.spacing = heard_spacing(scene, rank);
     return LoadedHand{.hand = make_lattice_hand(scene.body, options, rank.ended),
-                      .identity = rank_identity(scene.hash)};
+                      .identity = rank_identity(scene.source.hash)};
   };
   return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
 }

@@ -64,7 +64,7 @@ std::vector<Experiment> chosen(const std::string& what) {
 
 std::string page(const Laboratory& laboratory, const std::string& sections) {
   const Scene& scene = laboratory.scene();
-  const auto made_by = provenance(scene.hash);
+  const auto made_by = provenance(scene.source.hash);
   std::string html = fmt::format(
       "<h1>The paper's experiments</h1>\n<p class=\"sub\">Peterlík and Filipovič, Haptic Rendering Based on "
       "RBF Approximation from "
@@ -145,7 +145,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
     for (const std::string& line : found.unmet) warn(globals, experiment.name + ": " + line);
     all_met = all_met && found.unmet.empty();
   }
-  document["provenance"] = provenance(laboratory.scene().hash);
+  document["provenance"] = provenance(laboratory.scene().source.hash);
   write_text(folder / "summary.json", json_text(document, 2) + "\n");
   if (globals.json) print_json(document);
   say(globals, fmt::format("report: {}", (folder / "report.html").string()));

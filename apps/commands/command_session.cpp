@@ -174,9 +174,9 @@ nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& s
   document["interrupted"] = summary.run.interrupted;
   document["frames_asked"] = summary.run.frames_asked;
   document["spacing"] = summary.settings.spacing;
-  if (scene.chosen_spacing) document["spacing_auto"] = to_json(*scene.chosen_spacing);
+  if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
   document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
-  document["provenance"] = provenance(scene.hash);
+  document["provenance"] = provenance(scene.source.hash);
   return document;
 }
 
@@ -222,7 +222,7 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
 // Waits until the other ranks have the scene.
 void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
   constexpr double longest = 600;  // [s], of loading
-  ranks.begin(rank_identity(scene.hash), said_spacing(scene.space.spacing));
+  ranks.begin(rank_identity(scene.source.hash), said_spacing(scene.space.spacing));
   ranks.wait_until_loaded(longest);
   const std::string why = ranks.notes().empty() ? "they still load the scene" : ranks.notes().back();
   if (ranks.taking_jobs() == 0) throw InputError("--mpi", "none of the other ranks can solve: " + why);
@@ -243,8 +243,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
                {"frames.csv", "dispatch.csv", "switches.csv", "states.csv", "summary.json", "report.html"});
   set_aside_states_of_last_run(globals, given, run);
   warn_of_replay(globals, scene, given);
-  for (const std::string& warning : scene.warnings) warn(globals, warning);
-  if (scene.chosen_spacing) say(globals, in_words(*scene.chosen_spacing));
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
 
   std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
   const InterruptWatch watch;  // also while the files are written
@@ -300,7 +300,8 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
     const Scene scene = load_scene(given.scene, globals.set, nullptr, {.spacing = false});
     const StateSolverOptions solving{
         .spacing = heard_spacing(scene, rank), .tolerance = 1e-6, .displacements = scene.displacements};
-    return LoadedHand{.hand = make_state_hand(scene.body, solving), .identity = rank_identity(scene.hash)};
+    return LoadedHand{.hand = make_state_hand(scene.body, solving),
+                      .identity = rank_identity(scene.source.hash)};
   };
   return run_ranked(globals, given.mpi, {.lead = lead, .load = load, .load_at_once = true});
 }

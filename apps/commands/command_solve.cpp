@@ -216,8 +216,8 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
   const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
   check_reach(points, longest_side(scene.body->mesh));
-  for (const std::string& warning : scene.warnings) warn(globals, warning);
-  if (scene.automatic_spacing)
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  if (scene.spacing.automatic)
     say(globals,
         fmt::format(
             "spacing \"auto\" is not measured, since a solve needs none: continuation steps of {:.3g} mm",

@@ -100,7 +100,7 @@ void check_figures(const StudyArguments& arguments) {
 
 nlohmann::ordered_json manifest(const PlannedStudy& planned) {
   nlohmann::ordered_json document;
-  const auto made_by = provenance(planned.scenes.front().hash);
+  const auto made_by = provenance(planned.scenes.front().source.hash);
   document["version"] = made_by["version"];
   document["commit"] = made_by["commit"];
   document["study"] = planned.file.text;
@@ -157,7 +157,7 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   write_run_files(folder, result, options);
   const SessionSummary summary = summarise(result, session);
   nlohmann::ordered_json document = to_json(summary);
-  document["provenance"] = provenance(scene.hash);
+  document["provenance"] = provenance(scene.source.hash);
   write_whole(folder / "summary.json", json_text(document, 2) + "\n");
   write_report(folder, summary, document, scene,
                begin_pictures(result, begin_slices(result, scene.space),
@@ -266,7 +266,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
     if (globals.json) {
       nlohmann::ordered_json document = counts(plan, result);
       document["files"] = nlohmann::ordered_json::array();  // files are written only when all cells are done
-      document["provenance"] = provenance(planned.scenes.front().hash);
+      document["provenance"] = provenance(planned.scenes.front().source.hash);
       print_json(document);
     }
     return 1;
@@ -292,7 +292,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
     document.update(to_json(found));
     document.update(ranking_json(plan.study, ranked, compared));
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
-    document["provenance"] = provenance(planned.scenes.front().hash);
+    document["provenance"] = provenance(planned.scenes.front().source.hash);
     print_json(document);
   }
   tell(globals, found);

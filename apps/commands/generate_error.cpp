@@ -116,7 +116,7 @@ void check_generate_to_error(const Scene& scene) {
   try {
     for_states(scene.model, lattice(scene.space.box, scene.space.spacing).size());
   } catch (const InputError& error) {
-    throw InputError({.file = scene.file.string(), .key = error.place().key}, error.problem());
+    throw InputError({.file = scene.source.file.string(), .key = error.place().key}, error.problem());
   }
 }
 

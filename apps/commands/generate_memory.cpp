@@ -27,7 +27,7 @@ void check_memory_of_lattice(const Scene& scene, double bytes_left) {
   const double bytes = bytes_of_lattice(scene);
   if (bytes <= bytes_left) return;
   throw InputError(
-      scene.box_place,
+      scene.written.box_place,
       fmt::format("a lattice of {:g} m in it would take {} of memory, but {} are left; expected a "
                   "larger spacing, or a smaller box",
                   scene.space.spacing, bytes_in_words(bytes), bytes_in_words(bytes_left)));

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/console/console.hpp"
-#include "geometry/meshing/label_mesh.hpp"
+#include "geometry/labels/label_mesh.hpp"
 
 namespace forefeel {
 

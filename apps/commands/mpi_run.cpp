@@ -78,7 +78,7 @@ Bytes said_spacing(double spacing) {
 }
 
 double heard_spacing(const Scene& scene, const RankContext& rank) {
-  if (!scene.automatic_spacing) return scene.space.spacing;
+  if (!scene.spacing.automatic) return scene.space.spacing;
   std::optional<Bytes> said = rank.begun();
   if (!said) throw std::runtime_error("the run ended before it began");
   return Unpacker(std::move(*said)).number<double>();

@@ -69,11 +69,11 @@ std::vector<std::string> scheduling_options(const SessionArguments& given) {
 
 // Nothing is solved where states arrive at given times. Options of solving are ignored; a warning says which.
 void warn_of_solving(const Globals& globals, const Scene& scene, const SessionArguments& given) {
-  if (given.replay || (!given.arrivals && scene.arrivals_place.empty())) return;
-  const std::string arrivals = given.arrivals ? "--arrivals" : scene.arrivals_place.text();
+  if (given.replay || (!given.arrivals && scene.written.arrivals_place.empty())) return;
+  const std::string arrivals = given.arrivals ? "--arrivals" : scene.written.arrivals_place.text();
   std::vector<std::string> options = scheduling_options(given);
   if (given.mpi.on) options.push_back("--mpi");
-  for (const auto& [key, place] : scene.scheduling) options.push_back(place.text());
+  for (const auto& [key, place] : scene.written.scheduling) options.push_back(place.text());
   if (!options.empty())
     warn(globals, fmt::format("{}: without effect where states arrive at given times ({})",
                               fmt::join(options, ", "), arrivals));
@@ -109,12 +109,12 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
       if (here && key == std::string("session.") + name) return {"--" + option, problem};
     for (const std::string& set : globals.set)
       if (set.starts_with(key + "=")) return {InputPlace{.option = "--set", .key = key}, problem};
-    return {InputPlace{.file = scene.file.string(), .key = key}, problem};
+    return {InputPlace{.file = scene.source.file.string(), .key = key}, problem};
   }
-  if (const InputPlace place = of("state_space.box", false, scene.box_place); !place.empty())
+  if (const InputPlace place = of("state_space.box", false, scene.written.box_place); !place.empty())
     return {place, problem};
-  InputPlace place = of("device", given.device.has_value(), scene.device_place);
-  if (place.empty()) place = of("cost", given.cost.has_value(), scene.cost_place);
+  InputPlace place = of("device", given.device.has_value(), scene.written.device_place);
+  if (place.empty()) place = of("cost", given.cost.has_value(), scene.written.cost_place);
   if (place.empty()) return error;
   const std::optional<std::string>& spec = error.place().value;  // "path:press,speed=x"
   return {place, spec ? fmt::format("'{}' {}", *spec, problem) : problem};
@@ -126,7 +126,7 @@ void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArg
   if (!given.replay) return;
   std::vector<std::string> vain = scheduling_options(given);
   if (given.device) vain.insert(vain.begin(), "--device");
-  for (const auto& [key, place] : scene.scheduling)
+  for (const auto& [key, place] : scene.written.scheduling)
     if (!place.option.empty()) vain.push_back(place.text());
   if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));
 }

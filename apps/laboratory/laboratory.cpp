@@ -25,7 +25,7 @@ Laboratory::Laboratory(const Globals& globals, const std::string& scene)
     : globals_(globals),
       scene_(scene.empty() ? built_in_scene(globals.set) : load_scene(scene, globals.set)),
       built_in_(scene.empty()) {
-  for (const std::string& warning : scene_.warnings) warn(globals, warning);
+  for (const std::string& warning : scene_.source.warnings) warn(globals, warning);
 }
 
 std::vector<State> Laboratory::lattice_states(const Box& box, double h, const ShowShare& show) {

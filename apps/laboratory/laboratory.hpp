@@ -27,7 +27,7 @@ class Laboratory {
 
   const Scene& scene() const { return scene_; }
   const Globals& globals() const { return globals_; }
-  std::string name() const { return scene_.file.string(); }
+  std::string name() const { return scene_.source.file.string(); }
   bool built_in() const { return built_in_; }              // true if no scene file was given
   double spacing() const { return scene_.space.spacing; }  // h [m]
 

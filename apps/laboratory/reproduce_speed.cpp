@@ -80,7 +80,7 @@ StudyPlan plan_speed(const Laboratory& laboratory, const ReproduceOptions& runs)
   try {
     StudyPlan plan = plan_study(study, session_of);
     for (StudyCell& cell : plan.cells) {
-      const std::string content = fmt::format("{}\nreproduce speed: {}\n{} workers", scene.hash,
+      const std::string content = fmt::format("{}\nreproduce speed: {}\n{} workers", scene.source.hash,
                                               speed_steps()[cell.choice[0]].name, cell.options.workers.count);
       cell.key = cell_key(content, cell, plan.inputs[cell.input], study.sustained);
     }
@@ -119,7 +119,7 @@ std::string steps_text(const SpeedSettings& shared) {
 
 std::string study_text(const Laboratory& laboratory, const ReproduceOptions& runs) {
   const std::string scene =
-      laboratory.built_in() ? built_in_file : fs::absolute(laboratory.scene().file).string();
+      laboratory.built_in() ? built_in_file : fs::absolute(laboratory.scene().source.file).string();
   const Study study = speed_study(runs);
   const SpeedSettings shared = shared_settings(laboratory);
   std::string text =

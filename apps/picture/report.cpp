@@ -244,7 +244,7 @@ std::string attention_box(const SessionSummary& summary) {
 }
 
 std::string notes(const SessionSummary& summary, const Scene& scene) {
-  std::vector<std::string> lines = scene.warnings;
+  std::vector<std::string> lines = scene.source.warnings;
   lines.insert(lines.end(), summary.run.notes.begin(), summary.run.notes.end());
   if (lines.empty()) return "";
   std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
@@ -311,14 +311,14 @@ void write_report(const std::filesystem::path& run_folder, const SessionSummary&
   std::string html = fmt::format(
       "<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
       "seed {}; {} tetrahedra, {}</p>\n",
-      escaped(scene.file.stem().string()), attention_box(s), shown(s.run.seconds),
+      escaped(scene.source.file.stem().string()), attention_box(s), shown(s.run.seconds),
       s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
       name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
       scene.body->mesh.tets.size(), name(scene.body->material.law));
   html += tiles(s) + pictures(s, drawings) + by_label_table(s) + notes(s, scene) + all_numbers(document) +
           provenance_section(document);
   OutputFile file(run_folder / "report.html");
-  file.write(html_page("Forefeel: " + scene.file.filename().string(), html));
+  file.write(html_page("Forefeel: " + scene.source.file.filename().string(), html));
   file.commit();
 }
 

@@ -271,7 +271,7 @@ std::string plan_section(const PlannedStudy& planned) {
 }
 
 std::string provenance_section(const PlannedStudy& planned) {
-  const auto document = provenance(planned.scenes.front().hash);
+  const auto document = provenance(planned.scenes.front().source.hash);
   std::string html = "<h2>Provenance</h2>\n<table class=\"wide\">\n";
   for (const char* key : {"version", "commit", "machine"})
     html += row(key, cell(html_escaped(document[key].get<std::string>())));

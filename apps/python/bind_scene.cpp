@@ -32,14 +32,14 @@ void bind_scene(py::module_& module) {
              return PyScene{std::make_shared<const Scene>(load_scene(file, set))};
            }),
            py::arg("file"), py::arg("set") = std::vector<std::string>{})
-      .def_property_readonly("file", [](const PyScene& self) { return self.scene->file.string(); })
+      .def_property_readonly("file", [](const PyScene& self) { return self.scene->source.file.string(); })
       .def_property_readonly("spacing", [](const PyScene& self) { return self.scene->space.spacing; })
       .def_property_readonly("box",
                              [](const PyScene& self) {
                                const Vec3 corners[] = {self.scene->space.box.low, self.scene->space.box.high};
                                return array_of(corners);
                              })
-      .def_property_readonly("warnings", [](const PyScene& self) { return self.scene->warnings; })
+      .def_property_readonly("warnings", [](const PyScene& self) { return self.scene->source.warnings; })
       .def_property_readonly("identity",
                              [](const PyScene& self) {
                                return std::map<std::string, std::string>(self.scene->identity.begin(),

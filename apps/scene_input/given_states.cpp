@@ -46,9 +46,9 @@ Belonging belonging_of(const Globals& globals, const Scene& scene, const std::st
   if (answer.asked.empty() && !answer.too_far) return Belonging::asked;  // no force to compare
   if (!answer.fits())
     throw InputError({.file = file}, fmt::format("names no body, and does not fit that of {}: {}; {}",
-                                                 scene.file.string(), in_words(answer), way_out));
+                                                 scene.source.file.string(), in_words(answer), way_out));
   say(globals, fmt::format("{}: names no body; {}, taken as states of {}", file, in_words(answer),
-                           scene.file.string()));
+                           scene.source.file.string()));
   return Belonging::asked;
 }
 

@@ -52,30 +52,30 @@ void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scen
     scene.space.spacing = finest_spacing(scene.space.box);
     return;
   }
-  scene.chosen_spacing = automatic_spacing(scene.body, scene.identity,
+  scene.spacing.chosen = automatic_spacing(scene.body, scene.identity,
                                            {.box = scene.space.box,
-                                            .tolerance = scene.tolerance,
+                                            .tolerance = scene.spacing.tolerance,
                                             .model = scene.model,
                                             .coverage = scene.space.coverage,
                                             .floor = scene.session.judging.error_floor},
                                            cache_folder(), use.quiet);
-  scene.space.spacing = scene.chosen_spacing->spacing;
-  if (!scene.chosen_spacing->holds)
-    scene.warnings.push_back(fmt::format(
+  scene.space.spacing = scene.spacing.chosen->spacing;
+  if (!scene.spacing.chosen->holds)
+    scene.source.warnings.push_back(fmt::format(
         "{}: no spacing that was tried makes safe mean an error below {:g} % in {:g} % of it; the finest is "
         "taken",
-        table.where("spacing").text(), 100 * scene.tolerance,
-        100 - 100 * scene.chosen_spacing->allowed_share));
+        table.where("spacing").text(), 100 * scene.spacing.tolerance,
+        100 - 100 * scene.spacing.chosen->allowed_share));
 }
 
 void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, const SceneUse& use,
                       Scene& scene) {
-  const bool automatic = scene.automatic_spacing = table.is_text("spacing", "auto");
+  const bool automatic = scene.spacing.automatic = table.is_text("spacing", "auto");
   if (!defaults)
     for (const std::string key : {"spacing", "box"})
       if (!table.has(key))
         throw table.wrong(key, key == "box" ? "[[x0, y0, z0], [x1, y1, z1]]" : "a number above 0 [m]");
-  scene.tolerance = table.number("tolerance", positive()).value_or(scene.tolerance);
+  scene.spacing.tolerance = table.number("tolerance", positive()).value_or(scene.spacing.tolerance);
   if (automatic)
     scene.space.spacing = longest_side(mesh) / 36;  // for a box that is not given
   else
@@ -206,7 +206,8 @@ void share_body(const Scene& like, Scene& scene) {
   scene.inward = like.inward;
   scene.identity = like.identity;
   scene.body = like.body;
-  scene.warnings.insert(scene.warnings.end(), like.warnings.begin(), like.warnings.end());
+  scene.source.warnings.insert(scene.source.warnings.end(), like.source.warnings.begin(),
+                               like.source.warnings.end());
 }
 
 constexpr const char* built_in = R"([body]
@@ -232,30 +233,30 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   const BodySections sections{table("body"), root.subs("material", keys_of("material")), table("clamp"),
                               table("contact")};
   Scene scene;
-  scene.file = file;
+  scene.source.file = file;
   scene.model = read_model(model);
   if (model.has("select") && session.has("select"))
     throw session.wrong("select", "only one of model.select and session.select");
   scene.model.select = session.word("select", select_words()).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
-  scene.device = session.text("device");
-  scene.cost = session.text("cost");
-  scene.device_place = session.where("device");
-  scene.cost_place = session.where("cost");
-  scene.box_place = space.where("box");
-  if (session.has("arrivals")) scene.arrivals_place = session.where("arrivals");
+  scene.written.device = session.text("device");
+  scene.written.cost = session.text("cost");
+  scene.written.device_place = session.where("device");
+  scene.written.cost_place = session.where("cost");
+  scene.written.box_place = space.where("box");
+  if (session.has("arrivals")) scene.written.arrivals_place = session.where("arrivals");
   for (const std::string& key : scheduling_keys())
-    if (session.has(key)) scene.scheduling.emplace_back("session." + key, session.where(key));
-  scene.body_source = body_source(document, file);
-  if (like && like->body_source == scene.body_source)
+    if (session.has(key)) scene.written.scheduling.emplace_back("session." + key, session.where(key));
+  scene.source.body = body_source(document, file);
+  if (like && like->source.body == scene.source.body)
     share_body(*like, scene);
   else
-    take_body(read_body(sections, file.parent_path(), file.string(), scene.warnings), scene);
+    take_body(read_body(sections, file.parent_path(), file.string(), scene.source.warnings), scene);
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
-  scene.hash = hash_of(document, scene.identity);
+  scene.source.hash = hash_of(document, scene.identity);
   return scene;
 }
 
@@ -279,9 +280,9 @@ std::set<std::string> scene_keys_read(std::string_view text, std::span<const std
 StateSpaceOptions space_at(const Scene& scene, double spacing) {
   StateSpaceOptions space = scene.space;
   space.spacing = spacing;
-  const bool box_given = scene.box_place.line > 0 || !scene.box_place.option.empty();
+  const bool box_given = scene.written.box_place.line > 0 || !scene.written.box_place.option.empty();
   if (!box_given) space.box = default_box(scene.body->mesh, spacing);
-  check_positions(space, {.file = scene.file.string(), .key = "state_space.spacing"});
+  check_positions(space, {.file = scene.source.file.string(), .key = "state_space.spacing"});
   return space;
 }
 

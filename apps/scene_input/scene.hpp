@@ -19,28 +19,42 @@
 
 namespace forefeel {
 
-struct Scene {
+// The text that a scene was read from.
+struct SceneSource {
   std::filesystem::path file;
-  std::shared_ptr<const Body> body;  // checked: it can be solved
-  BodyIdentity identity;             // mesh, material, clamp, contact -> hash
-  StateSpaceOptions space;
-  bool displacements = false;
-  Viscosity viscosity = {};  // of all materials
-  // Of the relative error where the label is safe [1]; spacing = "auto" meets it.
-  double tolerance = usual_tolerance;
-  bool automatic_spacing = false;               // spacing = "auto"
-  std::optional<SpacingChoice> chosen_spacing;  // with spacing = "auto" only, if it was measured
-  ModelOptions model;
-  SessionOptions session;                   // .model.fit equals model; device and cost: scene_session.hpp
+  std::string hash;  // of the scene as overridden, without comments
+  std::string body;  // the sections that make the body, as text
+  std::vector<std::string> warnings;
+};
+
+// What depends on whether, and where, the scene gives a key: liver.toml:30: session.device.
+struct SceneWritten {
   std::optional<std::string> device, cost;  // as written; nothing where the scene does not say it
-  Vec3 inward = -Vec3::UnitZ();             // from the contact into the body
-  std::string hash;                         // of the scene as overridden, without comments
-  // Where the scene gives these keys: liver.toml:30: session.device. Arrivals: empty where it gives none.
+  // Arrivals: empty where the scene gives none.
   InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
   // The scheduling_keys() that the scene writes, each with its place.
   std::vector<std::pair<std::string, InputPlace>> scheduling;
-  std::vector<std::string> warnings;
-  std::string body_source;  // the sections that make the body, as text
+};
+
+struct SceneSpacing {
+  bool automatic = false;  // spacing = "auto"
+  // Of the relative error where the label is safe [1]; spacing = "auto" meets it.
+  double tolerance = usual_tolerance;
+  std::optional<SpacingChoice> chosen;  // with spacing = "auto" only, if it was measured
+};
+
+struct Scene {
+  SceneSource source;
+  SceneWritten written;
+  std::shared_ptr<const Body> body;  // checked: it can be solved
+  BodyIdentity identity;             // mesh, material, clamp, contact -> hash
+  Viscosity viscosity = {};          // of all materials
+  Vec3 inward = -Vec3::UnitZ();      // from the contact into the body
+  StateSpaceOptions space;
+  SceneSpacing spacing;
+  bool displacements = false;
+  ModelOptions model;
+  SessionOptions session;  // .model.fit equals model; device and cost: scene_session.hpp
 };
 
 // What a command needs of its scene. Measuring spacing = "auto" solves hundreds of states.

@@ -14,7 +14,8 @@ SessionInput session_input(const Scene& scene) {
                       .displacements = scene.displacements,
                       .inward = scene.inward,
                       .viscosity = scene.viscosity},
-          .files = {.cache = cache_folder(), .scene = std::filesystem::absolute(scene.file).parent_path()}};
+          .files = {.cache = cache_folder(),
+                    .scene = std::filesystem::absolute(scene.source.file).parent_path()}};
 }
 
 SessionOptions session_options(const Scene& scene) {
@@ -25,11 +26,11 @@ SessionOptions session_options(const Scene& scene) {
 }
 
 DeviceSpec device_of(const Scene& scene) {
-  return scene.device ? device_from_text(*scene.device) : DeviceSpec();
+  return scene.written.device ? device_from_text(*scene.written.device) : DeviceSpec();
 }
 
 CostSpec cost_of(const Scene& scene) {
-  return scene.cost ? cost_from_text(*scene.cost) : CostSpec();
+  return scene.written.cost ? cost_from_text(*scene.written.cost) : CostSpec();
 }
 
 }  // namespace forefeel

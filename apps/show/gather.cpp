@@ -41,7 +41,7 @@ ShowContent of_scene(const Globals& globals, const std::string& file) {
   ShowContent content;
   content.kind = "scene";
   take_scene(scene, content);
-  content.warnings = scene.warnings;
+  content.warnings = scene.source.warnings;
   content.title = fmt::format("{}: {} elements, spacing {}", fs::path(file).filename().string(),
                               scene.body->mesh.tets.size(), mm(scene.space.spacing));
   return content;
@@ -80,7 +80,7 @@ LabelFrame with_scene(const Globals& globals, const ShowRequest& request, const 
   for (const ShownState& s : states) all.push_back(s.state);
   belonging_of(globals, scene, frame.where, identity, all, request.foreign);
   take_scene(scene, content);
-  for (const std::string& warning : scene.warnings) content.warnings.push_back(warning);
+  for (const std::string& warning : scene.source.warnings) content.warnings.push_back(warning);
   frame.spacing = scene.space.spacing;
   frame.box = scene.space.box;
   return frame;

@@ -173,7 +173,7 @@ std::optional<Scene> scene_of(const MadeBy& made_by) {
     if (!fs::is_regular_file(file, error)) continue;
     try {
       Scene scene = load_scene(file, overrides, nullptr, {.spacing = false, .quiet = true});
-      if (scene.hash == made_by.scene_hash) return scene;
+      if (scene.source.hash == made_by.scene_hash) return scene;
     } catch (const InputError&) {  // no longer the scene that it was
     }
   }

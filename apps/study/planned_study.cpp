@@ -66,15 +66,16 @@ InputPlace place_of(const StudyFile& study, const Scene& scene, const std::strin
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
-  const std::pair<const char*, const InputPlace&> places[] = {{"session.device", scene.device_place},
-                                                              {"session.cost", scene.cost_place},
-                                                              {"session.arrivals", scene.arrivals_place},
-                                                              {"state_space.box", scene.box_place}};
+  const std::pair<const char*, const InputPlace&> places[] = {
+      {"session.device", scene.written.device_place},
+      {"session.cost", scene.written.cost_place},
+      {"session.arrivals", scene.written.arrivals_place},
+      {"state_space.box", scene.written.box_place}};
   for (const auto& [known, place] : places)
-    if (key == known && !place.empty() && place != InputPlace{.file = scene.file.string(), .key = key})
+    if (key == known && !place.empty() && place != InputPlace{.file = scene.source.file.string(), .key = key})
       return place;
   InputPlace nowhere = study.scene_place;  // for a key that neither gives
-  nowhere.key += ": " + scene.file.string() + ": " + key;
+  nowhere.key += ": " + scene.source.file.string() + ": " + key;
   return nowhere;
 }
 
@@ -121,7 +122,7 @@ void check_arrivals(const StudyFile& study, const Scene& scene, const SessionOpt
   for (const StudyFileAxis& axis : study.axes)
     if (axis.column == "target_load") refuse(axis.where);
   std::string passed_over;
-  for (const auto& [key, where] : scene.scheduling) {
+  for (const auto& [key, where] : scene.written.scheduling) {
     if (!where.option.empty()) refuse(place_of(study, scene, key));  // by the study
     passed_over += (passed_over.empty() ? "" : ", ") + where.text();
   }
@@ -156,7 +157,7 @@ StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std
   });
   for (const std::string& note : cell.notes)
     if (std::ranges::find(warnings, note) == warnings.end()) warnings.push_back(note);
-  cell.key = cell_key(scene.hash, cell, input, study.sustained);
+  cell.key = cell_key(scene.source.hash, cell, input, study.sustained);
   return cell;
 }
 
@@ -190,7 +191,7 @@ PlannedStudy plan_study(StudyFile given) {
     const Scene* like = planned.scenes.empty() ? nullptr : &planned.scenes.back();
     planned.scenes.push_back(load_combination(file, plan.study.choice(c), like));
     const Scene& scene = planned.scenes.back();
-    if (c == 0) planned.warnings = scene.warnings;
+    if (c == 0) planned.warnings = scene.source.warnings;
     const SessionInput input = session_input(scene);
     for (const std::uint64_t seed : file.seeds)
       plan.cells.push_back(planned_cell(planned, c, seed, input, planned.warnings));

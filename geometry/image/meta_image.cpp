@@ -70,16 +70,11 @@ class MetaReader {
   }
   bool flag(const std::string& key) const { return lower_case(get(key)) == "true"; }
 
-  // The numbers of the first of the keys that is there, as many as in `otherwise`.
+  // As many numbers as in `otherwise`, which stands for a key that is not there.
   std::vector<double> numbers(const std::string& key, std::vector<double> otherwise) const {
     const auto found = values_.find(key);
     if (found == values_.end()) return otherwise;
-    Scanner in(found->second, file_ + ": " + key);
-    std::vector<double> result;
-    while (!in.at_end()) result.push_back(in.real("a number"));
-    if (result.size() != otherwise.size())
-      fail(fmt::format("{} has {} numbers, expected {}", key, result.size(), otherwise.size()));
-    return result;
+    return header_numbers(found->second, otherwise.size(), file_, key);
   }
   std::vector<double> first_of(std::initializer_list<const char*> keys,
                                const std::vector<double>& otherwise) const {

@@ -62,18 +62,11 @@ class NrrdReader {
     return found == values_.end() ? std::string() : found->second;
   }
 
-  std::vector<double> numbers(const std::string& key, std::string text) const {
+  std::vector<double> numbers(const std::string& key, std::size_t expected) const {
+    std::string text = get(key);
     for (char& letter : text)
       if (letter == '(' || letter == ')' || letter == ',') letter = ' ';
-    Scanner in(text, file_ + ": " + key);
-    std::vector<double> result;
-    while (!in.at_end()) result.push_back(in.real("a number"));
-    return result;
-  }
-  std::vector<double> three(const std::string& key) const {
-    const std::vector<double> result = numbers(key, get(key));
-    if (result.size() != 3) fail(fmt::format("{}: {} numbers, expected 3", key, result.size()));
-    return result;
+    return header_numbers(text, expected, file_, key);
   }
 
   Scalar type() const {
@@ -119,16 +112,15 @@ class NrrdReader {
   void place(ImageHeader& header) const {
     header.axes.setIdentity();
     if (values_.contains("space directions")) {
-      const std::vector<double> m = numbers("space directions", get("space directions"));
-      if (m.size() != 9) fail(fmt::format("space directions: {} numbers, expected 9", m.size()));
+      const std::vector<double> m = numbers("space directions", 9);
       for (int d = 0; d < 3; ++d)
         for (int r = 0; r < 3; ++r) header.axes(r, d) = m[static_cast<std::size_t>(3 * d + r)];
     } else if (values_.contains("spacings")) {
-      const std::vector<double> s = three("spacings");
+      const std::vector<double> s = numbers("spacings", 3);
       header.axes = Vec3(s[0], s[1], s[2]).asDiagonal();
     }
     if (values_.contains("space origin")) {
-      const std::vector<double> o = three("space origin");
+      const std::vector<double> o = numbers("space origin", 3);
       header.origin = Vec3(o[0], o[1], o[2]);
     }
   }
@@ -151,7 +143,7 @@ class NrrdReader {
   ImageHeader read_header() const {
     ImageHeader header;
     if (get("dimension") != "3") fail(fmt::format("dimension '{:.20}', expected 3", get("dimension")));
-    const std::vector<double> size = three("sizes");
+    const std::vector<double> size = numbers("sizes", 3);
     for (std::size_t d = 0; d < 3; ++d) {
       if (!(std::abs(size[d]) < 1e15) || size[d] != std::floor(size[d]))
         fail(fmt::format("size {:g} is no number of voxels", size[d]));

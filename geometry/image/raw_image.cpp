@@ -160,6 +160,17 @@ LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool 
   return labels_of(header, data.substr(0, bytes), file);
 }
 
+std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
+                                   const std::string& key) {
+  Scanner in(text, file + ": " + key);
+  std::vector<double> numbers;
+  while (!in.at_end()) numbers.push_back(in.real("a number"));
+  if (numbers.size() != expected)
+    throw InputError({.file = file},
+                     fmt::format("{} has {} numbers, expected {}", key, numbers.size(), expected));
+  return numbers;
+}
+
 std::string read_beside(const std::filesystem::path& header, const std::string& name) {
   const std::filesystem::path file = name;
   if (name.empty() || file.has_parent_path() || file == "..")

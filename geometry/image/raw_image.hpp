@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "geometry/image/label_volume.hpp"
 
@@ -68,6 +69,10 @@ LabelVolume read_nifti(std::string_view content, const std::string& file);
 LabelVolume read_meta_image(std::string_view content, const std::filesystem::path& file);
 LabelVolume read_nrrd(std::string_view content, const std::filesystem::path& file);
 LabelVolume read_vti(std::string content, const std::string& file);
+
+// The numbers in a header's text, as many as expected; else InputError.
+std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
+                                   const std::string& key);
 
 // The file with the data that a header names, in its own folder. InputError for a name with a folder.
 std::string read_beside(const std::filesystem::path& header, const std::string& name);

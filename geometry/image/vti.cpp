@@ -68,12 +68,7 @@ class VtiReader {
   std::vector<double> numbers(const char* key, std::vector<double> otherwise) const {
     const auto found = reader_.attributes().find(key);
     if (found == reader_.attributes().end()) return otherwise;
-    Scanner in(found->second, file_ + ": " + key);
-    std::vector<double> result;
-    while (!in.at_end()) result.push_back(in.real("a number"));
-    if (result.size() != otherwise.size())
-      fail(fmt::format("{} has {} numbers, expected {}", key, result.size(), otherwise.size()));
-    return result;
+    return header_numbers(found->second, otherwise.size(), file_, key);
   }
 
   Extent extent_of(const std::string& text, const char* what) const {

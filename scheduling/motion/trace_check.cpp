@@ -23,6 +23,8 @@ TraceRows without_samples(const TraceRows& rows) {
   TraceRows out;
   out.missing = rows.missing;
   out.ignored = rows.ignored;
+  out.lost = rows.lost;
+  out.lost_left_out = rows.lost_left_out;
   out.orientation = rows.orientation;
   return out;
 }
@@ -132,6 +134,16 @@ std::vector<std::string> sayings(const TraceRows& rows) {
   if (rows.missing > 0)
     lines.push_back(fmt::format("{} rows without a position are left out, the motion is interpolated there",
                                 rows.missing));
+  if (rows.lost > 0)
+    lines.push_back(
+        rows.lost_left_out
+            ? fmt::format(
+                  "{} rows at 0, 0, 0 far from their neighbours are taken as lost samples and left out",
+                  rows.lost)
+            : fmt::format(
+                  "{} rows at 0, 0, 0 lie far from their neighbours, as samples do that a tracker lost "
+                  "(with columns=t/x/y/z they are left out)",
+                  rows.lost));
   if (rows.orientation)
     lines.push_back(
         fmt::format("the recorded orientation is not used: the HIP is a point ({} columns are "

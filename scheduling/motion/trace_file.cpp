@@ -13,6 +13,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "scheduling/motion/trace_cells.hpp"
+#include "scheduling/motion/trace_flaws.hpp"
 
 namespace forefeel {
 namespace {
@@ -46,7 +47,15 @@ class Reader {
     find(wanted);
     skip_to_data();
     choose_tool();
-    return take();
+    if (are_matrices(rows_, layout_.first))
+      throw InputError({.file = name_, .line = rows_[layout_.first].line},
+                       "four lines make one 4 x 4 matrix, expected the numbers of a sample in one line");
+    TraceRows out = take();
+    const std::vector<std::size_t> lost = lost_rows(out);
+    out.lost = lost.size();
+    out.lost_left_out = !format_.is_usual();
+    if (out.lost_left_out) leave_out(out, lost);
+    return out;
   }
 
  private:

@@ -36,7 +36,7 @@ void note_no_cells(const SessionPlan& plan, SessionResult& result) {
   const double side = visit_cell(plan.options.judging, plan.input.touched.space.spacing);
   const Eigen::Array3d low = (box.low / side).array() - 1e-9, high = (box.high / side).array() + 1e-9;
   std::string solved;
-  if (!plan.given_arrivals && result.solver.seconds.empty() && result.end != RunEnd::not_begun) {
+  if (!plan.arrivals.given && result.solver.seconds.empty() && result.end != RunEnd::not_begun) {
     const bool none = !holds_lattice_position(box, plan.input.touched.space.spacing);
     if (result.counts.solved > 0)
       solved = "nothing but rest was solved: there is no load";
@@ -91,10 +91,10 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
   for (const std::string& note : plan.motion_notes) result.notes.push_back(note);
   result.viscous = !plan.render.viscosity.empty();
   if (result.viscous) note_viscosity(plan, result);
-  result.guess_softness = plan.guess_softness;
-  if (!plan.guess_left_out.empty())
+  result.guess_softness = plan.guess.softness;
+  if (!plan.guess.left_out.empty())
     result.notes.push_back(fmt::format(
-        "no first guess: {}; the force is zero until the first state is solved", plan.guess_left_out));
+        "no first guess: {}; the force is zero until the first state is solved", plan.guess.left_out));
   if (references.note()) result.notes.push_back(*references.note());
   if (references.damage() && !plan.input.references) result.warnings.push_back(*references.damage());
 }

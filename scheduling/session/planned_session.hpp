@@ -17,6 +17,18 @@
 
 namespace forefeel {
 
+struct PlannedArrivals {
+  std::vector<Arrival> list;  // by increasing time
+  bool given = false;         // states become known at these times, and nothing is dispatched
+  bool of_replay = false;     // the replayed run had given arrivals
+};
+
+struct PlannedGuess {
+  // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
+  double softness = unknown;
+  std::string left_out;  // why the first guess is; empty: it is rendered, or none was wanted
+};
+
 // Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share one device.
 // Do not run two copies at once; the device restarts its motion when asked for an earlier time.
 struct SessionPlan {
@@ -24,17 +36,13 @@ struct SessionPlan {
   SessionOptions options;  // clock.seconds has been set according to clock.length
   std::shared_ptr<Device> device;
   std::size_t frames = 0;
-  std::vector<Vec3> motion = {};       // by frame [m], for policies that read it; else empty
-  std::vector<Arrival> arrivals = {};  // by increasing time
-  bool given_arrivals = false;         // states become known at these times, and nothing is dispatched
-  bool replay_of_arrivals = false;     // the replayed run had given arrivals
-  RenderOptions render = {};           // with the lower force limit of device and options
+  std::vector<Vec3> motion = {};  // by frame [m], for policies that read it; else empty
+  PlannedArrivals arrivals = {};
+  RenderOptions render = {};  // with the lower force limit of device and options
   ModelRecipe model = {};
-  int batch = 1;  // states of one job
-  // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
-  double guess_softness = unknown;
+  int batch = 1;                               // states of one job
   std::vector<std::string> motion_notes = {};  // on a recorded motion (motion/trace_check.hpp), one line each
-  std::string guess_left_out = {};  // why the first guess is; empty: it is rendered, or none was wanted
+  PlannedGuess guess = {};
 };
 
 }  // namespace forefeel

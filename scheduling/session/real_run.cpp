@@ -116,14 +116,14 @@ void report(const FramePacer& pacer, double stall, const SessionPlan& plan, Sess
 // Solves what --arrivals and --replay will deliver, before the first frame.
 std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& references,
                                   const ShowProgress& show) {
-  for (const Arrival& arrival : plan.arrivals) references.request(arrival.at);
+  for (const Arrival& arrival : plan.arrivals.list) references.request(arrival.at);
   std::vector<State> states;
-  for (const Arrival& arrival : plan.arrivals) {
+  for (const Arrival& arrival : plan.arrivals.list) {
     states.push_back(references.get(arrival.at));
     if (show)
       show({.phase = SessionPhase::arrivals,
             .t = static_cast<double>(states.size()),
-            .seconds = static_cast<double>(plan.arrivals.size()),
+            .seconds = static_cast<double>(plan.arrivals.list.size()),
             .known = states.size()});
   }
   return states;
@@ -146,12 +146,12 @@ struct PlannerRun {
   void step(std::vector<JobResult>& results, std::size_t& arrived) {
     workers.collect(results, 0.0005);
     for (JobResult& result : results) planner.receive(std::move(result), now());
-    while (arrived < arriving.size() && plan.arrivals[arrived].t <= now())
+    while (arrived < arriving.size() && plan.arrivals.list[arrived].t <= now())
       planner.arrive(std::move(arriving[arrived++]), now());
     if (const auto hip = link.hip.take()) planner.observe(*hip);
     link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
     models.update(now(), planner.hip().at, true);
-    if (!plan.given_arrivals) planner.plan(now());
+    if (!plan.arrivals.given) planner.plan(now());
     take_beat();
   }
 
@@ -236,7 +236,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
     end.wanted.store(true, std::memory_order_release);  // without a planner or workers the force goes to zero
     workers.stop();
   });
-  const bool serving = !plan.given_arrivals && workers.serves();
+  const bool serving = !plan.arrivals.given && workers.serves();
   const int team = serving ? options.workers.count : 1;
   omp_set_dynamic(0);
 #pragma omp parallel num_threads(team)
@@ -254,7 +254,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   take_loop(loop, plan.frames, result);
   report(pacer, run.stall, plan, result);
   planner.finish(result, models);
-  result.solver.workers = plan.given_arrivals ? 0 : workers.workers();
+  result.solver.workers = plan.arrivals.given ? 0 : workers.workers();
   result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
   for (std::string& note : workers.notes()) result.notes.push_back(std::move(note));

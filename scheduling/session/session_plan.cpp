@@ -29,8 +29,9 @@ std::size_t most_states(const SessionPlan& plan) {
   const StateSpaceOptions& space = plan.input.touched.space;
   const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
   const double placed =
-      plan.given_arrivals ? 0 : positions * (plan.options.planning.placement == Placement::path ? 12 : 1);
-  return plan.input.known.size() + plan.arrivals.size() + 1 + static_cast<std::size_t>(std::min(placed, 1e9));
+      plan.arrivals.given ? 0 : positions * (plan.options.planning.placement == Placement::path ? 12 : 1);
+  return plan.input.known.size() + plan.arrivals.list.size() + 1 +
+         static_cast<std::size_t>(std::min(placed, 1e9));
 }
 
 void check_known(const std::vector<State>& known) {
@@ -73,9 +74,9 @@ void note_motion(SessionPlan& plan) {
 void take_replay(SessionPlan& plan) {
   Replay replay = read_replay(*plan.options.motion.replay, farthest(*plan.input.touched.body));
   plan.device = make_trace_device(std::move(replay.motion));
-  plan.arrivals = std::move(replay.arrivals);
-  plan.replay_of_arrivals = replay.of_arrivals;
-  plan.given_arrivals = true;
+  plan.arrivals.list = std::move(replay.arrivals);
+  plan.arrivals.of_replay = replay.of_arrivals;
+  plan.arrivals.given = true;
 }
 
 FactoryContext factory_context(const SessionPlan& plan) {
@@ -94,19 +95,19 @@ void take_device(SessionPlan& plan) {
   plan.device = plan.input.parts.device ? plan.input.parts.device
                                         : make_device(options.motion.device, factory_context(plan));
   if (!options.planning.arrivals) return;
-  plan.arrivals = read_arrivals(*options.planning.arrivals, farthest(*touched.body));
-  plan.given_arrivals = true;
+  plan.arrivals.list = read_arrivals(*options.planning.arrivals, farthest(*touched.body));
+  plan.arrivals.given = true;
 }
 
 // Nothing is dispatched, as where states arrive at given times, and none arrive.
 void take_foreign(SessionPlan& plan) {
   if (!plan.input.foreign) return;
-  if (!plan.arrivals.empty())
+  if (!plan.arrivals.list.empty())
     throw InputError(
         "foreign",
         "states that arrive at given times (--arrivals, --replay) would be solved for the scene's "
         "body and mixed with those of another, expected a session without them");
-  plan.given_arrivals = true;
+  plan.arrivals.given = true;
   plan.input.files.states.reset();
 }
 
@@ -149,17 +150,17 @@ void settle_length(double duration, ClockOptions& clock) {
 void choose_model(SessionPlan& plan) {
   const SessionModelOptions& model = plan.options.model;
   const bool others_states = plan.input.foreign || plan.options.planning.arrivals ||
-                             plan.replay_of_arrivals || std::ranges::any_of(plan.input.known, &State::usable);
+                             plan.arrivals.of_replay || std::ranges::any_of(plan.input.known, &State::usable);
   plan.model = {.fit = for_states(model.fit, most_states(plan)),
                 .method = model.method,
                 .update_travel = model.update_travel,
                 .guess = Mat3::Zero()};
-  plan.guess_softness = unknown;
-  plan.guess_left_out.clear();
+  plan.guess.softness = unknown;
+  plan.guess.left_out.clear();
   if (!model.first_guess || others_states) return;
   const FirstGuess guess = first_guess(*plan.input.touched.body);
-  plan.guess_softness = guess.softness;
-  plan.guess_left_out = guess.left_out;
+  plan.guess.softness = guess.softness;
+  plan.guess.left_out = guess.left_out;
   plan.model.guess = guess.stiffness;
 }
 
@@ -181,7 +182,7 @@ void take_future(SessionPlan& plan) {
 
 MemoryRequest memory_request(const SessionPlan& plan) {
   const WorkerOptions& workers = plan.options.workers;
-  const bool threads = plan.options.clock.kind == Clock::real && !plan.given_arrivals &&
+  const bool threads = plan.options.clock.kind == Clock::real && !plan.arrivals.given &&
                        !plan.input.parts.workers && workers.kind.name == "threads";
   return {.body = plan.input.touched.body,
           .frames = plan.frames,

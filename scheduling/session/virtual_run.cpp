@@ -56,10 +56,10 @@ class EventQueue {
 std::shared_ptr<VirtualWorkers> workers_of(const SessionPlan& plan, const CostModel& cost,
                                            ReferenceService& references) {
   const WorkerOptions& options = plan.options.workers;
-  if (plan.input.parts.virtual_workers && !plan.given_arrivals) return plan.input.parts.virtual_workers;
+  if (plan.input.parts.virtual_workers && !plan.arrivals.given) return plan.input.parts.virtual_workers;
   return make_virtual_workers(options.kind, {.references = references,
                                              .cost = cost,
-                                             .count = plan.given_arrivals ? 0 : options.count,
+                                             .count = plan.arrivals.given ? 0 : options.count,
                                              .rest_first = plan.options.planning.rest_first,
                                              .batch_share = options.batch_share,
                                              .latency = options.latency});
@@ -80,7 +80,7 @@ class VirtualRun {
   }
 
   void run() {
-    const std::vector<Arrival>& arrivals = plan_.arrivals;
+    const std::vector<Arrival>& arrivals = plan_.arrivals.list;
     for (std::size_t i = 0; i < arrivals.size() && arrivals[i].t <= plan_.options.clock.seconds; ++i) {
       parts_.references.request(arrivals[i].at);
       events_.push(ns(arrivals[i].t), Kind::arrival, i);

@@ -1,13 +1,16 @@
 // Tables: states, points, traces, arrivals, and what a run has written.
 
 #include <stdexcept>
+#include <variant>
 
+#include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/log/dispatch_file.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace.hpp"
+#include "scheduling/motion/trace_check.hpp"
 #include "scheduling/session/arrivals.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -37,6 +40,22 @@ void read_any_trace(std::string_view input) {
   const double end = trace.times.back();
   const auto device = make_trace_device(std::move(trace));
   for (const double t : {-1.0, 0.0, 0.5 * end, end, 2 * end}) device->position(t, Vec3::Zero());
+}
+
+// A line with the specification of a trace behind its file, then the table: "columns=2/3/4,rate=100".
+void read_any_table(std::string_view input) {
+  const std::size_t line = std::min(input.find('\n'), input.size());
+  const std::filesystem::path file = file_of("table.csv", input.substr(std::min(line + 1, input.size())));
+  const DeviceSpec spec =
+      device_from_text("trace:" + file.string() + "," + std::string(input.substr(0, line)));
+  const auto* trace = std::get_if<TraceMotion>(&spec.motion());
+  if (!trace || trace->file != file) return;
+  const TraceRows rows = read_trace_rows(file, trace->format, MissingPositions::leave_out);
+  if (rows.times.empty() || rows.times.size() != rows.positions.size())
+    throw std::logic_error("rows without times");
+  for (const Vec3& x : rows.positions)
+    if (!x.allFinite()) throw std::logic_error("a position that is not finite");
+  check_trace(rows, {});
 }
 
 // frames.csv, a line "---", dispatch.csv: the files of a run that is replayed.
@@ -72,6 +91,17 @@ std::vector<Target> table_targets() {
       {"trace", read_any_trace,
        [] {
          return Seeds{"t,x,y,z\n0,0,0,0\n0.1,0.01,0,0\n0.3,0.02,1e-3,-0.01\n", "0,0,0,0\n1,0,0,0.02\n"};
+       }},
+      {"table", read_any_table,
+       [] {
+         return Seeds{
+             "columns=5/4/3/2,unit=mm/ms\na 3 2 1  0\na 3 2 1.5  500\na 3 2 2  1000\n",
+             "columns=time/px/py/pz,unit=mm/ms\n# "
+             "log\ntime;qw;pz;py;px\nms;;mm;mm;mm\n0;1;3;2;1\n500;1;3;2;1,5\n",
+             "rate=2,unit=mm\nx\ty\tz\n1\t2\t3\n1.5\t2\t3\n",
+             "tool=pen,unit=mm/ms\nt,tool,x,y,z\n0,pen,1,2,3\n0,cup,9,9,9\n500,pen,1.5,2,3\n500,cup,9,9,9\n",
+             "tool=right\nt,left_x,left_y,left_z,right_x,right_y,right_z\n0,9,9,9,1,2,3\n500,9,9,9,1.5,2,3\n",
+             "columns=1/2/3/-\n1,2,3\n2,3,nan\n3,,\n4,0,0\n"};
        }},
       {"run", read_run, [] {
          return Seeds{

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "geometry/common/error.hpp"
-#include "geometry/meshing/label_mesh.hpp"
+#include "geometry/labels/label_mesh.hpp"
 #include "tests/support/label_samples.hpp"
 
 namespace forefeel {

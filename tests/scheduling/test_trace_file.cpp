@@ -77,6 +77,22 @@ TEST_CASE("one motion in many forms is the same motion") {
              "2,3\n",
              with({}, "mm/ms", 0, "right")));
   }
+  SECTION("samples that the tracker lost are left out and counted") {
+    const TraceRows rows = read(
+        "t,x,y,z\n0,0,0,0\n0,0.4,.3,1\n100,0,0,0\n200,0,0,0\n500,.4005,.3,1\n1000,.401,.3,1\n1200,0,0,0\n",
+        with({}, "m/ms"));
+    CHECK(rows.lost == 4);
+    REQUIRE(rows.times.size() == 3);
+    CHECK(rows.times[2] == 1);
+    CHECK(rows.positions[0] == Vec3(0.4, 0.3, 1));
+    CHECK(sayings(rows).size() == 1);
+  }
+  SECTION("a motion that begins at rest, or passes through it, has lost nothing") {
+    const TraceRows rows = read("t,x,y,z\n0,0,0,0\n1,0,0,-.001\n2,0,0,0\n3,0,.005,0\n", with({}, "m/s"));
+    CHECK(rows.lost == 0);
+    CHECK(rows.times.size() == 4);
+    CHECK(read("t,x,y,z\n0,0,0,0\n1,0,0,0\n", with({}, "m/s")).lost == 0);
+  }
   SECTION("a coordinate that the file does not have is zero") {
     const TraceRows rows = read("0 1 2\n500 1.5 2\n", with({"1", "2", "3", "-"}, "mm/ms"));
     REQUIRE(rows.positions.size() == 2);
@@ -109,6 +125,9 @@ TEST_CASE("what is not clear in a recorded motion is refused in words") {
   CHECK_THAT(refusal("t,x,y,z\n0,1,2,3\n1,far,2,3\n", with({}, "mm")),
              Catch::Contains("m.txt:3: the position is 'far'"));
   CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({}, "mm")), Catch::Contains("no row has a number"));
+  const std::string matrices = "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n1 0 0 5.5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n";
+  CHECK_THAT(refusal(matrices, with({"4", "3", "2"}, "mm", 100)),
+             Catch::Contains("m.txt:1") && Catch::Contains("4 x 4 matrix"));
   TraceFormat format;
   for (const char* unit : {"", "inch", "mm/mm", "ms/s", "mm/"}) CHECK_FALSE(parse_trace_unit(unit, format));
 }

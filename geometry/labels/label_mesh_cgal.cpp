@@ -10,8 +10,8 @@
 #include <random>
 #include <unordered_map>
 
-#include "geometry/meshing/label_domain.hpp"
-#include "geometry/meshing/label_mesh.hpp"
+#include "geometry/labels/label_domain.hpp"
+#include "geometry/labels/label_mesh.hpp"
 
 namespace forefeel {
 namespace {

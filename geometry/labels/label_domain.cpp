@@ -1,4 +1,4 @@
-#include "geometry/meshing/label_domain.hpp"
+#include "geometry/labels/label_domain.hpp"
 
 #include <algorithm>
 #include <cmath>

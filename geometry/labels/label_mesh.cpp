@@ -1,4 +1,4 @@
-#include "geometry/meshing/label_mesh.hpp"
+#include "geometry/labels/label_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <unordered_map>
 
 #include "geometry/common/error.hpp"
+#include "geometry/labels/label_domain.hpp"
 #include "geometry/meshing/child_process.hpp"
-#include "geometry/meshing/label_domain.hpp"
 #include "geometry/meshing/shared_value.hpp"
 
 namespace forefeel {
