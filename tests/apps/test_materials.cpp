@@ -125,8 +125,8 @@ TEST_CASE("materials: a table that changes nothing is said") {
   write_msh(shop.path() / "beam.msh", mesh);
   const Scene all = load(
       shop, scene(rest + "[[material]]\ngroup = \"all\"\nlaw = \"linear\"\nyoung = 1e4\npoisson = 0.2\n"));
-  REQUIRE(all.warnings.size() == 1);
-  CHECK_THAT(all.warnings[0], Catch::Contains("scene.toml:3: material: without effect"));
+  REQUIRE(all.source.warnings.size() == 1);
+  CHECK_THAT(all.source.warnings[0], Catch::Contains("scene.toml:3: material: without effect"));
   CHECK(is_linear(*all.body));
 }
 
