@@ -7,9 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,6 +19,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/session_arguments.hpp"
+#include "apps/commands/session_shapes.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
@@ -36,6 +39,7 @@
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/run_files.hpp"
+#include "scheduling/record/shape_files.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
@@ -123,7 +127,8 @@ std::string share(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f} %", 100 * value) : "unknown";
 }
 
-void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) {
+void tell(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
+          const fs::path& run) {
   for (const std::string& line : attention(s)) say(globals, "attention: " + line);
   say(globals,
       fmt::format(
@@ -150,6 +155,7 @@ void tell(const Globals& globals, const SessionSummary& s, const fs::path& run) 
       fmt::format("{} model switches, {} frames over the JND bound; clamped {}, slewed {} of the frames",
                   s.switching.count, s.switching.frames_over_jnd, share(s.safety.clamped_share),
                   share(s.safety.slewed_share)));
+  if (shapes) say(globals, *shapes);
   for (const std::string& note : s.run.notes) say(globals, note);
   if (std::error_code problem; fs::exists(run / "report.html", problem))
     say(globals, fmt::format("report: {}", (run / "report.html").string()));
@@ -232,15 +238,20 @@ void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
 int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
   const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
-  SessionPlan plan = plan_of(globals, given, scene, ranks);
+  const ShapeOptions shape = shape_options(globals, given);
+  SessionPlan plan = plan_of(globals, given, scene, ranks, shape.rate > 0);
   if (ranks) gather(globals, *ranks, scene);
   const fs::path run = given.output;
   end_if_interrupted("the session began");
   plan = take_states(scene, given, globals, std::move(plan));
   const SessionOptions& options = plan.options;
   keep_replayed(options, run);
-  claim_folder(run,
-               {"frames.csv", "dispatch.csv", "switches.csv", "states.csv", "summary.json", "report.html"});
+  SessionShapes shapes(shape, plan, given);
+  std::vector<std::string> files{"frames.csv", "dispatch.csv", "switches.csv",
+                                 "states.csv", "summary.json", "report.html"};
+  std::ranges::move(shapes.files(), std::back_inserter(files));
+  claim_folder(run, files);
+  remove_shape_files(run);
   set_aside_states_of_last_run(globals, given, run);
   warn_of_replay(globals, scene, given);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -253,25 +264,30 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   Meanwhile meanwhile;
   PredictorScores predictions(options.clock.frame);
   const SessionResult result = run_session(
-      plan, {.progress =
-                 [&](const SessionProgress& p) {
-                   progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p));
-                 },
-             .when_run = [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
-             .each_position = [&](const Vec3& at) { predictions.add(at); }});
+      plan,
+      {.progress =
+           [&](const SessionProgress& p) {
+             progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p));
+           },
+       .when_run = [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
+       .each_position = [&](const Vec3& at) { predictions.add(at); }},
+      shapes.wanted());
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
 
   const double limit = plan.render.safety.force_limit;
+  shapes.begin_files(run);
   const ReportPictures pictures =
       begin_pictures(result, meanwhile.slices, view_of(scene.space, options, limit));
   Salvage salvage(result.failures);
   salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
+  salvage.attempt("the shapes", [&] { shapes.finish_files(run); });
   SessionSummary summary = summarise(result, plan);
   summary.motion.prediction = predictions.report();
   summary.run.failures = salvage.failures();
   nlohmann::ordered_json document = document_of(summary, scene);
+  shapes.add_to(document);
   salvage.attempt("summary.json", [&] {
     OutputFile file(run / "summary.json");
     file.write(json_text(document, 2) + "\n");
@@ -280,7 +296,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
   document["failures"] = salvage.failures();
   if (globals.json) print_json(document);
-  if (!globals.json) tell(globals, summary, run);
+  if (!globals.json) tell(globals, summary, shapes.in_words(), run);
   const int code = exit_code(globals, result, plan, salvage.failures());
   if (!summary.energy.stability || summary.energy.stability->stable) return code;
   if (globals.json || globals.quiet) warn(globals, attention(summary).front());
@@ -299,7 +315,9 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
   const auto load = [&](const RankContext& rank) {
     const Scene scene = load_scene(given.scene, globals.set, nullptr, {.spacing = false});
     const StateSolverOptions solving{
-        .spacing = heard_spacing(scene, rank), .tolerance = 1e-6, .displacements = scene.displacements};
+        .spacing = heard_spacing(scene, rank),
+        .tolerance = 1e-6,
+        .displacements = scene.displacements || shape_options(globals, given).rate > 0};
     return LoadedHand{.hand = make_state_hand(scene.body, solving),
                       .identity = rank_identity(scene.source.hash)};
   };
@@ -340,6 +358,8 @@ void add_session(CommandLine& line) {
           ". clairvoyant is an upper bound: it simulates all seven schedules, then runs the best; it takes "
           "about seven times as long");
   sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
+  sub.option("--shape-rate", given->shape_rate,
+             "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none");
   sub.option("--switch", given->switching, "How one model follows another: paper, smooth or none");
   sub.option("--cost", given->cost,
              "Virtual clock: time of a solve [s], constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");

@@ -16,6 +16,7 @@
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/record/run_files.hpp"
+#include "scheduling/record/shape_files.hpp"
 #include "scheduling/study/cell_result.hpp"
 #include "scheduling/workers/generator.hpp"
 
@@ -56,6 +57,7 @@ HelpTopic outputs_topic() {
       "outputs", "The files of a run, of a study, and of single commands. Unknown values are empty, or null.",
       declared_run_files()};
   topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
+  topic.tables.push_back(declared_shape_table());
   topic.tables.push_back(
       {"summary.json", "Summary of a session: keys joined by dots.", declared_summary_json()});
   topic.tables.push_back({"cells.csv",

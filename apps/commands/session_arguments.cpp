@@ -132,12 +132,14 @@ void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArg
 }
 
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                    const std::shared_ptr<RankPool>& ranks) {
+                    const std::shared_ptr<RankPool>& ranks, bool displacements) {
   try {
     SessionOptions options = options_of(scene, given, globals);
     warn_of_solving(globals, scene, given);
     if (ranks) join(ranks, given, options);
-    return make_plan(session_input(scene), std::move(options));
+    SessionInput input = session_input(scene);
+    input.touched.displacements = input.touched.displacements || displacements;
+    return make_plan(std::move(input), std::move(options));
   } catch (const InputError& error) {
     throw at_its_place(error, scene, given, globals);
   }

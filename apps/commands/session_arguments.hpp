@@ -26,15 +26,16 @@ struct SessionArguments {
   KnownStatesArguments states;
   std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor,
       workers_kind;
-  std::optional<double> seconds, latency;
+  std::optional<double> seconds, latency, shape_rate;
   std::optional<int> workers;
   MpiArguments mpi;
 };
 
 // The options and what they are for, checked. An InputError names the place that gave the value. ranks:
 // null where the workers are no ranks.
+// displacements: states must hold them, whatever the scene says.
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                    const std::shared_ptr<RankPool>& ranks);
+                    const std::shared_ptr<RankPool>& ranks, bool displacements);
 
 // A replay takes its motion and its arrivals from the run. Options of motion and planning are ignored; a
 // warning says which.

@@ -5,6 +5,7 @@
 
 #include "apps/console/json.hpp"
 #include "scheduling/record/attention.hpp"
+#include "scheduling/record/shape_summary.hpp"
 
 namespace forefeel {
 
@@ -43,15 +44,20 @@ constexpr Extra extras[] = {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const SessionSummary& summary) {
+nlohmann::ordered_json to_json(std::span<const Column> columns) {
   nlohmann::ordered_json document;
-  for (const Column& column : summary_columns(summary)) {
+  for (const Column& column : columns) {
     nlohmann::ordered_json* place = &document;  // "error.parts.switch" becomes nested objects
     std::size_t begin = 0;
     for (std::size_t dot; (dot = column.name.find('.', begin)) != std::string::npos; begin = dot + 1)
       place = &(*place)[column.name.substr(begin, dot - begin)];
     (*place)[column.name.substr(begin)] = to_json(column.value);
   }
+  return document;
+}
+
+nlohmann::ordered_json to_json(const SessionSummary& summary) {
+  nlohmann::ordered_json document = to_json(summary_columns(summary));
   for (const Extra& extra : extras) {
     nlohmann::ordered_json* place = &document;
     if (extra.table) place = &document[extra.table];
@@ -65,6 +71,11 @@ std::vector<Declared> declared_summary_json() {
   for (const Extra& extra : extras)
     rows.push_back(
         {(extra.table ? extra.table + std::string(".") : "") + extra.key, extra.unit, "", extra.meaning});
+  for (Declared row : declared_columns(shape_columns({}))) {
+    row.name = "shape." + row.name;
+    row.meaning += "; with session.shape_rate";
+    rows.push_back(std::move(row));
+  }
   return rows;
 }
 

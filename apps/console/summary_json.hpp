@@ -11,6 +11,7 @@
 namespace forefeel {
 
 nlohmann::ordered_json to_json(const ColumnValue& value);
+nlohmann::ordered_json to_json(std::span<const Column> columns);  // names with dots become nested objects
 nlohmann::ordered_json to_json(const SessionSummary& summary);
 std::vector<Declared> declared_summary_json();  // all these keys, for `forefeel help`
 // The key `prediction`: predictor -> rows by horizon [s], errors [m]. Null where nothing was compared.

@@ -11,6 +11,7 @@
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/scene_materials.hpp"
+#include "apps/scene_input/scene_shape.hpp"
 #include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
@@ -254,6 +255,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     take_body(read_body(sections, file.parent_path(), file.string(), scene.source.warnings), scene);
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
+  scene.displacements = scene.displacements || read_shape(session).rate > 0;
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
   scene.source.hash = hash_of(document, scene.identity);

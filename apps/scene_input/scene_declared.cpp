@@ -10,6 +10,7 @@
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/shape/shape_options.hpp"
 #include "scheduling/workers/cost_spec.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "solver/body/body.hpp"
@@ -175,11 +176,20 @@ std::vector<Declared> judging_keys(const SessionOptions& s) {
       {"visit_stride", "", fmt::format("{}", s.judging.visit_stride), "every n-th first visit is compared"}};
 }
 
+std::vector<Declared> shape_keys() {
+  const ShapeOptions s;
+  return {
+      {"shape_rate", "Hz", shown(s.rate),
+       "shapes of the body per second, in RUN/shape.pvd; 0: none. Above 0, states keep displacements"},
+      {"shape_surface", "", shown(s.surface), "true: the surface alone; false: the whole body"},
+      {"shape_checks", "", fmt::format("{}", s.checks), "shapes compared with tight solves after the run"}};
+}
+
 std::vector<DeclaredTable> session_tables() {
   const SessionOptions s;
   DeclaredTable session{"session", "How the scene is touched and solved. Options of the command prevail.",
                         run_keys(s)};
-  for (const auto& keys : {work_keys(s), judging_keys(s)})
+  for (const auto& keys : {work_keys(s), judging_keys(s), shape_keys()})
     session.rows.insert(session.rows.end(), keys.begin(), keys.end());
   return {
       session,

@@ -1,4 +1,5 @@
-// Shapes of the surface over the time of a run, fitted to the displacements of its states.
+// Shapes of the surface over the time of a run: those that it recorded, or else fitted to the displacements of its
+// states.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,6 +7,8 @@
 #include <utility>
 
 #include "apps/show/gather_run.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/mesh/vtu_series.hpp"
 
 namespace forefeel {
 namespace {
@@ -52,13 +55,52 @@ Eigen::VectorXd weights_at(const Vec3& x, const std::vector<const Known*>& near)
   return weights;
 }
 
+// How many shapes of a body are shown.
+std::size_t shown_of(std::size_t shapes, const ShownBody& body) {
+  return std::min(
+      {most_shapes, most_values / (3 * body.nodes.size() + 1) + 2, std::max<std::size_t>(shapes, 2)});
+}
+
+ShownShape recorded_shape(const std::filesystem::path& file, double t, const ShownBody& body) {
+  const MovedNodes read = read_moved_nodes(file);
+  ShownShape shape{.t = t, .moved = std::vector<Vec3>(body.nodes.size(), Vec3::Zero())};
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < read.node.size(); ++i) {  // both rise
+    const auto place = std::ranges::lower_bound(body.node, read.node[i]);
+    if (place == body.node.end() || *place != read.node[i]) continue;
+    shape.moved[static_cast<std::size_t>(place - body.node.begin())] = read.moved[i];
+    ++found;
+  }
+  if (found < body.nodes.size())
+    throw InputError({.file = file.string()},
+                     "lacks nodes of the body's surface, expected shapes of this body");
+  return shape;
+}
+
+// What scheduling/record/shape_files.hpp wrote; empty if the run has no shapes.
+std::vector<ShownShape> recorded_shapes(const RunFolder& run, const ShownBody& body) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(run.folder / "shape.pvd", error)) return {};
+  const std::vector<SeriesFile> series = read_pvd(run.folder / "shape.pvd");
+  std::vector<ShownShape> shapes;
+  const std::size_t count = series.empty() ? 0 : shown_of(series.size(), body);
+  std::size_t last = series.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t which = k * (series.size() - 1) / (count - 1);
+    if (which == last) continue;
+    last = which;
+    shapes.push_back(recorded_shape(run.folder / series[which].file, series[which].t, body));
+  }
+  return shapes;
+}
+
 }  // namespace
 
 std::vector<ShownShape> shapes_of_run(const RunFolder& run, const ShownBody& body) {
+  if (std::vector<ShownShape> recorded = recorded_shapes(run, body); !recorded.empty()) return recorded;
   const std::vector<Known> known = known_shapes(run, body.mesh.nodes.size());
   if (known.empty() || run.run.path.empty()) return {};
-  const std::size_t count = std::min({most_shapes, most_values / (3 * body.nodes.size() + 1) + 2,
-                                      std::max<std::size_t>(run.run.path.size(), 2)});
+  const std::size_t count = shown_of(run.run.path.size(), body);
   std::vector<ShownShape> shapes;
   for (std::size_t k = 0; k < count; ++k) {
     const ShownFrame& frame = run.run.path[k * (run.run.path.size() - 1) / (count - 1)];

@@ -13,7 +13,9 @@
 #include "approx/relaxation/relaxation.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "scheduling/session/real_run.hpp"
+#include "scheduling/session/shaped_run.hpp"
 #include "scheduling/session/virtual_run.hpp"
+#include "scheduling/shape/shape_stage.hpp"
 #include "scheduling/workers/cost.hpp"
 
 namespace forefeel {
@@ -99,9 +101,20 @@ void note_start(const SessionPlan& plan, const ReferenceService& references, Ses
   if (references.damage() && !plan.input.references) result.warnings.push_back(*references.damage());
 }
 
+// Compares shapes with tight solves; what fails costs the run nothing else.
+void check_run_shapes(ShapedRun& shapes, const SessionPlan& plan, ReferenceService& references,
+                      SessionResult& result, const ShowProgress& show) {
+  if (result.interrupted()) return;
+  try {
+    shapes.checked = check_shapes(*shapes.log, references, plan.options.stop, result, show);
+  } catch (const std::exception& problem) {
+    result.failures.push_back(fmt::format("shapes have no error: {}", problem.what()));
+  }
+}
+
 // planner -> pipeline -> renderer (where it can follow) -> judge -> the caller's each_position
-SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& references,
-                            const SessionHooks& hooks) {
+SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& references, const SessionHooks& hooks,
+                            ShapedRun* shapes) {
   SessionResult result;
   std::shared_ptr<const CostModel> cost = plan.input.parts.cost;
   if (is_virtual(plan) && !cost) cost = cost_model(plan, references);
@@ -115,11 +128,15 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
   }
   const auto judge = std::make_shared<SessionJudge>(judge_setup(plan), pipeline.known(), references);
   pipeline.add(judge);
+  std::shared_ptr<ShapeStage> stage;
+  if (shapes && is_virtual(plan))
+    pipeline.add(stage =
+                     std::make_shared<ShapeStage>(*shapes->log, pipeline.known(), plan.options.clock.frame));
   if (hooks.each_position) pipeline.add(std::make_shared<PositionTeller>(hooks.each_position));
   if (is_virtual(plan))
     run_virtual(plan, {*cost, references, pipeline, renderer.get()}, result, hooks.progress);
   else
-    run_real(plan, references, result, hooks.progress);
+    run_real(plan, references, result, hooks.progress, shapes ? shapes->log.get() : nullptr);
   if (hooks.when_run) hooks.when_run(result);
   note_stiffness(plan.device->limits(), to_text(plan.options.motion.device), result);
   pipeline.pass_rest(result.frames, result.states);
@@ -129,6 +146,8 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
   } catch (const std::exception& problem) {  // the run itself is kept
     result.failures.push_back(fmt::format("labels and errors are incomplete: {}", problem.what()));
   }
+  if (stage && stage->failure()) result.failures.push_back(*stage->failure());
+  if (shapes) check_run_shapes(*shapes, plan, references, result, hooks.progress);
   if (references.cache_failure()) result.warnings.push_back(*references.cache_failure());
   note_no_cells(plan, result);
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -150,10 +169,10 @@ bool adds_rest(const SessionPlan& plan) {
          std::ranges::none_of(plan.input.known, is_rest);
 }
 
-SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks) {
+SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes) {
   const std::shared_ptr<ReferenceService> references = references_of(plan);
-  if (!adds_rest(plan)) return run_and_judge(plan, *references, hooks);
-  return run_and_judge(with_known(plan, {references->get(Vec3::Zero())}), *references, hooks);
+  if (!adds_rest(plan)) return run_and_judge(plan, *references, hooks, shapes);
+  return run_and_judge(with_known(plan, {references->get(Vec3::Zero())}), *references, hooks, shapes);
 }
 
 }  // namespace forefeel

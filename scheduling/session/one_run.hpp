@@ -13,6 +13,9 @@ std::shared_ptr<ReferenceService> references_of(const SessionPlan& plan);
 // to them.
 bool adds_rest(const SessionPlan& plan);
 
-SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks);
+struct ShapedRun;  // shaped_run.hpp
+
+// shapes: null without them.
+SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes = nullptr);
 
 }  // namespace forefeel

@@ -14,12 +14,14 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/session/run_parts.hpp"
+#include "scheduling/shape/shape_thread.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
@@ -139,6 +141,7 @@ struct PlannerRun {
   std::vector<State> arriving;
   Nanoseconds start;
   const ShowProgress& show;
+  ShapeThread* shapes = nullptr;
   double stall = 0, beat = 0;  // longest time between two steps; end of the last one [s]
 
   double now() const { return static_cast<double>(monotonic() - start) / 1e9; }
@@ -148,7 +151,10 @@ struct PlannerRun {
     for (JobResult& result : results) planner.receive(std::move(result), now());
     while (arrived < arriving.size() && plan.arrivals.list[arrived].t <= now())
       planner.arrive(std::move(arriving[arrived++]), now());
-    if (const auto hip = link.hip.take()) planner.observe(*hip);
+    if (const auto hip = link.hip.take()) {
+      planner.observe(*hip);
+      if (shapes) shapes->pass(*hip, planner.space());
+    }
     link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
     models.update(now(), planner.hip().at, true);
     if (!plan.arrivals.given) planner.plan(now());
@@ -204,7 +210,7 @@ std::shared_ptr<RealWorkers> workers_of(const SessionPlan& plan) {
 }  // namespace
 
 void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
-              const ShowProgress& show) {
+              const ShowProgress& show, ShapeLog* shapes) {
   const SessionOptions& options = plan.options;
   std::vector<State> arriving = solve_arrivals(plan, references, show);
   StateLog states(plan.input);
@@ -221,7 +227,11 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, states));
   link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
   ModelKeeper models(planner.space(), plan.model, link);
-  PlannerRun run{plan, planner, models, workers, link, std::move(arriving), start, show};
+  std::optional<ShapeThread> shape_thread;
+  if (shapes) shape_thread.emplace(*shapes, session_time);
+  PlannerRun run{plan,    planner, models,
+                 workers, link,    std::move(arriving),
+                 start,   show,    shape_thread ? &*shape_thread : nullptr};
   FramePacer pacer(options.clock.frame, plan.frames);
   LoopEnd end;
   std::exception_ptr failure;
@@ -245,10 +255,12 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   }
   planner_thread.join();
   loop_thread.join();
+  if (shape_thread) shape_thread->end();
   if (!failure) run.keep_rest();
   states.flush();
   if (states.failure()) result.failures.push_back(*states.failure());
   if (failure) result.failures.push_back(failure_in_words("planning", failure));
+  if (shape_thread && shape_thread->failure()) result.failures.push_back(*shape_thread->failure());
   if (workers.failure()) result.failures.push_back(failure_in_words("a worker", workers.failure()));
 
   take_loop(loop, plan.frames, result);

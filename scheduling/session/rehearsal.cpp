@@ -88,7 +88,7 @@ Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
 
 }  // namespace
 
-SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks) {
+SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedRun* shapes) {
   const auto start = std::chrono::steady_clock::now();
   const bool own = !plan.input.references;
   plan.input.references = references_of(plan);  // one for all rehearsals
@@ -105,7 +105,7 @@ SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks) {
     return result;
   }
   const std::shared_ptr<ReferenceService> references = plan.input.references;
-  SessionResult result = run_once(with_policy(std::move(plan), rehearsed.best), hooks);
+  SessionResult result = run_once(with_policy(std::move(plan), rehearsed.best), hooks, shapes);
   if (own && references->damage()) result.warnings.push_back(*references->damage());
   result.notes.push_back(fmt::format(
       "clairvoyant: {} was the best of {} schedules that were rehearsed{}", rehearsed.best, rehearsed.tried,

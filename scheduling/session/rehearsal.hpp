@@ -9,6 +9,9 @@
 
 namespace forefeel {
 
-SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks);
+struct ShapedRun;  // shaped_run.hpp
+
+// shapes: of the session itself; null without them.
+SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedRun* shapes = nullptr);
 
 }  // namespace forefeel

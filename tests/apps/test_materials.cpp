@@ -75,7 +75,7 @@ TEST_CASE("materials: --set reaches each table, by its group or without one") {
               changed = load(shop, text, {"material.young=6000", "material.core.young=7e4"});
   CHECK(changed.body->material.young == 6000);
   CHECK(changed.body->regions[0].material.young == 7e4);
-  CHECK(changed.hash != plain.hash);
+  CHECK(changed.source.hash != plain.source.hash);
   // A body is shared with another variant only if all its tables are the same.
   const Scene other = load(shop, text, {"material.core.young=7e4"}, &plain);
   CHECK(other.body != plain.body);

@@ -1,0 +1,56 @@
+#pragma once
+// A body that moves, as files for ParaView: SERIES.pvd lists the times, one .vtu each holds the moved nodes
+//   points        X + u [m], Float32: X position at rest in the mesh, u displacement
+//   displacement  u [m], Float32, point data; X = point - u
+//   node          number of the node in the mesh, from 0
+//   cells         triangles of the surface, outward, or all tetrahedra
+//   TimeValue [s], tip [m]   field data: the time, and the position of the HIP from rest
+// Arrays are appended raw, compressed by vtkZLibDataCompressor if the build has zlib; those that do not change
+// are packed once.
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/mesh/tet_mesh.hpp"
+
+namespace forefeel {
+
+class VtuSeries {
+ public:
+  // nodes: those written, rising; they hold all nodes of the cells. surface: triangles, else tetrahedra.
+  VtuSeries(const TetMesh& mesh, const std::vector<NodeIndex>& nodes, bool surface);
+  // The content of one file. u: #nodes x 3, row by row [m].
+  std::string frame(double t, const Vec3& tip, std::span<const float> u) const;
+
+ private:
+  struct Array {
+    std::string packed;
+    std::size_t offset = 0;  // in the appended data
+  };
+  Array pack(std::span<const char> bytes);
+
+  std::vector<Eigen::Vector3f> rest_;
+  std::size_t cells_ = 0, constant_ = 0;  // bytes of the arrays that do not change
+  Array node_, connectivity_, offsets_, types_;
+};
+
+struct SeriesFile {
+  double t = 0;      // [s]
+  std::string file;  // relative to the .pvd
+};
+
+// The file appears complete or not at all.
+void write_pvd(const std::filesystem::path& file, std::span<const SeriesFile> series);
+std::vector<SeriesFile> read_pvd(const std::filesystem::path& file);  // InputError: none, or damaged
+
+// Nodes and displacements of a file of a series. InputError for a file that is none.
+struct MovedNodes {
+  std::vector<NodeIndex> node;
+  std::vector<Vec3> moved;  // [m]
+};
+MovedNodes read_moved_nodes(const std::filesystem::path& file);
+
+}  // namespace forefeel

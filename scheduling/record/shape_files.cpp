@@ -1,0 +1,121 @@
+#include "scheduling/record/shape_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/mesh/vtu_series.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string file_of(std::size_t k) {
+  return fmt::format("shape/shape_{:06}.vtu", k);
+}
+
+bool is_shape_file(const std::string& name) {
+  return name.starts_with("shape_") && name.ends_with(".vtu");
+}
+
+// Without a sync of each file to the disk: the .pvd, which names them, appears when all are written.
+void write_file(const fs::path& file, const std::string& content) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  out.close();
+  if (!out)
+    throw InputError({.file = file.string()},
+                     fmt::format("cannot be written: {}", errno ? std::strerror(errno) : "unknown error"));
+}
+
+const Declared columns[] = {
+    {"t", "s", "", "time of the shape"},
+    {"x,y,z", "m", "", "position of the tip then"},
+    {"known", "", "", "number of known states"},
+    {"states", "", "", "states that the shape is interpolated from, besides rest and the slope there"},
+    {"order", "", "", "quintic, cubic, or slope: the nearest state and the slope of the body at rest"},
+    {"largest", "m", "", "largest displacement of a node"},
+    {"error", "1", "",
+     "largest error of a node against a tight solve, relative to the largest displacement; empty: not "
+     "compared"}};
+
+// Files of the series; somebody's own stay.
+void clear_series(const fs::path& run) {
+  std::error_code error;
+  fs::remove(run / "shape.pvd", error);
+  if (!fs::is_directory(run / "shape", error)) return;
+  for (const auto& entry : fs::directory_iterator(run / "shape", error))
+    if (is_shape_file(entry.path().filename().string())) fs::remove(entry.path(), error);
+  fs::remove(run / "shape", error);  // unless it is not empty
+}
+
+bool is_ours(const fs::path& pvd) {
+  try {
+    return std::ranges::all_of(read_pvd(pvd),
+                               [](const SeriesFile& one) { return one.file.starts_with("shape/shape_"); });
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+void remove_shape_files(const fs::path& run) {
+  std::error_code error;
+  if (!fs::exists(run / "shape.pvd", error) || !is_ours(run / "shape.pvd")) return;
+  clear_series(run);
+  fs::remove(run / "shape.csv", error);
+}
+
+void write_shape_series(const fs::path& run, const ShapeLog& log) {
+  clear_series(run);
+  try {
+    const VtuSeries series(log.body().mesh, log.nodes(), log.options().surface);
+    std::error_code error;
+    fs::create_directories(run / "shape", error);
+    std::vector<SeriesFile> files;
+    std::vector<float> u;
+    for (std::size_t k = 0; k < log.records().size(); ++k) {
+      const ShapeRecord& record = log.records()[k];
+      log.displacements(record, u);
+      files.push_back({.t = record.t, .file = file_of(k)});
+      write_file(run / files.back().file, series.frame(record.t, record.at, u));
+    }
+    write_pvd(run / "shape.pvd", files);
+  } catch (...) {
+    clear_series(run);
+    throw;
+  }
+}
+
+void write_shape_table(const fs::path& run, const ShapeLog& log, std::span<const CheckedShape> checked) {
+  OutputFile out(run / "shape.csv");
+  out.write(header_of(declared_shape_table().rows) + "\n");
+  auto next = checked.begin();
+  for (std::size_t k = 0; k < log.records().size(); ++k) {
+    const ShapeRecord& r = log.records()[k];
+    const bool compared = next != checked.end() && next->record == k;
+    out.write(fmt::format("{},{},{},{},{},{},{},{},{}\n", r.t, r.at[0], r.at[1], r.at[2], r.known,
+                          r.states.size(), name(r.order), r.largest,
+                          compared ? fmt::format("{}", next->error) : ""));
+    if (compared) ++next;
+  }
+  out.commit();
+}
+
+DeclaredTable declared_shape_table() {
+  return {"shape.csv",
+          "One row a shape, in sessions with session.shape_rate. The displacements are in shape.pvd.",
+          {std::begin(columns), std::end(columns)}};
+}
+
+}  // namespace forefeel

@@ -1,0 +1,20 @@
+#include "scheduling/session/shaped_session.hpp"
+
+#include "geometry/common/error.hpp"
+#include "scheduling/session/one_run.hpp"
+#include "scheduling/session/rehearsal.hpp"
+
+namespace forefeel {
+
+SessionResult run_session(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes) {
+  if (!shapes) return run_session(plan, hooks);
+  if (plan.input.foreign)
+    throw InputError("session.shape_rate", "needs states of the scene's own body, expected none of another");
+  if (!plan.input.touched.displacements)
+    throw InputError("session.shape_rate",
+                     "needs states that hold displacements (state_space.displacements)");
+  check_shapeable(plan.input.known, *plan.input.touched.body, "the known states");
+  return is_rehearsed(plan) ? run_rehearsed(plan, hooks, shapes) : run_once(plan, hooks, shapes);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,137 @@
+#include "scheduling/shape/shape_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "geometry/common/error.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+// V of the given nodes: du_i/dx_c, row by row.
+std::vector<float> slope_at_rest(const std::shared_ptr<const Body>& body,
+                                 const std::vector<NodeIndex>& nodes) {
+  Solver solver(body);
+  const SolveOutcome rest = solver.reference(Vec3::Zero(), 1);
+  if (!rest.equilibrium || rest.equilibrium->tangent.empty())
+    throw InputError("session.shape_rate",
+                     "needs the stiffness of the body at rest, which is not stable there");
+  std::vector<float> slope;
+  slope.reserve(9 * nodes.size());
+  for (const NodeIndex node : nodes)
+    for (std::size_t k = 0; k < 9; ++k)
+      slope.push_back(static_cast<float>(rest.equilibrium->tangent[9 * static_cast<std::size_t>(node) + k]));
+  return slope;
+}
+
+bool is_shapeable(const State& state, const Body& body) {
+  return state.displacements && state.displacements->size() == 3 * body.mesh.nodes.size();
+}
+
+}  // namespace
+
+ShapeLog::ShapeLog(std::shared_ptr<const Body> body, const ShapeOptions& options, EachShape each)
+    : body_(std::move(body)), options_(options), each_(std::move(each)) {
+  check(options_);
+  if (options_.surface) {
+    nodes_ = surface_nodes(body_->mesh);
+  } else {
+    nodes_.resize(body_->mesh.nodes.size());
+    std::iota(nodes_.begin(), nodes_.end(), NodeIndex{0});
+  }
+  slope_ = slope_at_rest(body_, nodes_);
+}
+
+void ShapeLog::learn(const State& state) {
+  check_shapeable({&state, 1}, *body_, "a solved state");
+  at_.push_back(state.at);
+  moved_.push_back(state.displacements);
+}
+
+// The nearest states, without those at rest, whose shape and slope are known anyway.
+void ShapeLog::choose_near(const Vec3& at) {
+  near_.resize(at_.size());
+  std::iota(near_.begin(), near_.end(), 0u);
+  std::erase_if(near_, [&](std::uint32_t id) { return at_[id].norm() < 1e-9; });
+  const std::size_t few = std::min(options_.neighbours, near_.size());
+  const auto middle = near_.begin() + static_cast<std::ptrdiff_t>(few);
+  std::ranges::nth_element(near_, middle, [&](std::uint32_t a, std::uint32_t b) {
+    const double da = (at_[a] - at).squaredNorm(), db = (at_[b] - at).squaredNorm();
+    return da != db ? da < db : a < b;
+  });
+  near_.resize(few);
+  std::ranges::sort(near_);
+  places_.clear();
+  for (const std::uint32_t id : near_) places_.push_back(at_[id]);
+}
+
+void ShapeLog::take(double t, const Vec3& at) {
+  choose_near(at);
+  const ShapeWeights weights = shape_weights(at, places_);
+  ShapeRecord record{.t = t,
+                     .at = at,
+                     .known = static_cast<std::uint32_t>(at_.size()),
+                     .states = {},
+                     .weights = {},
+                     .slope = weights.of_slope,
+                     .order = weights.order};
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    if (weights.of_states[i] == 0) continue;
+    record.states.push_back(near_[i]);
+    record.weights.push_back(static_cast<float>(weights.of_states[i]));
+  }
+  displacements(record, u_);
+  double largest = 0;
+  for (std::size_t i = 0; i < u_.size(); i += 3)
+    largest =
+        std::max(largest, static_cast<double>(u_[i] * u_[i] + u_[i + 1] * u_[i + 1] + u_[i + 2] * u_[i + 2]));
+  record.largest = std::sqrt(largest);
+  if (each_) each_(record, u_);
+  records_.push_back(std::move(record));
+}
+
+void ShapeLog::displacements(const ShapeRecord& record, std::vector<float>& u) const {
+  const Eigen::Vector3f g = record.slope.cast<float>();
+  u.resize(3 * nodes_.size());
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = slope_[3 * i] * g[0] + slope_[3 * i + 1] * g[1] + slope_[3 * i + 2] * g[2];
+  for (std::size_t k = 0; k < record.states.size(); ++k) {
+    const std::vector<double>& moved = *moved_[record.states[k]];
+    const float w = record.weights[k];
+    for (std::size_t v = 0; v < nodes_.size(); ++v)
+      for (std::size_t c = 0; c < 3; ++c)
+        u[3 * v + c] += w * static_cast<float>(moved[3 * static_cast<std::size_t>(nodes_[v]) + c]);
+  }
+}
+
+std::string shapes_ended(const ShapeLog& log, const std::exception& problem) {
+  return fmt::format("shapes ended after {:.4g} s: {}", log.records().empty() ? 0.0 : log.records().back().t,
+                     problem.what());
+}
+
+void check_shapeable(std::span<const State> states, const Body& body, const std::string& name) {
+  std::size_t usable = 0, without = 0, other = 0;
+  for (const State& state : states) {
+    if (!state.usable()) continue;
+    ++usable;
+    if (is_shapeable(state, body)) continue;
+    ++(state.displacements ? other : without);
+  }
+  if (without > 0)
+    throw InputError(
+        {.file = name},
+        fmt::format("{} of {} states hold no displacements, which shapes (session.shape_rate) are made "
+                    "of; expected states solved with state_space.displacements = true",
+                    without, usable));
+  if (other > 0)
+    throw InputError(
+        {.file = name},
+        fmt::format("{} of {} states hold displacements of another mesh, expected those of {} nodes", other,
+                    usable, body.mesh.nodes.size()));
+}
+
+}  // namespace forefeel

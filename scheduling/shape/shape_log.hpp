@@ -1,0 +1,88 @@
+#pragma once
+// The shapes of a run, on request. A shape is kept as ids and weights of the states that it is made of
+//   u(x) = sum_i w_i u_i + V g      (approx/shape/shape_weights.hpp)
+// u_i [m]: displacements of state i; V = du/dx at rest. Displacements are made from the record when they are
+// wanted: by the thread that makes shapes, and again when files are written.
+//
+//   ShapeLog log(body, {.rate = 30});
+//   log.learn(state);                   // each state as it becomes known
+//   log.take(t, hip);                   // a shape now
+//   log.displacements(log.records().back(), u);
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "approx/shape/shape_weights.hpp"
+#include "geometry/states/state.hpp"
+#include "scheduling/shape/shape_options.hpp"
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+
+struct ShapeRecord {
+  double t = 0;                       // [s]
+  Vec3 at = Vec3::Zero();             // of the HIP [m]
+  std::uint32_t known = 0;            // number of known states
+  std::vector<std::uint32_t> states;  // ids, in the order in which they became known
+  std::vector<float> weights;         // w of each [1]
+  Vec3 slope = Vec3::Zero();          // g [m]
+  ShapeOrder order = ShapeOrder::slope;
+  double largest = 0;  // max |u| over the nodes [m]
+};
+
+// Called with each shape on the thread that makes it. displacements: #nodes x 3, row by row [m].
+using EachShape = std::function<void(const ShapeRecord&, std::span<const float> displacements)>;
+
+// For one thread at a time.
+class ShapeLog {
+ public:
+  // Solves for V: one factorisation. Throws InputError if the body has no stable rest.
+  ShapeLog(std::shared_ptr<const Body> body, const ShapeOptions& options, EachShape each = {});
+
+  // States are numbered from 0 in the order of these calls. InputError if it holds no displacements of this
+  // body's nodes.
+  void learn(const State& state);
+  void take(double t, const Vec3& at);
+  void miss(std::size_t shapes) { missed_ += shapes; }  // there was no time for them
+  void note_cost(double us) { cost_us_.push_back(static_cast<float>(us)); }
+
+  const ShapeOptions& options() const { return options_; }
+  const Body& body() const { return *body_; }
+  // Nodes of the mesh that a shape has, rising: the surface, or all.
+  const std::vector<NodeIndex>& nodes() const { return nodes_; }
+  std::size_t known() const { return at_.size(); }
+  std::span<const ShapeRecord> records() const { return records_; }
+  std::size_t missed() const { return missed_; }               // real clock
+  std::span<const float> cost_us() const { return cost_us_; }  // of each shape; real clock [us]
+  void displacements(const ShapeRecord& record, std::vector<float>& u) const;  // as EachShape has them
+
+ private:
+  void choose_near(const Vec3& at);
+
+  std::shared_ptr<const Body> body_;
+  ShapeOptions options_;
+  EachShape each_;
+  std::vector<NodeIndex> nodes_;
+  std::vector<float> slope_;  // V of the nodes: #nodes x 3 x 3, row by row
+  std::vector<Vec3> at_;      // of the states
+  std::vector<std::shared_ptr<const std::vector<double>>> moved_;
+  std::vector<ShapeRecord> records_;
+  std::vector<float> cost_us_;
+  std::size_t missed_ = 0;
+  std::vector<std::uint32_t> near_;  // of the shape in work
+  std::vector<Vec3> places_;
+  std::vector<float> u_;
+};
+
+// "shapes ended after 2.1 s: PROBLEM".
+std::string shapes_ended(const ShapeLog& log, const std::exception& problem);
+
+// InputError "NAME: 3 of 40 states hold no displacements …" if states cannot be shaped. name: of their file.
+void check_shapeable(std::span<const State> states, const Body& body, const std::string& name);
+
+}  // namespace forefeel

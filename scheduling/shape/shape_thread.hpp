@@ -1,0 +1,55 @@
+#pragma once
+// Shapes under the real clock, in a thread of its own:
+//   planner  --(newest HIP: triple buffer; new states: a list under a mutex)-->  shape thread  -->  ShapeLog
+// The 1 kHz loop has no part in it: the planner passes on what it has from the loop anyway. The thread has no
+// real-time priority. At each instant k / rate it takes the newest HIP; instants for which it comes too late are
+// left out and counted. It never waits for a disk: files are written from the records after the run.
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/motion/hip_sample.hpp"
+#include "scheduling/render/triple_buffer.hpp"
+#include "scheduling/shape/shape_log.hpp"
+
+namespace forefeel {
+
+class ShapeThread {
+ public:
+  // now(): session time [s], of the steady clock, from any thread. The log must outlive the thread, which alone
+  // uses it until end().
+  ShapeThread(ShapeLog& log, std::function<double()> now);
+  ~ShapeThread() { end(); }
+  ShapeThread(const ShapeThread&) = delete;
+  ShapeThread& operator=(const ShapeThread&) = delete;
+
+  // By one thread, the owner of the space. Takes the mutex only when states have come.
+  void pass(const HipSample& hip, const StateSpace& space);
+  void end();  // returns when the thread has ended
+  // After end(): one line if it failed, since when it made no shapes.
+  const std::optional<std::string>& failure() const { return failure_; }
+
+ private:
+  void work(const std::stop_token& stop);
+  void take_states();
+
+  ShapeLog& log_;
+  std::function<double()> now_;
+  TripleBuffer<HipSample> hip_;
+  std::size_t passed_ = 0;  // states, by the passing thread
+  std::mutex mutex_;
+  std::condition_variable_any ending_;
+  std::vector<State> fresh_, taken_;  // under the mutex; the thread's own
+  std::optional<std::string> failure_;
+  std::jthread thread_;  // the last member: it ends first
+};
+
+}  // namespace forefeel
