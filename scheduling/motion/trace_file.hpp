@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/common/types.hpp"
+#include "scheduling/motion/trace_rows.hpp"
 
 namespace forefeel {
 
@@ -30,18 +30,6 @@ struct TraceFormat {
 
   // Whether nothing is said: CSV t,x,y,z in SI units.
   bool is_usual() const { return columns.empty() && rate == 0 && metre == 1 && second == 1 && tool.empty(); }
-};
-
-// The samples of a file in their order, as they are: times may repeat or go back.
-struct TraceRows {
-  std::vector<double> times;       // the first is 0 [s]
-  std::vector<Vec3> positions;     // [m]
-  std::vector<std::size_t> lines;  // in the file, from 1
-  std::size_t missing = 0;         // rows left out: a position that is empty or not a number
-  std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_flaws.hpp)
-  bool lost_left_out = false;      // where the format says where columns, units or a rate are
-  std::size_t ignored = 0;         // columns that are not read
-  bool orientation = false;        // some of these look like an orientation
 };
 
 // A row whose position is empty or not a number, as where a marker is out of sight.

@@ -1,0 +1,23 @@
+#pragma once
+// The samples of a recorded motion (trace_file.hpp) as they stand in its file.
+
+#include <cstddef>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+// The samples of a file in their order, as they are: times may repeat or go back.
+struct TraceRows {
+  std::vector<double> times;       // the first is 0 [s]
+  std::vector<Vec3> positions;     // [m]
+  std::vector<std::size_t> lines;  // in the file, from 1
+  std::size_t missing = 0;         // rows left out: a position that is empty or not a number
+  std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_flaws.hpp)
+  bool lost_left_out = false;      // where the format says where columns, units or a rate are
+  std::size_t ignored = 0;         // columns that are not read
+  bool orientation = false;        // some of these look like an orientation
+};
+
+}  // namespace forefeel
