@@ -31,4 +31,9 @@ const Words<SwitchRule>& switch_words() {
   return words;
 }
 
+const Words<Passivity>& passivity_words() {
+  static const Words<Passivity> words{{"observe", Passivity::observe}, {"control", Passivity::control}};
+  return words;
+}
+
 }  // namespace forefeel

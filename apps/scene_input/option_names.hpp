@@ -17,5 +17,6 @@ const Words<SessionMethod>& method_words();  // rbf, trilinear, tricubic
 const Words<Placement>& placement_words();   // lattice, adaptive, path
 const Words<Select>& select_words();         // label, nearest
 const Words<SwitchRule>& switch_words();     // paper, smooth, none
+const Words<Passivity>& passivity_words();   // observe, control
 
 }  // namespace forefeel

@@ -122,6 +122,7 @@ void read_limits(const SceneTable& limits, SessionOptions& session) {
   session.safety.slew_limit = limits.number("slew", positive()).value_or(session.safety.slew_limit);
   session.safety.ramp_seconds = limits.number("ramp", not_negative()).value_or(session.safety.ramp_seconds);
   session.safety.stale_seconds = limits.number("stale", positive()).value_or(session.safety.stale_seconds);
+  session.safety.coupling = limits.number("coupling", positive());
 }
 
 std::optional<fs::path> file_beside(const SceneTable& table, const std::string& key, const fs::path& folder) {
@@ -179,6 +180,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
       table.number("visit_cell", not_negative()).value_or(session.judging.visit_cell);
   session.judging.visit_stride =
       static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.judging.visit_stride));
+  session.safety.passivity = table.word("passivity", passivity_words()).value_or(session.safety.passivity);
   read_limits(table.sub("limits", keys_of("session.limits")), session);
 }
 

@@ -140,6 +140,8 @@ std::vector<Declared> run_keys(const SessionOptions& s) {
            "travel of the tip after which a model is made anew"},
           {"first_guess", "", shown(s.model.first_guess),
            "while no state is known, render the stiffness of a disc on a half-space"},
+          {"passivity", "", word_of(passivity_words(), s.safety.passivity),
+           words_of(passivity_words()) + ": hold back force that would make the loop generate energy"},
           {"jnd", "", "", "table: the just noticeable difference"},
           {"limits", "", "", "table: the safety rules"}};
 }
@@ -203,7 +205,9 @@ std::vector<DeclaredTable> session_tables() {
         {"slew", "N/s", shown(s.safety.slew_limit), "fastest change of the force sent"},
         {"ramp", "s", shown(s.safety.ramp_seconds), "fade-in at the start"},
         {"stale", "s", shown(s.safety.stale_seconds),
-         "silence of the planner after which the force fades out"}}}};
+         "silence of the planner after which the force fades out"},
+        {"coupling", "N/m", "0.8 of the device's boundary",
+         "with passivity = \"control\": largest stiffness rendered"}}}};
 }
 
 std::vector<DeclaredTable> all_tables() {

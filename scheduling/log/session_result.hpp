@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scheduling/log/passivity_report.hpp"
 #include "scheduling/log/records.hpp"
 
 namespace forefeel {
@@ -20,6 +21,9 @@ struct SafetyReport {
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;  // frames
   double generated = 0;  // largest energy returned beyond that received [J]
   double work = 0;       // sum of |F . dx| [J]
+  PassivityReport passivity = {};
+  // By frame, under passivity control: what the rules would have sent there without it [N].
+  std::vector<Vec3> uncontrolled = {};
 };
 
 // How the frames came, and how the force ended (render/frame_pacer.hpp, render/render_loop.hpp).

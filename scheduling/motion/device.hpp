@@ -38,12 +38,15 @@
 #include "geometry/common/types.hpp"
 #include "scheduling/common/factory_context.hpp"
 #include "scheduling/motion/device_spec.hpp"
+#include "scheduling/motion/loop_limit.hpp"
 
 namespace forefeel {
 
 struct DeviceLimits {
   double force = std::numeric_limits<double>::infinity();      // largest force the session sends [N]
   double stiffness = std::numeric_limits<double>::infinity();  // highest the device can render [N/m]
+  // Of the device and the hand that holds it, where known: bounds what is rendered under passivity control.
+  LoopPlant plant = {};
 };
 
 class Device {

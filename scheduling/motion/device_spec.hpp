@@ -14,6 +14,7 @@
 
 #include "geometry/common/types.hpp"
 #include "scheduling/common/arguments.hpp"
+#include "scheduling/motion/hand_traits.hpp"
 #include "scheduling/motion/trace_file.hpp"
 
 namespace forefeel {
@@ -49,6 +50,7 @@ struct HandMotion {
   HandName profile = HandName::touch;
   PathMotion target = {};
   double grip = 300;  // stiffness [N/m], at least 1
+  HandTraits traits = {};
 };
 
 class DeviceSpec {

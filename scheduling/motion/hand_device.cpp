@@ -33,7 +33,12 @@ class HandDevice final : public Device {
   double duration() const override { return target_->duration(); }
   bool answers_force() const override { return true; }
   DeviceLimits limits() const override {
-    return {.force = profile_.force_limit, .stiffness = profile_.stiffness};
+    return {.force = profile_.force_limit,
+            .stiffness = profile_.stiffness,
+            .plant = {.mass = grip_ / (omega_ * omega_),
+                      .damping = 2 * zeta_ * grip_ / omega_,
+                      .stiffness = grip_,
+                      .resolution = profile_.resolution}};
   }
 
  private:

@@ -258,6 +258,7 @@ HandNumbers hand_numbers(const HandMotion& motion) {
 SessionSummary::Energy energy_of(const SessionResult& result, const SessionInput& input,
                                  const SessionOptions& options) {
   SessionSummary::Energy energy{.generated = result.safety.generated, .work = result.safety.work};
+  energy.control = control_summary(result, options.judging.error_floor);
   if (options.motion.replay) return energy;
   const auto* hand = input.parts.device ? nullptr : std::get_if<HandMotion>(&options.motion.device.motion());
   if (hand) energy.hand = hand_numbers(*hand);

@@ -23,6 +23,7 @@
 
 #include "geometry/coverage/coverage.hpp"
 #include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/session/session.hpp"
 
@@ -101,6 +102,7 @@ struct SessionSummary {
     double generated = 0, work = 0;  // [J]
     HandNumbers hand = {};
     std::optional<StabilityReport> stability = {};  // where the motion answers the force
+    ControlSummary control = {};                    // where passivity is controlled
   };
   // Frames in which a safety rule acted, and two of these numbers as shares of all frames.
   struct Safety {

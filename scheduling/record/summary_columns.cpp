@@ -191,6 +191,28 @@ void add_stability(std::vector<Column>& columns, const SessionSummary& summary) 
       .number("device_stiffness", hand.stiffness, "N/m", "highest stiffness that the device can render");
 }
 
+void add_control(std::vector<Column>& columns, const ControlSummary& control) {
+  const PassivityReport& report = control.report;
+  const auto known = [&](double value) { return report.on ? value : unknown; };
+  columns.push_back({"passivity.control", ColumnValue(report.on), "",
+                     "true: session.passivity = \"control\"; the rest of passivity is empty without it"});
+  Group(columns, "passivity")
+      .number("added_p50", control.added_p50, "1",
+              "force error that the control added: |sent - without| / max(|without|, session.error_floor)")
+      .number("added_p95", control.added_p95, "1", "of that, the 95th percentile")
+      .number("added_max", control.added_max, "1", "of that, the largest")
+      .number("coupling", known(report.coupling), "N/m",
+              "largest stiffness rendered; empty: no limit is known")
+      .number("coupled_share", control.coupled_share, "1", "frames in which the body was stiffer than that")
+      .number("drained_share", control.drained_share, "1", "frames in which the tank held force back")
+      .number("damped_share", control.controlled_share, "1", "frames in which the controller damped")
+      .number("least_gain", known(report.least_gain), "1", "least share of the force that was rendered")
+      .number("refused_J", known(report.refused), "J", "energy that switches would have generated")
+      .number("damped_J", known(report.dissipated), "J", "energy taken by the controller")
+      .number("lowest_J", known(report.lowest), "J",
+              "least energy in the tank; below zero: it could not be held");
+}
+
 }  // namespace
 
 ColumnValue column_value(double value) {
@@ -214,6 +236,7 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
               "time of the first sample within the just noticeable difference");
   add_stability(columns, summary);
   add_error_bars(columns, summary.error.bars);
+  add_control(columns, summary.energy.control);
   return columns;
 }
 

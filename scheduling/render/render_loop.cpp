@@ -17,6 +17,10 @@ RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& opti
       now_(std::move(real.now)),
       log_(frames + real.spare) {
   if (!options.viscosity.empty()) filter_.emplace(options.viscosity);
+  if (options.passivity.mode != Passivity::control) return;
+  control_.emplace(options.passivity, options.frame);
+  without_.emplace(options.safety, options.frame);
+  uncontrolled_log_.resize(log_.size());
 }
 
 void RenderLoop::frame(std::size_t k, double started) noexcept {
@@ -30,7 +34,11 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
   const std::uint32_t known = link_.known.load(std::memory_order_acquire);
   const Model* newest = link_.models.take().value_or(nullptr);
   const ForceSwitch::Frame f = switch_.step(newest, x);
-  if (newest) newest_ = static_cast<std::uint32_t>(newest->serial());
+  if (newest) {
+    newest_ = static_cast<std::uint32_t>(newest->serial());
+    newest_model_ = newest;
+  }
+  took_model_ = newest != nullptr;
   if (f.took_model) model_ = newest_;  // the switch may let it wait, and takes the latest
   give_back(f.released);
   give_back(f.released_too);
@@ -40,6 +48,7 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
 
   recorded_ = done_ < log_.size();
   if (recorded_) {
+    if (control_) uncontrolled_log_[done_] = uncontrolled_;
     FrameRecord& record = log_[done_++];
     record.t = t;
     record.at = x;
@@ -85,6 +94,18 @@ Vec3 RenderLoop::send(const Vec3& rendered, double started) noexcept {
     started_ = started;
     sent_at_ = now;
   }
+  return control_ ? send_controlled(rendered, moment) : safety_.apply(rendered, hip_.at, moment);
+}
+
+Vec3 RenderLoop::send_controlled(const Vec3& rendered, SafetyMoment moment) noexcept {
+  uncontrolled_ = without_->apply(rendered, hip_.at, moment);
+  if (newest_model_ != nullptr && (took_model_ || control_->wants_model())) {
+    Vec3 here;
+    Mat3 jacobian;
+    newest_model_->evaluate(hip_.at, here, jacobian);
+    control_->note_model(hip_.at, {here, newest_model_->force(0.5 * hip_.at), jacobian}, took_model_);
+  }
+  moment.control = &*control_;
   return safety_.apply(rendered, hip_.at, moment);
 }
 
@@ -100,6 +121,11 @@ void RenderLoop::give_back(const Model* model) noexcept {
 std::vector<FrameRecord> RenderLoop::take_log() {
   log_.resize(done_);
   return std::move(log_);
+}
+
+std::vector<Vec3> RenderLoop::take_uncontrolled() {
+  if (control_) uncontrolled_log_.resize(done_);
+  return std::move(uncontrolled_log_);
 }
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 #pragma once
 // One frame of the haptic loop, the same under both clocks:
-//   device -> HIP -> newest model -> switch -> relaxation -> safety -> device (+ log)
+//   device -> HIP -> newest model -> switch -> relaxation -> safety with passivity -> device (+ log)
 // relaxation: of a viscous body (approx/relaxation/relaxation.hpp), with the time from frame to frame, frames that
 // were left out included; of an elastic body there is none.
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
@@ -67,6 +67,7 @@ struct RenderOptions {
   SafetyOptions safety = {};
   double frame = 1e-3;       // [s]
   Viscosity viscosity = {};  // of the body
+  PassivityOptions passivity = {};
 };
 
 // What only a loop under the real clock has.
@@ -98,12 +99,16 @@ class RenderLoop {
   const Vec3& sent() const { return sent_; }  // in the last frame [N]
   const std::vector<FrameRecord>& log() const { return log_; }
   std::vector<FrameRecord> take_log();  // the frames done so far
+  // Of these frames: what would have been sent without passivity control [N]; empty where there is none.
+  std::vector<Vec3> take_uncontrolled();
   const Safety& safety() const { return safety_; }
+  PassivityReport passivity() const { return control_ ? control_->report() : PassivityReport{}; }
   std::size_t lost_models() const { return lost_models_; }  // return queue full; its size prevents that
 
  private:
   void give_back(const Model* model) noexcept;
   Vec3 send(const Vec3& rendered, double started) noexcept;
+  Vec3 send_controlled(const Vec3& rendered, SafetyMoment moment) noexcept;
   ForceBar bar(const ForceSwitch::Frame& frame) noexcept;
 
   Device& device_;
@@ -112,16 +117,21 @@ class RenderLoop {
   std::optional<RelaxationFilter> filter_;  // none: the body is elastic
   BarEstimate bar_;
   Safety safety_;
+  std::optional<PassivityControl> control_;  // none: passivity is observed only
+  std::optional<Safety> without_;  // the same rules at the same positions without control: its price
+  const Model* newest_model_ = nullptr;
+  bool took_model_ = false;
   double frame_;
   std::size_t frames_;
   std::function<double()> now_;
   std::vector<FrameRecord> log_;
+  std::vector<Vec3> uncontrolled_log_;
   std::size_t done_ = 0, lost_models_ = 0, next_ = 0;
   bool ending_ = false, ended_ = false;  // the force goes to zero; by end()
   bool recorded_ = false;                // the last frame
   double started_ = 0, sent_at_ = 0;     // last frame, by the real clock [s]
   HipSample hip_;
-  Vec3 elastic_ = Vec3::Zero(), sent_ = Vec3::Zero();
+  Vec3 elastic_ = Vec3::Zero(), sent_ = Vec3::Zero(), uncontrolled_ = Vec3::Zero();
   std::uint32_t model_ = 0, newest_ = 0;  // serial numbers: rendered, newest received
 };
 

@@ -19,6 +19,9 @@ void check(const SafetyOptions& o) {
                 fmt::format("is {}, expected 0 s or more", o.ramp_seconds));
   expect_option(positive(o.stale_seconds), "stale_seconds",
                 fmt::format("is {}, expected a time above 0 s", o.stale_seconds));
+  if (o.coupling)
+    expect_option(positive(*o.coupling), "limits.coupling",
+                  fmt::format("is {}, expected a stiffness above 0 N/m", *o.coupling));
 }
 
 Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, const SafetyMoment& now) noexcept {
@@ -34,6 +37,7 @@ Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, const SafetyMoment& now)
   force *= gain_;
   if (now.t < options_.ramp_seconds) force *= std::max(now.t, 0.0) / options_.ramp_seconds;
 
+  if (now.control) force = now.control->shape(force, x);
   const double size = force.norm();
   if (size > options_.force_limit) {
     force *= options_.force_limit / size;
@@ -46,7 +50,10 @@ Vec3 Safety::apply(const Vec3& rendered, const Vec3& x, const SafetyMoment& now)
     ++counts_.ending;
   } else {
     force = limited(force, most);
+    if (now.control)
+      force = now.control->settle(force, x, {.before = last_, .step = most, .size = options_.force_limit});
   }
+  if (now.control && now.ending) now.control->account(force, x, last_);
   observe_energy(force, x);
   last_ = force;
   return force;

@@ -4,8 +4,10 @@
 //   watchdog           if the planner is silent for stale_seconds the force fades out over 0.2 s, and
 //                      fades in again when the planner is back
 //   start-up ramp      share t / ramp_seconds of the force
+//   passivity          where it is controlled: coupling and tank (passivity.hpp)
 //   clamp              |F| <= force_limit
 //   slew               |F - F_before| <= slew_limit dt, so that none of the above causes a jump
+//   controller         of passivity, within the same limits
 //   end                while the session ends, the last force shrinks to zero at the slew limit, whatever is
 //                      rendered
 // dt [s] is the wall time that has passed since the force before, but at most one frame: neither a frame that
@@ -15,8 +17,10 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "geometry/common/types.hpp"
+#include "scheduling/render/passivity.hpp"
 
 namespace forefeel {
 
@@ -25,6 +29,8 @@ struct SafetyOptions {
   double slew_limit = 1000;    // [N/s]
   double ramp_seconds = 0.1;   // start-up [s]
   double stale_seconds = 0.5;  // watchdog [s]
+  Passivity passivity = Passivity::observe;
+  std::optional<double> coupling = {};  // control: largest stiffness rendered [N/m]; unset: by the device
 };
 
 // Throws InputError with the key of an invalid value.
@@ -40,7 +46,8 @@ struct SafetyMoment {
   double age = 0;  // time since the planner's last step [s]
   // Wall time since the last force [s]; more than a frame counts as one.
   double passed = std::numeric_limits<double>::infinity();
-  bool ending = false;  // the session ends: the force goes to zero
+  bool ending = false;                  // the session ends: the force goes to zero
+  PassivityControl* control = nullptr;  // none: passivity is observed only
 };
 
 class Safety {

@@ -87,7 +87,9 @@ void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
                    .stale = counts.stale,
                    .non_finite = counts.non_finite,
                    .generated = loop.safety().generated(),
-                   .work = loop.safety().work()};
+                   .work = loop.safety().work(),
+                   .passivity = loop.passivity(),
+                   .uncontrolled = loop.take_uncontrolled()};
   if (counts.clamped > 0)
     result.notes.push_back(fmt::format(
         "{} of {} frames were clamped by safety: the device got less force than was rendered; the error is "

@@ -12,6 +12,7 @@
 #include "scheduling/common/option_check.hpp"
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/session/memory_need.hpp"
+#include "scheduling/session/passivity_plan.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "solver/body/contact_softness.hpp"
 
@@ -249,6 +250,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
                  .frame = chosen.clock.frame,
                  .viscosity = plan.input.touched.viscosity};
   plan.render.safety.force_limit = std::min(chosen.safety.force_limit, plan.device->limits().force);
+  plan.render.passivity = passivity_options(plan.render.safety, plan.device->limits(), chosen.clock.frame);
   take_future(plan);
   check_registered(plan);
   if (is_rehearsed(plan)) check_reusable(plan.input.parts);

@@ -71,6 +71,8 @@ TEST_CASE("a frame allocates nothing, under every rule, with models coming and g
       const SessionInput input = testing::small_input();
       RenderOptions options;
       options.switching.rule = rule;
+      options.passivity.mode = spec.noise > 0 ? Passivity::control : Passivity::observe;
+      options.passivity.coupling = 60;
       const auto device = make_device(spec, {.box = input.touched.space.box, .seed = 1, .folder = {}});
       LoopLink link;
       RenderLoop loop(*device, link, options, 1500);

@@ -1,0 +1,18 @@
+#pragma once
+// What differs from one hand to the next, besides the stiffness of its grip (hand_device.hpp).
+
+namespace forefeel {
+
+struct HandTraits {
+  double mass = 0.1;           // of hand and device [kg]
+  double damping_ratio = 0.7;  // zeta [1]
+  // Reaction to a surprise, a force that changes by more than `surprise` beyond what the last 0.1 s explain: after
+  // `delay` the grip is stiffer by the factor 1 + stiffening, and calms down within `calm`.
+  double stiffening = 0;  // 0: no reaction [1]
+  double surprise = 0.5;  // [N]
+  double delay = 0.1;     // [s]
+  double calm = 0.5;      // [s]
+  bool drawn = false;     // grip, mass, damping, tremor and reaction are drawn from the session's seed
+};
+
+}  // namespace forefeel

@@ -1,0 +1,21 @@
+#pragma once
+// What passivity control did in a session, and its price: the force error that it added. Per frame
+//   e = |F - F'| / max(|F'|, f0)
+// F [N]: force sent, F' [N]: what the other safety rules alone would have sent at the same positions, f0 [N]: the
+// error floor of the session. The ramp at the end is left out.
+
+#include <span>
+
+#include "scheduling/log/session_result.hpp"
+
+namespace forefeel {
+
+struct ControlSummary {
+  PassivityReport report;
+  double coupled_share = unknown, drained_share = unknown, controlled_share = unknown;  // of the frames
+  double added_p50 = unknown, added_p95 = unknown, added_max = unknown;                 // e [1]
+};
+
+ControlSummary control_summary(const SessionResult& result, double error_floor);
+
+}  // namespace forefeel

@@ -1,0 +1,61 @@
+// Passivity control in sessions.
+
+#include <catch2/catch.hpp>
+
+#include "scheduling/record/summary.hpp"
+#include "small_body.hpp"
+
+using namespace forefeel;
+
+TEST_CASE(
+    "a body that is too stiff for the device: unstable without control, stable with it, and the price is "
+    "said") {
+  SessionInput input = testing::small_input();
+  auto body = std::make_shared<Body>(*input.touched.body);
+  body->material.young = 2e7;
+  input.touched.body = body;
+  input.touched.identity = {{"mesh", "small beam"}, {"material", "stiff"}};
+  SessionOptions options = testing::virtual_options(1.5);
+  options.workers.cost = ConstantCost{0.005};
+  options.motion.device =
+      HandMotion{.profile = HandName::omega, .target = {.path = PathName::press, .speed = 0.06}, .grip = 100};
+  const SessionSummary off = summarise(run_session(input, options), input, options);
+  options.safety.passivity = Passivity::control;
+  const SessionSummary on = summarise(run_session(input, options), input, options);
+  REQUIRE(off.energy.stability);
+  REQUIRE(on.energy.stability);
+  CHECK_FALSE(off.energy.stability->stable);
+  CHECK(on.energy.stability->stable);
+  CHECK_FALSE(off.energy.control.report.on);
+  CHECK(on.energy.control.report.on);
+  CHECK(on.energy.control.added_p95 > 0.01);
+  CHECK(on.energy.control.coupled_share > 0.5);
+}
+
+TEST_CASE("where the session is stable anyway, control adds at most 1 % to the force") {
+  const SessionInput input = testing::small_input();
+  SessionOptions options = testing::virtual_options(3);
+  options.workers.cost = ConstantCost{0.005};
+  options.workers.count = 4;
+  options.motion.device =
+      HandMotion{.profile = HandName::omega, .target = {.path = PathName::press, .speed = 0.06}};
+  const SessionSummary off = summarise(run_session(input, options), input, options);
+  options.safety.passivity = Passivity::control;
+  const SessionSummary on = summarise(run_session(input, options), input, options);
+  CHECK(off.energy.stability->stable);
+  CHECK(on.energy.stability->stable);
+  CHECK(on.energy.control.added_p95 <= 0.01);
+}
+
+TEST_CASE("a coupling above the boundary of the loop is refused, one below is taken") {
+  SessionOptions options = testing::virtual_options(0.1);
+  options.motion.device = HandMotion{.profile = HandName::omega, .grip = 100};
+  options.safety.passivity = Passivity::control;
+  options.safety.coupling = 2e4;
+  CHECK_THROWS_WITH(make_plan(testing::small_input(), options),
+                    Catch::Contains("limits.coupling") && Catch::Contains("expected at most 71"));
+  options.safety.coupling = 2000;
+  CHECK(make_plan(testing::small_input(), options).render.passivity.coupling == 2000);
+  options.safety.coupling = -1;
+  CHECK_THROWS_WITH(make_plan(testing::small_input(), options), Catch::Contains("limits.coupling"));
+}
