@@ -206,7 +206,7 @@ std::vector<DeclaredTable> session_tables() {
         {"ramp", "s", shown(s.safety.ramp_seconds), "fade-in at the start"},
         {"stale", "s", shown(s.safety.stale_seconds),
          "silence of the planner after which the force fades out"},
-        {"coupling", "N/m", "0.8 of the device's boundary",
+        {"coupling", "N/m", "0.95 of the loop's boundary",
          "with passivity = \"control\": largest stiffness rendered"}}}};
 }
 

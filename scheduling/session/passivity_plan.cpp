@@ -10,7 +10,7 @@
 namespace forefeel {
 
 double largest_coupling(const SafetyOptions& safety, const DeviceLimits& device, double frame) {
-  constexpr double margin = 0.8;
+  constexpr double margin = 0.95;
   const double boundary = sampled_limit(device.plant, frame);
   double limit = std::isnan(boundary) ? device.stiffness : boundary;
   if (device.plant.resolution > 0)

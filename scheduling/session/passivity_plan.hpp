@@ -1,6 +1,6 @@
 #pragma once
 // The passivity control of a session, from its options and the limits of its device.
-//   K_c = 0.8 min(K_stable, S T / r)
+//   K_c = 0.95 min(K_stable, S T / r)
 // K_stable [N/m]: boundary of the loop of device and hand (sampled_limit() of motion/loop_limit.hpp) where the device
 // tells mass, damping and stiffness, else the highest stiffness that the device says it can render. S [N/s]: slew
 // limit, T [s]: frame, r [m]: resolution. Above S T / r one step of the encoder asks for more than the slew limit

@@ -53,7 +53,7 @@ TEST_CASE("a coupling above the boundary of the loop is refused, one below is ta
   options.safety.passivity = Passivity::control;
   options.safety.coupling = 2e4;
   CHECK_THROWS_WITH(make_plan(testing::small_input(), options),
-                    Catch::Contains("limits.coupling") && Catch::Contains("expected at most 71"));
+                    Catch::Contains("limits.coupling") && Catch::Contains("expected at most 84"));
   options.safety.coupling = 2000;
   CHECK(make_plan(testing::small_input(), options).render.passivity.coupling == 2000);
   options.safety.coupling = -1;
