@@ -149,6 +149,18 @@ std::vector<double> distances(const StateSpace& space, std::span<const Vec3> poi
   return away;
 }
 
+EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
+                      const EvaluatedPoints& made, const OfflineBarOptions& options) {
+  EvaluatedBars bars{.at = {}, .measured = measure_bars(states, options)};
+  double farthest = 0;
+  for (const BarSample& s : bars.measured.samples()) farthest = std::max(farthest, s.away);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bars.at.push_back(bars.measured.at(made.labels[i], scale_at(space, points[i], made.forces[i])));
+    bars.beyond += options.away[i] > farthest ? 1 : 0;
+  }
+  return bars;
+}
+
 }  // namespace
 
 Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
@@ -168,8 +180,10 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const StateSpace space = space_of(mean.states, spacing);
   result.states = space.size();
   result.options.spacing = space.options().spacing;
-  if (result.method == Method::rbf && is_chosen(options, stiffness)) {
-    const std::vector<double> away = distances(space, points);
+  const bool moving = result.method == Method::rbf;
+  std::vector<double> away;
+  if (moving) away = distances(space, points);
+  if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(mean.states, {.kernel = options.kernel,
                                                .data = options.data,
                                                .neighbours = options.neighbours,
@@ -189,6 +203,12 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                 : result.method == Method::rbf
                     ? evaluate_rbf(space, points, model, show)
                     : evaluate_older(result.method, mean.states, space, points, result.options);
+  if (moving && options.bars)
+    result.bars = bars_of(space, mean.states, points, result.made,
+                          {.model = model,
+                           .all = result.chosen && result.chosen->all,
+                           .spacing = result.options.spacing,
+                           .away = away});
   result.fit_us = median(result.made.fit_us);
   result.evaluate_ns = median(result.made.evaluate_ns);
   return result;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "approx/judge/auto_model.hpp"
+#include "approx/judge/offline_bar.hpp"
 #include "approx/predecessors/methods.hpp"
 #include "geometry/coverage/coverage.hpp"
 #include "geometry/states/repeated_states.hpp"
@@ -32,8 +33,9 @@ struct EvaluateOptions {
   std::optional<std::size_t> neighbours = {};  // of rbf_network: the number of centres
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
-  bool choose_ridge = false;                  // by leaving out single states (leave_one_out.hpp)
-  double spacing = unknown;                   // h [m]; unknown: the median distance of the states
+  bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
+  bool bars = false;          // error bars of each point, of the method rbf only (judge/offline_bar.hpp)
+  double spacing = unknown;   // h [m]; unknown: the median distance of the states
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
 
@@ -55,6 +57,14 @@ struct EvaluatedPoints {
   std::size_t stepped_down = 0;
 };
 
+// Error bars of the points, what they were made of, and the number of points that lie farther from the states
+// than any force left out: there the bars are an extrapolation.
+struct EvaluatedBars {
+  std::vector<BarWidths> at;
+  OfflineBars measured;
+  std::size_t beyond = 0;
+};
+
 struct Evaluation {
   EvaluatedPoints made = {};
   Method method = Method::rbf;
@@ -62,6 +72,7 @@ struct Evaluation {
   std::size_t states = 0;                          // known positions
   RepeatedStates repeated = {};                    // states that contradict each other are averaged
   std::optional<AutoModel> chosen = {};            // where the model was chosen
+  std::optional<EvaluatedBars> bars = {};          // where they are asked for and the method has them
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };
 

@@ -23,8 +23,10 @@ struct ClassifyArguments {
   std::optional<double> spacing, grid;
   std::optional<std::size_t> snapshots;  // default 40
   bool agreement = false;
-  bool foreign = false;  // states of another body beside a scene
-  bool list = false;     // print every point
+  bool foreign = false;        // states of another body beside a scene
+  bool list = false;           // print every point
+  bool bars = false;           // of the error, from forces left out
+  std::string tolerance = {};  // of the error; empty: the scene's, else 7 %
   CoverageOptions coverage;
 };
 

@@ -81,6 +81,7 @@ nlohmann::ordered_json document_of(const ClassifyArguments& arguments, const Cla
   out["index"] = arguments.index;
   out["adaptive"] = set.lattice != nullptr;
   if (result.agreement) out["agreement"] = agreement_json(*result.agreement);
+  if (result.errors) describe_errors(out, arguments, *result.errors);
   out["leaves"] = set.regions.leaves.size();
   out["seconds"] = result.seconds;
   out["peak_bytes"] = peak_bytes();
@@ -159,6 +160,7 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
   else if (!result.points.empty())
     count_points(result.found, globals);
   print_summary(result.set, result.seconds, globals);
+  if (result.errors) tell_errors(globals, arguments, *result.errors);
   if (!arguments.output.empty() && extension != ".vtu")  // a .vtu names its three files itself
     say(globals, fmt::format("{}: {}",
                              extension != ".csv"     ? "picture"

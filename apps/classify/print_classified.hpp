@@ -2,6 +2,7 @@
 // Prints what `forefeel classify` found for one set of states: as one JSON document, or in words.
 
 #include "apps/classify/classify.hpp"
+#include "apps/classify/error_known.hpp"
 
 namespace forefeel {
 
@@ -11,6 +12,7 @@ struct ClassifiedPoints {
   const std::vector<Vec3>& points;     // [m]
   const std::vector<Coverage>& found;  // one for each point
   const std::optional<Agreement>& agreement;
+  const std::optional<ErrorKnown>& errors;
   double seconds;  // for reading, indexing and labelling
 };
 

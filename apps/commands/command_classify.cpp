@@ -10,6 +10,7 @@
 
 #include "apps/classify/calibrate_labels.hpp"
 #include "apps/classify/classify.hpp"
+#include "apps/classify/error_known.hpp"
 #include "apps/classify/print_classified.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/commands/help_topics.hpp"
@@ -78,16 +79,18 @@ std::vector<Coverage> cover(const Classified& set, const std::vector<Vec3>& poin
 }
 
 void write_points(const std::string& file, const std::vector<Vec3>& points,
-                  const std::vector<Coverage>& found) {
+                  const std::vector<Coverage>& found, const std::optional<ErrorKnown>& errors) {
+  const bool barred = errors && errors->points;
   const auto cell = [](double value) {
     return std::isfinite(value) ? fmt::format("{}", value) : std::string();
   };
   OutputFile out(file);
-  out.write(header_of(declared_coverage()) + "\n");
+  out.write(header_of(declared_coverage()) + (barred ? "," + header_of(declared_errors()) : "") + "\n");
   for (std::size_t i = 0; i < points.size(); ++i)
-    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", points[i].x(), points[i].y(), points[i].z(),
+    out.write(fmt::format("{},{},{},{},{},{},{},{}{}\n", points[i].x(), points[i].y(), points[i].z(),
                           name(found[i].label), cell(found[i].spread), cell(found[i].alpha),
-                          cell(found[i].delta), cell(found[i].gamma_deg)));
+                          cell(found[i].delta), cell(found[i].gamma_deg),
+                          barred ? error_cells(*errors, i) : ""));
   out.commit();
 }
 
@@ -112,7 +115,8 @@ CoveragePicture picture_of(const Classified& set, const ClassifyArguments& argum
 }
 
 // The .vtu holds the regions; states and Delaunay cells are in files beside it.
-void write_vtu(const Classified& set, const std::string& file, const Globals& globals) {
+void write_vtu(const Classified& set, const std::string& file, const Globals& globals,
+               const std::optional<ErrorKnown>& errors) {
   const fs::path path = file;
   const auto beside = [&](const char* what) {
     return path.parent_path() / (path.stem().string() + what + path.extension().string());
@@ -120,14 +124,20 @@ void write_vtu(const Classified& set, const std::string& file, const Globals& gl
   write_regions_vtu(path, set.regions.leaves, set.regions.components);
   write_states_vtu(beside("_states"), set.states);
   if (set.space) write_cells_vtu(beside("_cells"), *set.space);
+  if (errors && errors->box.bars) {
+    write_left_out_vtu(beside("_left_out"), errors->box.bars->measured);
+    say(globals, fmt::format("{} (forces left out)", beside("_left_out").string()));
+  }
   say(globals, fmt::format("{} (regions), {} (states){}", file, beside("_states").string(),
                            set.space ? ", " + beside("_cells").string() + " (Delaunay cells)" : ""));
 }
 
 void write_output(const Classified& set, const ClassifyArguments& arguments, const std::vector<Vec3>& points,
-                  const std::vector<Coverage>& found, const Globals& globals) {
+                  const std::vector<Coverage>& found, const std::optional<ErrorKnown>& errors,
+                  const Globals& globals) {
   const std::string extension = fs::path(arguments.output).extension();
-  if (extension == ".vtu") return write_vtu(set, arguments.output, globals);
+  if (extension == ".vtu")
+    return write_vtu(set, arguments.output, globals, arguments.bars ? errors : std::nullopt);
   if (extension == ".svg") {
     write_coverage_svg(arguments.output, picture_of(set, arguments));
   } else if (extension == ".png") {
@@ -135,7 +145,7 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
   } else if (points.empty()) {
     write_regions_csv(arguments.output, set.regions.leaves);
   } else {
-    write_points(arguments.output, points, found);
+    write_points(arguments.output, points, found, errors);
   }
 }
 
@@ -149,6 +159,10 @@ void check_effect(const Globals& globals, const ClassifyArguments& arguments, bo
     throw InputError("--set", "overrides keys of a scene, expected it with --scene or --calibrate");
   if (arguments.foreign && arguments.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
+  if (!arguments.tolerance.empty() && !arguments.bars)
+    throw InputError("--tolerance", "is of the error, expected it with --bars");
+  if (arguments.bars && (run || !arguments.diff.empty()))
+    throw InputError("--bars", "is for one set of states, expected it without --diff or a run");
   if (!arguments.through.empty() && extension != ".svg" && extension != ".png")
     throw InputError("--through", "places the slices of a picture, expected it with -o OUT.svg or OUT.png");
   const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
@@ -217,10 +231,12 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
                      fmt::format("'{}' lies outside the box, expected a place in it", arguments.through));
   const std::vector<Coverage> found = cover(set, points);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!arguments.output.empty()) write_output(set, arguments, points, found, globals);
+  std::optional<ErrorKnown> errors;
+  if (wants_errors(arguments, set)) errors = error_known(globals, arguments, set, points);
+  if (!arguments.output.empty()) write_output(set, arguments, points, found, errors, globals);
   std::optional<Agreement> agreement;
   if (arguments.agreement) agreement = agreement_of(set, arguments);
-  print_classified(globals, arguments, {set, points, found, agreement, seconds});
+  print_classified(globals, arguments, {set, points, found, agreement, errors, seconds});
   return 0;
 }
 
@@ -255,6 +271,15 @@ void add_classify(CommandLine& line) {
   sub.flag("--agreement", arguments->agreement, "Compare both indexes by volume");
   sub.option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body").shows("SCENE");
   sub.flag("--foreign", arguments->foreign, foreign_help);
+  sub.flag(
+      "--bars", arguments->bars,
+      "Error bars of the points and the share of the box known within a tolerance, from known forces left "
+      "out in groups");
+  sub.option(
+         "--tolerance", arguments->tolerance,
+         "With --bars: error that counts as known, a share of the force or newtons; default: the scene's, "
+         "else 0.07")
+      .shows("0.07|\"0.07 N\"");
   sub.flag("--list", arguments->list, "Print every point; default: if they are at most 20");
   sub.option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
       .shows("X,Y,Z");

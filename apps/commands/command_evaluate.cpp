@@ -13,6 +13,7 @@
 #include <span>
 
 #include "approx/evaluate/evaluate.hpp"
+#include "apps/classify/offline_bars.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/commands/help_topics.hpp"
 #include "apps/console/console.hpp"
@@ -31,7 +32,7 @@ struct EvaluateArguments {
   std::optional<std::string> method, kernel, data, select, ridge;
   std::optional<std::size_t> neighbours;
   std::optional<double> spacing;
-  bool foreign = false;
+  bool foreign = false, no_bars = false;
 };
 
 double ridge_of(const std::string& text) {
@@ -67,13 +68,14 @@ EvaluateOptions options_of(const EvaluateArguments& arguments) {
   return options;
 }
 
-void write_csv(const std::string& file, const std::vector<Vec3>& points, const EvaluatedPoints& result) {
+void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
+  const EvaluatedPoints& result = found.made;
   OutputFile out(file);
-  out.write(header_of(declared_forces()) + "\n");
+  out.write(header_of(declared_forces()) + (found.bars ? "," + header_of(declared_bars()) : "") + "\n");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 &x = points[i], &f = result.forces[i];
-    out.write(
-        fmt::format("{},{},{},{},{},{},{}\n", x[0], x[1], x[2], f[0], f[1], f[2], name(result.labels[i])));
+    out.write(fmt::format("{},{},{},{},{},{},{}{}\n", x[0], x[1], x[2], f[0], f[1], f[2],
+                          name(result.labels[i]), found.bars ? bar_cells(found.bars->at[i]) : ""));
   }
   out.commit();
 }
@@ -140,6 +142,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   KnownStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
   options.spacing = known.spacing;
+  options.bars = !arguments.no_bars;
   result.belonging = known.belonging;
   Progress progress(globals, "evaluate");
   const std::size_t count = result.points.size();
@@ -206,6 +209,7 @@ nlohmann::ordered_json to_json(const EvaluateResult& evaluated) {
   document["method"] = result.chosen ? "auto" : name(result.method);
   describe(document, result);
   describe_choice(document, result);
+  if (result.bars) describe_bars(document, result.bars);
   document["spacing"] = number(result.options.spacing);
   document["averaged"] = result.repeated.averaged;
   document["largest_difference"] = result.repeated.largest_difference;
@@ -262,8 +266,11 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   if (with_forces)
     for (std::size_t i = 0; i < evaluated.points.size(); ++i) {
       const Vec3 &x = evaluated.points[i], &f = made.forces[i];
-      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  {}", x[0],
-                                  x[1], x[2], f[0], f[1], f[2], name(made.labels[i])));
+      const bool barred = result.bars && std::isfinite(result.bars->at[i][1]);
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N{}  {}",
+                                  x[0], x[1], x[2], f[0], f[1], f[2],
+                                  barred ? fmt::format(" +- {:.3g} N (95 %)", result.bars->at[i][1]) : "",
+                                  name(made.labels[i])));
     }
   std::string models = fmt::format("{} fitted", made.fitted);
   if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
@@ -273,6 +280,7 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
                   evaluated.points.size(), result.states, result.chosen ? "auto" : name(result.method),
                   in_words(result), models, result.fit_us, result.evaluate_ns));
   if (result.chosen) answer(globals, expectation_in_words(*result.chosen));
+  if (result.bars) answer(globals, bars_in_words(*result.bars));
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
@@ -282,7 +290,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
   if (arguments.foreign && arguments.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   const EvaluateResult result = evaluate_command(globals, arguments);
-  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.found.made);
+  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.found);
   if (globals.json)
     print_json(to_json(result));
   else
@@ -340,6 +348,8 @@ void add_evaluate(CommandLine& line) {
              "differ")
       .shows("SCENE");
   sub.flag("--foreign", arguments->foreign, foreign_help);
+  sub.flag("--no-bars", arguments->no_bars,
+           "No error bars. They come from known forces left out in groups, which takes about a second");
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 

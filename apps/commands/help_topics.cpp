@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/classify/error_known.hpp"
+#include "apps/classify/offline_bars.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/scene_input/scene_declared.hpp"
@@ -22,6 +24,11 @@
 
 namespace forefeel {
 namespace {
+
+std::vector<Declared> joined(std::vector<Declared> rows, const std::vector<Declared>& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
 
 HelpTopic scene_topic() {
   return {"scene", "The scene file (TOML). Unknown keys are errors; --set table.key=value overrides one.",
@@ -63,9 +70,16 @@ HelpTopic outputs_topic() {
   topic.tables.push_back({"cells.csv",
                           "One row a cell of a study: a column for each varied key, seed, then these.",
                           declared_cells()});
-  topic.tables.push_back({"forces.csv", "What evaluate writes with -o.", declared_forces()});
   topic.tables.push_back(
-      {"coverage.csv", "What classify writes with --points or --line and -o.", declared_coverage()});
+      {"forces.csv", "What evaluate writes with -o.", joined(declared_forces(), declared_bars())});
+  topic.tables.push_back({"coverage.csv", "What classify writes with --points or --line and -o.",
+                          joined(declared_coverage(), declared_errors())});
+  topic.tables.push_back({"NAME_left_out.vtu",
+                          "What classify --bars writes beside -o NAME.vtu: forces left out.",
+                          declared_left_out()});
+  topic.tables.push_back({"evaluate.json", "Of evaluate --json: error bars.", declared_bars_json()});
+  topic.tables.push_back(
+      {"classify.json", "Of classify --json: error bars and what follows.", declared_errors_json()});
   return topic;
 }
 

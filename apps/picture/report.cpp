@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/picture/bars_card.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/report_figures.hpp"
@@ -48,9 +49,6 @@ std::string with_unit(double value, const std::string& unit) {
   return std::isfinite(value) ? shown(value) + " " + unit : "–";
 }
 
-// How a card is coloured.
-enum class Judged { plain, good, warn, bad };
-
 std::string tile(const std::string& value, const std::string& what, Judged judged = Judged::plain) {
   const char* const names[] = {"", " good", " warn", " bad"};
   return fmt::format("<div class=\"tile{}\"><b>{}</b><span>{}</span></div>\n",
@@ -80,6 +78,8 @@ std::string tiles(const SessionSummary& s) {
   html += tile(percent(samples.p95),
                fmt::format("error of the rendered force, 95th percentile of {} samples", samples.samples),
                small_is_good(samples.p95, 0.07, 0.3));
+  const Card bars = bars_card(s.error.bars);
+  html += tile(bars.value, bars.what, bars.judged);
   html += tile(shown(s.switching.frames_over_jnd),
                fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
                small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));

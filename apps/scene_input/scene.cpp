@@ -12,6 +12,7 @@
 #include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/scene_materials.hpp"
 #include "apps/scene_input/scene_shape.hpp"
+#include "apps/scene_input/scene_tolerance.hpp"
 #include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
@@ -76,7 +77,10 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
     for (const std::string key : {"spacing", "box"})
       if (!table.has(key))
         throw table.wrong(key, key == "box" ? "[[x0, y0, z0], [x1, y1, z1]]" : "a number above 0 [m]");
-  scene.spacing.tolerance = table.number("tolerance", positive()).value_or(scene.spacing.tolerance);
+  const std::optional<Tolerance> tolerance = read_tolerance(table);
+  if (tolerance && tolerance->newtons && automatic)
+    throw table.wrong("tolerance", "a share of the force beside spacing = \"auto\", as 0.07");
+  if (tolerance && !tolerance->newtons) scene.spacing.tolerance = tolerance->value;
   if (automatic)
     scene.space.spacing = longest_side(mesh) / 36;  // for a box that is not given
   else

@@ -101,15 +101,17 @@ std::vector<DeclaredTable> boundary_tables() {
 }
 
 DeclaredTable space_table() {
-  return {"state_space",
-          "Where states are placed.",
-          {{"spacing", "m", "required; 0.006 with a phantom",
-            "side of the lattice of states; \"auto\": measured, so that safe means an error below tolerance"},
-           {"box", "m", "required; made of the body with a phantom",
-            "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"},
-           {"displacements", "", "false", "true: states keep the displacements of all nodes"},
-           {"tolerance", "1", shown(usual_tolerance),
-            "relative error that spacing = \"auto\" allows where safe"}}};
+  return {
+      "state_space",
+      "Where states are placed.",
+      {{"spacing", "m", "required; 0.006 with a phantom",
+        "side of the lattice of states; \"auto\": measured, so that safe means an error below tolerance"},
+       {"box", "m", "required; made of the body with a phantom",
+        "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"},
+       {"displacements", "", "false", "true: states keep the displacements of all nodes"},
+       {"tolerance", "1", shown(usual_tolerance),
+        "error that spacing = \"auto\" allows where safe, and within which session and classify --bars say "
+        "the force is known: a share of the force, or \"0.07 N\""}}};
 }
 
 DeclaredTable model_table() {

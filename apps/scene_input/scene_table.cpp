@@ -175,6 +175,11 @@ bool SceneTable::is_text(const std::string& key, std::string_view value) const {
   return given && given->is_string() && given->as_string()->get() == value;
 }
 
+bool SceneTable::holds_text(const std::string& key) const {
+  const toml::node* given = source_->node(key);
+  return given && given->is_string();
+}
+
 std::optional<Vec3> SceneTable::vector(const std::string& key) const {
   if (!has(key)) return {};
   const std::optional<Vec3> value = vector_of(source_->node(key));

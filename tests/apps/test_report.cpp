@@ -9,6 +9,7 @@
 #include <string>
 
 #include "apps/picture/bad_moments.hpp"
+#include "apps/picture/bars_card.hpp"
 #include "apps/picture/palette.hpp"
 #include "apps/picture/run_data.hpp"
 #include "geometry/common/error.hpp"
@@ -53,6 +54,27 @@ TEST_CASE("the worst moments are the samples above the JND, the worst first, a q
   CHECK(moments[0].reference == Approx(1.6));
   CHECK(moments[1].t == 2);
   CHECK(bad_moments(result, view, 1).size() == 1);
+}
+
+TEST_CASE("the card of the error bars is bad where a level falls short by more than five points") {
+  SessionSummary::ErrorBars bars;
+  CHECK(bars_card(bars).judged == Judged::plain);
+  bars.all.samples = 400;
+  bars.all.inside = {0.905, 0.953, 0.991};
+  CHECK(bars_card(bars).judged == Judged::good);
+  CHECK(bars_card(bars).value == "95.3 %");
+  bars.by_label[Label::gap].samples = 100;
+  bars.by_label[Label::gap].inside = {0.90, 0.90, 0.97};  // five points, not more
+  CHECK(bars_card(bars).judged == Judged::warn);
+  bars.by_label[Label::gap].inside = {0.90, 0.89, 0.97};
+  CHECK(bars_card(bars).judged == Judged::bad);
+  CHECK_THAT(bars_card(bars).what, Catch::Contains("gap 90.0/89.0/97.0 % of 100"));
+  bars.by_label[Label::gap].samples = 99;  // too few to judge a label by
+  CHECK(bars_card(bars).judged == Judged::good);
+  bars.all.inside[2] = 0.93;
+  CHECK(bars_card(bars).judged == Judged::bad);
+  bars.all.samples = 19;
+  CHECK(bars_card(bars).judged == Judged::plain);
 }
 
 TEST_CASE(

@@ -1,0 +1,183 @@
+#include "approx/judge/offline_bar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "approx/bar/error_scale.hpp"
+#include "approx/judge/left_out.hpp"
+#include "approx/select/updater.hpp"
+#include "geometry/common/quantiles.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::size_t least_states = 8, least_of_label = 30, most_samples = 800;
+constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
+constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
+
+// The ceil((n + 1) p)-th least; infinite where there are fewer.
+double conformal_quantile(std::vector<double>& scores, double p) {
+  const auto rank = static_cast<std::size_t>(std::ceil((static_cast<double>(scores.size()) + 1) * p - 1e-9));
+  if (rank > scores.size()) return infinite;
+  const auto at = scores.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::ranges::nth_element(scores, at);
+  return *at;
+}
+
+// Factors q of each label, from the samples outside one part.
+std::array<BarWidths, 4> factors_of(std::span<const BarSample> samples, double constant,
+                                    std::optional<std::uint32_t> but) {
+  std::array<std::vector<double>, 4> own;
+  std::vector<double> all;
+  for (const BarSample& s : samples) {
+    if (but == s.part) continue;
+    const double scale = s.scale + constant;
+    all.push_back(s.error > 0 ? s.error / scale : 0);
+    own[static_cast<std::size_t>(s.label)].push_back(all.back());
+  }
+  std::array<BarWidths, 4> factors;
+  for (std::size_t label = 0; label < factors.size(); ++label)
+    for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+      double& q = factors[label][level] = infinite;
+      if (own[label].size() >= least_of_label) q = conformal_quantile(own[label], bar_levels[level]);
+      if (std::isinf(q)) q = conformal_quantile(all, bar_levels[level]);
+      if (level > 0) q = std::max(q, factors[label][level - 1]);
+    }
+  return factors;
+}
+
+BarWidths times(BarWidths factors, double scale) {
+  for (double& q : factors) q *= scale;
+  return factors;
+}
+
+// Bars of each sample from the scores of the other parts.
+void fill_bars(std::vector<BarSample>& samples, double constant) {
+  std::uint32_t parts = 0;
+  for (const BarSample& s : samples) parts = std::max(parts, s.part + 1);
+  for (std::uint32_t part = 0; part < parts; ++part) {
+    const std::array<BarWidths, 4> factors = factors_of(samples, constant, part);
+    for (BarSample& s : samples)
+      if (s.part == part) s.bar = times(factors[static_cast<std::size_t>(s.label)], s.scale + constant);
+  }
+}
+
+// Mean interval score of the bars of 95 %: their width, and what lies outside of them 2 / 0.05 times.
+double interval_score(std::span<const BarSample> samples) {
+  double sum = 0;
+  for (const BarSample& s : samples) {
+    const double bar = s.bar[scored_level];
+    sum += 2 * bar + 2 / (1 - bar_levels[scored_level]) * std::max(0.0, s.error - bar);
+  }
+  return sum;
+}
+
+Model model_of_all(const StateSpace& known, const ModelOptions& options) {
+  std::vector<State> states;
+  Vec3 middle = Vec3::Zero();
+  for (std::uint32_t id = 0; id < known.size(); ++id) {
+    states.push_back(known[StateId{id}]);
+    middle += states.back().at / static_cast<double>(known.size());
+  }
+  return fit_model(states, options, middle);
+}
+
+// Every `stride`-th force left out of one trial.
+std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const OfflineBarOptions& options,
+                                  std::size_t stride) {
+  ModelOptions fit = options.model;
+  fit.neighbours = std::min(fit.neighbours, trial.known->size());
+  ModelUpdater updater(*trial.known, fit);
+  Model model;
+  if (options.all) model = model_of_all(*trial.known, options.model);
+  std::vector<BarSample> samples;
+  for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
+    const State& held = trial.held[i];
+    if (!options.all) {
+      updater.forget();
+      updater.update(held.at, model);
+    }
+    const Vec3 force = model.force(held.at);
+    const Coverage coverage = trial.known->coverage(held.at);
+    const BarSample sample{.at = held.at,
+                           .force = held.force.norm(),
+                           .predicted = force.norm(),
+                           .label = coverage.label,
+                           .spread = coverage.spread,
+                           .away = trial.away[i],
+                           .scale = scale_at(*trial.known, held.at, force),
+                           .error = (force - held.force).norm(),
+                           .part = part};
+    if (std::isfinite(sample.scale) && std::isfinite(sample.error)) samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace
+
+OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(samples)) {
+  if (samples_.empty()) return;
+  std::vector<double> errors;
+  for (const BarSample& s : samples_) errors.push_back(s.error);
+  const double usual = median(std::move(errors));
+  double best = infinite;
+  for (const double share : constants) {
+    fill_bars(samples_, share * usual);
+    const double score = interval_score(samples_);
+    if (score < best) {
+      best = score;
+      constant_ = share * usual;
+    }
+  }
+  fill_bars(samples_, constant_);
+  factors_ = factors_of(samples_, constant_, {});
+}
+
+BarWidths OfflineBars::at(Label label, double scale) const {
+  BarWidths none;
+  none.fill(infinite);
+  if (samples_.empty() || !(scale >= 0)) return none;
+  return times(factors_[static_cast<std::size_t>(label)], scale + constant_);
+}
+
+BarCover OfflineBars::cover(std::optional<Label> label) const {
+  BarCover found;
+  std::array<std::size_t, bar_levels.size()> inside{};
+  std::vector<double> widths;
+  for (const BarSample& s : samples_) {
+    if (label && s.label != *label) continue;
+    ++found.samples;
+    widths.push_back(s.bar[scored_level]);
+    for (std::size_t level = 0; level < inside.size(); ++level) inside[level] += s.error <= s.bar[level];
+  }
+  if (found.samples == 0) return found;
+  for (std::size_t level = 0; level < inside.size(); ++level)
+    found.inside[level] = static_cast<double>(inside[level]) / static_cast<double>(found.samples);
+  found.width_p50 = median(std::move(widths));
+  return found;
+}
+
+OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options) {
+  if (states.size() < least_states) return {};
+  const Trials trials = leave_out(states, options.away, options.spacing);
+  const std::size_t stride = std::max<std::size_t>(1, trials.positions / most_samples);
+  std::vector<std::vector<BarSample>> parts(trials.each.size());
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t t = 0; t < parts.size(); ++t)
+    parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
+  std::vector<BarSample> samples;
+  for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
+  return OfflineBars(std::move(samples));
+}
+
+double scale_at(const StateSpace& space, const Vec3& x, const Vec3& force) {
+  std::vector<StateId> ids;
+  space.nearest(x, ErrorScale::most, ids);
+  std::vector<State> near;
+  for (const StateId id : ids) near.push_back(space[id]);
+  return ErrorScale(near, space.options().spacing).at(x, force);
+}
+
+}  // namespace forefeel

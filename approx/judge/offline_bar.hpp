@@ -1,0 +1,76 @@
+#pragma once
+// Error bars of a model made offline from known states: half-widths e_p(x) [N] that hold |f~(x) - f(x)| in the
+// share p of the places, for each p of bar_levels. Split conformal prediction, normalised (Papadopoulos et al. 2002)
+// and by label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
+//   e_p(x) = q_p (s(x) + b),   q_p: the ceil((n + 1) p)-th least of n scores |f~_i - f_i| / (s(x_i) + b)
+// The scores are those of known forces that are left out in groups of neighbouring positions (left_out.hpp), as
+// far from the rest as the wanted places are from all states. s: scale of the error (bar/error_scale.hpp), from
+// the 16 states nearest to x. b [N]: what does not shrink near a state, as noise: of 0, 0.1, 0.3, 1 and 3 median
+// errors the one with the least interval score (Gneiting, Raftery 2007, Eq. 43) of the bars of 95 %.
+// A label with fewer than 30 scores, or too few for a level, takes the scores of all. Where these are too few the
+// bar is infinite: a level p needs p / (1 - p) scores, 99 of them for 99 %.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "approx/bar/conformal_factors.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/coverage/state_space.hpp"
+
+namespace forefeel {
+
+using BarWidths = std::array<double, bar_levels.size()>;  // [N], of each level
+
+// One force left out, and how well the others predict it.
+struct BarSample {
+  Vec3 at = Vec3::Zero();                   // [m]
+  double force = 0, predicted = 0;          // |f|, |f~| [N]
+  Label label = Label::blank;               // without it
+  double spread = unknown, away = unknown;  // without it; to the nearest state that is left [m]
+  double scale = 0, error = 0;              // s, |f~ - f| [N]
+  std::uint32_t part = 0;                   // left out together
+  BarWidths bar{};                          // from the scores of the other parts
+};
+
+// Of samples, with bars from the other parts: samples, the share inside, the median half-width of 95 % [N].
+struct BarCover {
+  std::size_t samples = 0;
+  std::array<double, bar_levels.size()> inside{unknown, unknown, unknown};
+  double width_p50 = unknown;
+};
+
+class OfflineBars {
+ public:
+  OfflineBars() = default;  // of no samples: infinite
+  explicit OfflineBars(std::vector<BarSample> samples);
+
+  BarWidths at(Label label, double scale) const;  // s(x) [N]
+  double constant() const { return constant_; }   // b [N]
+  std::span<const BarSample> samples() const { return samples_; }
+  BarCover cover(std::optional<Label> label = {}) const;  // of all, or of one label
+
+ private:
+  std::vector<BarSample> samples_;
+  double constant_ = 0;
+  std::array<BarWidths, 4> factors_{};  // by label
+};
+
+// How the wanted places are evaluated, and where they lie.
+struct OfflineBarOptions {
+  ModelOptions model = {};
+  bool all = false;        // one model of all states
+  double spacing = 0.006;  // h [m]
+  // Distance from each wanted place to its nearest state [m]; empty: not known.
+  std::span<const double> away = {};
+};
+
+// states: usable ones, one at each position. No samples with fewer than 8 states or 3 groups.
+OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options);
+
+// s(x) [N] of a model with the force f~(x) [N], from the states of a space nearest to x.
+double scale_at(const StateSpace& space, const Vec3& x, const Vec3& force);
+
+}  // namespace forefeel

@@ -1,0 +1,42 @@
+#pragma once
+// classify --bars: how well the force is known, from states that are left out in groups: error bars of points, the
+// share of the box known within a tolerance, the spacing that the data suggest.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <vector>
+
+#include "approx/evaluate/evaluate.hpp"
+#include "approx/judge/known_within.hpp"
+#include "apps/classify/classify.hpp"
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+// Of the points: forces and bars. Of the box: the share of evenly spread places known within the tolerance.
+struct ErrorKnown {
+  Tolerance tolerance;
+  std::optional<Evaluation> points;  // none without points
+  Evaluation box;
+  std::size_t places = 0, places_within = 0;
+  KnownWithin left_out;
+  SpacingAdvice advice;
+};
+
+// Whether the command has to find it: asked for, or no spacing is known. Only states with forces have errors.
+bool wants_errors(const ClassifyArguments& arguments, const Classified& set);
+ErrorKnown error_known(const Globals& globals, const ClassifyArguments& arguments, const Classified& set,
+                       const std::vector<Vec3>& points);
+
+void describe_errors(nlohmann::ordered_json& document, const ClassifyArguments& arguments,
+                     const ErrorKnown& found);
+void tell_errors(const Globals& globals, const ClassifyArguments& arguments, const ErrorKnown& found);
+// Cells of a point in coverage.csv: bars, and whether it is known within the tolerance (1 or 0).
+std::string error_cells(const ErrorKnown& found, std::size_t point);
+std::vector<Declared> declared_errors();  // of these cells
+std::vector<Declared> declared_errors_json();
+
+// The tolerance of --tolerance, else of the scene if it writes one, else 7 %.
+Tolerance tolerance_of(const Globals& globals, const ClassifyArguments& arguments);
+
+}  // namespace forefeel

@@ -1,0 +1,144 @@
+// Error bars without a session: measured against the true field, which the bars never see, and the choice of
+// spacing and of places known within a tolerance.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "approx/evaluate/evaluate.hpp"
+#include "approx/judge/known_within.hpp"
+
+using namespace forefeel;
+
+namespace {
+
+using Field = std::function<Vec3(const Vec3&)>;
+
+// A stiffening force with its exact stiffness, curved more on one side.
+Vec3 stiffening(const Vec3& x) {
+  return -40 * x * (1 + 900 * x.squaredNorm()) -
+         Vec3(0.2 * std::sin(180 * x.y()), 0, 0.3 * x.x() * x.z() / 0.01);
+}
+
+struct Known {
+  std::vector<State> states;
+  std::vector<Vec3> points;
+};
+
+// Places drawn over a box of 6 cm, and points drawn in it. noise: of each force component [N].
+Known drawn(unsigned seed, int states, int points, double noise, const Field& field) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> side(-0.03, 0.03);
+  std::normal_distribution<double> sensor(0, 1);
+  const auto place = [&] { return Vec3(side(random), side(random), side(random)); };
+  Known known;
+  for (int i = 0; i < states; ++i) {
+    State state;
+    state.at = place();
+    state.force = field(state.at) + noise * Vec3(sensor(random), sensor(random), sensor(random));
+    known.states.push_back(state);
+  }
+  for (int i = 0; i < points; ++i) known.points.push_back(place());
+  return known;
+}
+
+// Share of the points whose bar holds what `truth` says there, for each level.
+std::array<double, 3> inside(const Known& known, const Evaluation& found, const Field& truth) {
+  std::array<double, 3> shares{};
+  for (std::size_t i = 0; i < known.points.size(); ++i) {
+    const double error = (found.made.forces[i] - truth(known.points[i])).norm();
+    for (std::size_t level = 0; level < 3; ++level)
+      shares[level] += error <= found.bars->at[i][level] ? 1.0 / double(known.points.size()) : 0.0;
+  }
+  return shares;
+}
+
+}  // namespace
+
+TEST_CASE("Bars of drawn places hold the true force about as often as they say") {
+  std::array<double, 3> mean{};
+  constexpr int sets = 6;
+  for (unsigned seed = 0; seed < sets; ++seed) {
+    const Known known = drawn(seed, 400, 300, 0, stiffening);
+    const Evaluation found =
+        evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.006});
+    REQUIRE(found.bars);
+    const BarCover cover = found.bars->measured.cover();
+    CHECK(cover.samples == 400);
+    const std::array<double, 3> shares = inside(known, found, stiffening);
+    for (std::size_t level = 0; level < 3; ++level) {
+      mean[level] += shares[level] / sets;
+      CHECK(std::abs(cover.inside[level] - bar_levels[level]) < 0.03);  // left out: three deviations of 400
+    }
+  }
+  INFO(mean[0] << " " << mean[1] << " " << mean[2]);
+  for (std::size_t level = 0; level < 3; ++level) CHECK(std::abs(mean[level] - bar_levels[level]) < 0.03);
+}
+
+TEST_CASE("Bars grow with the noise of the known forces, also where states lie close") {
+  const Known quiet = drawn(7, 300, 100, 0, stiffening), noisy = drawn(7, 300, 100, 0.2, stiffening);
+  const EvaluateOptions options{.choose = true, .bars = true, .spacing = 0.006};
+  const Evaluation a = evaluate(quiet.states, quiet.points, options),
+                   b = evaluate(noisy.states, noisy.points, options);
+  // A single component has the deviation 0.2 N: |noise| exceeds 0.2 sqrt(7.81) N at 5 % (chi squared, 3 degrees).
+  const double usual = b.bars->measured.cover().width_p50;
+  CHECK(usual > 0.2 * std::sqrt(7.81));
+  CHECK(usual < 4 * 0.2 * std::sqrt(7.81));
+  CHECK(b.bars->measured.constant() > 0);
+  for (std::size_t i = 0; i < 100; ++i) CHECK(b.bars->at[i][1] > a.bars->at[i][1] * 0.5);
+}
+
+TEST_CASE("A level without enough forces left out has no bar") {
+  const Known known = drawn(3, 40, 5, 0, stiffening);
+  const Evaluation found =
+      evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.01});
+  REQUIRE(found.bars);
+  CHECK(std::isfinite(found.bars->at[0][1]));  // 95 % needs 19
+  CHECK(std::isinf(found.bars->at[0][2]));     // 99 % needs 99
+  const Known few = drawn(3, 7, 5, 0, stiffening);
+  const Evaluation none =
+      evaluate(few.states, few.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.01});
+  CHECK(std::isinf(none.bars->at[0][0]));
+  CHECK(std::isnan(none.bars->measured.cover().inside[0]));
+}
+
+TEST_CASE("A point farther away than any force left out is counted") {
+  Known known = drawn(5, 200, 3, 0, stiffening);
+  known.points.push_back(Vec3(0.5, 0, 0));
+  const Evaluation found =
+      evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.006});
+  CHECK(found.bars->beyond == 1);
+}
+
+TEST_CASE("The suggested spacing is the spread up to which 95 % lie within the tolerance") {
+  // 200 forces of 1 N: the error is below 0.07 N up to a spread of 5 mm, above it beyond.
+  std::vector<BarSample> samples(200);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].spread = 1e-4 * double(i + 1);
+    samples[i].force = samples[i].predicted = 1;
+    samples[i].error = samples[i].spread <= 0.005 ? 0.01 : 0.2;
+    samples[i].bar = {samples[i].spread, 2 * samples[i].spread, 1};
+  }
+  const SpacingAdvice advice = advise_spacing(samples, {.value = 0.07}, 0.95);
+  // 50 within; 52 of them keep 50 / 52 >= 0.95, 53 do not.
+  CHECK(advice.safe == 52);
+  CHECK(advice.within == 50);
+  CHECK(advice.spacing == Approx(0.0052 / 0.95));
+  CHECK(!advice.all);
+  CHECK(advice.wider_within == 0);
+  CHECK(std::isnan(advise_spacing(samples, {.value = 0.005}, 0.95).spacing));
+  CHECK(advise_spacing(samples, {.value = 0.3, .newtons = true}, 0.95).all);
+  const KnownWithin known = known_within(samples, {.value = 0.016, .newtons = true});
+  CHECK(known.called == 80);  // 2 spread <= 0.016
+  CHECK(known.true_ones == 50);
+}
+
+TEST_CASE("Tolerances are read as a share or as newtons") {
+  CHECK(tolerance_from("0.07")->limit(2) == Approx(0.14));
+  CHECK(tolerance_from("0.07")->limit(0.001) == Approx(0.07 * 0.05));
+  CHECK(tolerance_from("0.07 N")->limit(2) == Approx(0.07));
+  CHECK(tolerance_from("0.07N")->newtons);
+  for (const char* wrong : {"", "N", "0", "-1 N", "0.07 kg", "7 %", "nan", "1e999 N"})
+    CHECK(!tolerance_from(wrong));
+}
