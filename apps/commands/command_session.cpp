@@ -28,8 +28,10 @@
 #include "apps/console/provenance.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/console/summary_json.hpp"
+#include "apps/console/tolerance_json.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/scene_input/given_states.hpp"
+#include "apps/scene_input/scene_tolerance.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
@@ -288,6 +290,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   summary.run.failures = salvage.failures();
   nlohmann::ordered_json document = document_of(summary, scene);
   shapes.add_to(document);
+  const std::optional<Tolerance> tolerance = written_tolerance(given.scene, globals.set);
+  if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
   salvage.attempt("summary.json", [&] {
     OutputFile file(run / "summary.json");
     file.write(json_text(document, 2) + "\n");
@@ -297,6 +301,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   document["failures"] = salvage.failures();
   if (globals.json) print_json(document);
   if (!globals.json) tell(globals, summary, shapes.in_words(), run);
+  if (!globals.json && tolerance)
+    say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
   const int code = exit_code(globals, result, plan, salvage.failures());
   if (!summary.energy.stability || summary.energy.stability->stable) return code;
   if (globals.json || globals.quiet) warn(globals, attention(summary).front());

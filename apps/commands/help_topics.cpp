@@ -10,6 +10,7 @@
 #include "apps/classify/error_known.hpp"
 #include "apps/classify/offline_bars.hpp"
 #include "apps/console/summary_json.hpp"
+#include "apps/console/tolerance_json.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/spec_text.hpp"
@@ -65,8 +66,8 @@ HelpTopic outputs_topic() {
       declared_run_files()};
   topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
   topic.tables.push_back(declared_shape_table());
-  topic.tables.push_back(
-      {"summary.json", "Summary of a session: keys joined by dots.", declared_summary_json()});
+  topic.tables.push_back({"summary.json", "Summary of a session: keys joined by dots.",
+                          joined(declared_summary_json(), declared_tolerance())});
   topic.tables.push_back({"cells.csv",
                           "One row a cell of a study: a column for each varied key, seed, then these.",
                           declared_cells()});
