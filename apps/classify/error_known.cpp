@@ -39,7 +39,8 @@ Tolerance tolerance_of(const Globals& globals, const ClassifyArguments& argument
 }
 
 bool wants_errors(const ClassifyArguments& arguments, const Classified& set) {
-  const bool forces = std::ranges::any_of(set.states, [](const State& s) { return !s.force.isZero(0); });
+  const bool forces = std::ranges::any_of(
+      set.states, [](const State& s) { return s.force.allFinite() && !s.force.isZero(0); });
   if (arguments.bars && !forces)
     throw InputError("--bars", "needs forces, expected states that are not all without one");
   return forces && (arguments.bars || (set.spacing_estimated && !arguments.spacing));
@@ -100,7 +101,8 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
 }
 
 std::string error_cells(const ErrorKnown& found, std::size_t point) {
-  return bar_cells(found.points->bars ? found.points->bars->at[point] : OfflineBars().at(Label::blank, 0)) +
+  return bar_cells(found.points->bars ? found.points->bars->at[point]
+                                      : OfflineBars().at(Label::blank, 0)) +
          (within(found, *found.points, point) ? ",1" : ",0");
 }
 

@@ -11,6 +11,7 @@
 #include "apps/classify/calibrate_labels.hpp"
 #include "apps/classify/classify.hpp"
 #include "apps/classify/error_known.hpp"
+#include "apps/classify/offline_bars.hpp"
 #include "apps/classify/print_classified.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/commands/help_topics.hpp"
