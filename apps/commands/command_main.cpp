@@ -19,6 +19,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
+#include "scheduling/study/study_run.hpp"
 
 namespace forefeel {
 namespace {
@@ -88,6 +89,8 @@ int command_main(int argc, char** argv) {
     return complain(fmt::format("{}: {}", error.path1().string(), error.code().message()), 2);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", 1);
+  } catch (const StudyFailure& error) {
+    return complain(error.what(), 1);
   } catch (const std::exception& error) {
     return complain(std::string("internal error: ") + error.what(), 1);
   }

@@ -65,7 +65,26 @@ bool Planner::insert(const State& state, std::int64_t dispatch) {
   return true;
 }
 
+// Whether the worker has this dispatch and has not returned it yet.
+bool Planner::is_held(const JobResult& result) const {
+  const auto worker = static_cast<std::size_t>(result.worker);
+  if (result.worker < 0 || worker >= slots_.size()) return false;
+  const auto& members = slots_[worker].members;
+  return std::ranges::find(members, result.dispatch, &Member::dispatch) != members.end();
+}
+
+// Workers may be a user's own: a result of no running job is left out, one for another position has failed.
 void Planner::receive(JobResult result, double now) {
+  if (!is_held(result)) {
+    ++strays_;
+    return;
+  }
+  const Vec3& asked = dispatches_[result.dispatch].at;
+  if (result.state.status != SolveStatus::cancelled && !((result.state.at - asked).norm() <= 1e-9)) {
+    ++elsewhere_;
+    result.state.at = asked;
+    result.state.status = SolveStatus::diverged;
+  }
   DispatchRecord& record = dispatches_[result.dispatch];
   Slot& slot = slots_[static_cast<std::size_t>(result.worker)];
   const auto member = std::ranges::find(slot.members, result.dispatch, &Member::dispatch);
@@ -344,6 +363,12 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
     result.notes.push_back(
         fmt::format("policy {} gave {} priorities that are not numbers: they counted as the lowest",
                     setup_.policy->name(), not_numbers_));
+  if (strays_ > 0)
+    result.notes.push_back(fmt::format(
+        "the workers gave {} results that belong to no running job: they were left out", strays_));
+  if (elsewhere_ > 0)
+    result.notes.push_back(fmt::format(
+        "the workers gave {} states at other positions than asked for: they counted as failed", elsewhere_));
   if (predictions_refused_ > 0)
     result.notes.push_back(fmt::format(
         "the predictor gave {} positions that are not finite or deviations that are not at least 0: the hand "

@@ -96,6 +96,7 @@ class Planner {
     std::shared_ptr<const Equilibrium> equilibrium;
   };
   bool insert(const State& state, std::int64_t dispatch);
+  bool is_held(const JobResult& result) const;
   bool is_idle(std::size_t worker) const;
   void predict(double now);
   Prediction checked(Prediction p);
@@ -150,6 +151,7 @@ class Planner {
   StateCounts counts_;
   std::uint64_t audit_draws_ = 0;
   std::size_t jobs_ = 0, not_numbers_ = 0, predictions_refused_ = 0;
+  std::size_t strays_ = 0, elsewhere_ = 0;  // results of no running job, for another position
   std::vector<std::string> notes_;
 };
 

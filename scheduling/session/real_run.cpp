@@ -147,6 +147,7 @@ struct PlannerRun {
   double now() const { return static_cast<double>(monotonic() - start) / 1e9; }
 
   void step(std::vector<JobResult>& results, std::size_t& arrived) {
+    results.clear();
     workers.collect(results, 0.0005);
     for (JobResult& result : results) planner.receive(std::move(result), now());
     while (arrived < arriving.size() && plan.arrivals.list[arrived].t <= now())

@@ -142,6 +142,7 @@ class VirtualRun {
   }
 
   void take_results(const Event& event) {
+    results_.clear();
     workers_->take_event(results_);
     for (JobResult& done : results_) planner_.receive(std::move(done), seconds(event.t));
     if (!results_.empty()) events_.push(event.t, Kind::plan, 0);

@@ -60,9 +60,13 @@ double part_of(const SessionProgress& p) {
 
 using ShowPart = std::function<void(double)>;
 
+struct SessionFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 // A session that failed is no result of a study.
 SessionResult unfailed(SessionResult result) {
-  if (!result.failures.empty()) throw std::runtime_error(result.failures.front());
+  if (!result.failures.empty()) throw SessionFailed(result.failures.front());
   return result;
 }
 
@@ -113,6 +117,10 @@ class Pool {
     work();
   }
   std::exception_ptr failed() const { return failed_; }
+  // Cells whose session failed, and why the first did.
+  std::size_t failed_cells() const { return failed_cells_; }
+  std::size_t failed_cell() const { return failed_cell_; }
+  const std::string& problem() const { return problem_; }
 
  private:
   void work() {
@@ -123,6 +131,12 @@ class Pool {
         if (raised(options_.interrupted)) break;
         take_(todo_[item], std::move(row));
         ticker_.at(item, 1.0);
+      } catch (const SessionFailed& problem) {
+        const std::lock_guard guard(failed_mutex_);
+        if (failed_cells_++ == 0 || todo_[item] < failed_cell_) {
+          failed_cell_ = todo_[item];
+          problem_ = problem.what();
+        }
       } catch (...) {
         const std::lock_guard guard(failed_mutex_);
         if (!failed_) failed_ = std::current_exception();
@@ -139,7 +153,21 @@ class Pool {
   std::atomic<std::size_t> next_{0};
   std::mutex failed_mutex_;
   std::exception_ptr failed_;
+  std::size_t failed_cells_ = 0, failed_cell_ = 0;
+  std::string problem_;
 };
+
+void throw_if_cells_failed(const Pool& pool, const StudyPlan& plan) {
+  if (pool.failed_cells() == 0) return;
+  const StudyCell& cell = plan.cells[pool.failed_cell()];
+  const auto& own = plan.inputs[cell.input].parts.policy;
+  const std::string_view policy = own ? own->name() : cell.options.planning.policy.name;
+  throw StudyFailure(
+      fmt::format("{} of {} cells failed, the first with policy {} and seed {}: {}; the results of the "
+                  "others are kept, and "
+                  "the same study runs the failed ones alone",
+                  pool.failed_cells(), plan.cells.size(), policy, cell.seed, pool.problem()));
+}
 
 }  // namespace
 
@@ -280,7 +308,9 @@ StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options) {
                              .interrupted = options.interrupted,
                              .hurried = options.hurried,
                              .warn = options.warn});
-    failed = Pool(runner, todo, threads, options, ticker, take).failed();
+    const Pool pool(runner, todo, threads, options, ticker, take);
+    failed = pool.failed();
+    if (!failed && !raised(options.interrupted)) throw_if_cells_failed(pool, plan);
   }
   const bool interrupted = raised(options.interrupted);
   if (failed && !interrupted) std::rethrow_exception(failed);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -73,7 +74,13 @@ class CellRunner {
   std::unique_ptr<Impl> impl_;
 };
 
-// Throws the exceptions of sessions; results of finished cells stay stored.
+// Sessions of a study failed: a policy that throws, say. The line names the first such cell.
+struct StudyFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A cell whose session fails does not stop the others; at the end StudyFailure is thrown. Other exceptions of sessions
+// end the study. Results of finished cells stay stored in both cases.
 StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options);
 
 // Finds the cost that gives the cell's load_to_find. The force of a body slows a hand, so the hand needs

@@ -79,7 +79,8 @@ class RealWorkers : public Generator {
   virtual void begin(std::function<double()> now) = 0;  // now(): session time [s], from any thread
   virtual bool serves() const { return false; }         // whether the session's threads must call serve()
   virtual void serve() {}  // runs one worker; returns after stop(). Does not throw
-  // Results since the last call; waits up to `timeout` seconds for one.
+  // Puts the results since the last call into `out`, which is empty; waits up to `timeout` seconds for one. Each
+  // names a dispatch that its worker has, once.
   virtual void collect(std::vector<JobResult>& out, double timeout) = 0;
   virtual void stop() = 0;                         // cancels running solves; collect() then returns the rest
   virtual std::exception_ptr failure() const = 0;  // of a worker; null: none. Ends the session
@@ -93,7 +94,7 @@ class VirtualWorkers : public Generator {
   using Time = std::chrono::nanoseconds;  // of the session
   virtual void set_now(Time now) = 0;
   virtual std::optional<Time> next_event() const = 0;  // not before now; nullopt: no job is running
-  // The results of the next event. There may be none, if its job has been cancelled since.
+  // Puts the results of the next event into `results`, which is empty. There may be none, if its job has been cancelled since.
   virtual void take_event(std::vector<JobResult>& results) = 0;
 };
 

@@ -81,6 +81,11 @@ class LikeTheCommand(unittest.TestCase):
     def test_states_and_solves(self):
         scene = ff.Scene(SCENE)
         states = scene.generate()
+        for positions in (states.array["at"][:4], [[0.001, 0.002, 0.003]], [0.001, 0.002]):
+            with self.assertRaisesRegex(ff.InputError, "positions alone have no forces"):
+                scene.session(clock="virtual", seconds=0.1, states=positions)
+            with self.assertRaisesRegex(ff.InputError, "positions alone have no forces"):
+                ff.write_states("none.states", positions, 0.004)
         ff.write_states("lattice.states", states, scene.spacing)
         again = ff.read_states("lattice.states")
         self.assertEqual(len(again), len(states))

@@ -82,6 +82,36 @@ TEST_CASE("a store is asked first and told at once") {
   for (std::size_t i = 0; i < 4; ++i) CHECK(same(first.cells[i].columns(), again.cells[i].columns()));
 }
 
+TEST_CASE("a cell whose session fails does not cost the others theirs") {
+  struct Breaking final : Policy {
+    std::string_view name() const override { return "breaking"; }
+    double priority(const Candidate&, const PlannerView&) const override {
+      throw std::runtime_error("it broke");
+    }
+  };
+  const StudyPlan plan = plan_study(two_policies, [](std::span<const std::size_t> choice) {
+    StudySession session{.input = small_input(Law::linear), .options = virtual_options(0.2)};
+    if (choice[0] == 0) session.input.parts.policy = std::make_shared<Breaking>();
+    return session;
+  });
+  std::mutex mutex;
+  std::size_t kept = 0;
+  const auto save = [&](const StudyCell& cell, const StudyCellResult&) {
+    const std::lock_guard lock(mutex);
+    CHECK(cell.choice[0] == 1);
+    ++kept;
+  };
+  std::string problem;
+  try {
+    run_study(plan, {.threads = 2, .store = {.save = save}});
+  } catch (const StudyFailure& failure) {
+    problem = failure.what();
+  }
+  CHECK(kept == 2);
+  CHECK_THAT(problem, Catch::StartsWith("2 of 4 cells failed, the first with policy breaking and seed 1: ") &&
+                          Catch::Contains("it broke"));
+}
+
 TEST_CASE("an interrupted study leaves its cells empty") {
   const std::atomic<bool> stop{true};
   const StudyResult result = run_study(small_plan(two_policies), {.threads = 1, .interrupted = &stop});

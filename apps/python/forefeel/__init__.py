@@ -16,6 +16,11 @@ Units are SI: m, N, N/m, J, s. Arrays of positions have the shape (n, 3). States
 Errors of input are InputError (a ValueError) with the command's own line.
 """
 
+try:
+    import numpy as _numpy  # noqa: F401
+except ImportError:
+    raise ImportError("forefeel needs numpy (Debian: python3-numpy)") from None
+
 from ._core import (InputError, Model, PlannerView, Thresholds, candidate_dtype, dispatch_status_names, label_names,
                     register_policy, state_dtype, status_names, switch_cause_names)
 from .bodies import Body, Run, Scene, generate, solve

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .states import States, numbers
+from .states import States, known_rows, numbers
 
 Progress = Callable[[float], Any]
 
@@ -165,7 +165,7 @@ class Scene:
     def session(self, progress: Progress | None = None, **options: Any) -> Run:
         """A haptic session. Options as of `forefeel session`, by the same names: clock, seconds, device, policy,
         predictor, workers, cost, latency, switch, select, seed, threads, arrivals, replay; states: States or
-        structured array known at the start. progress(share) is called meanwhile; Ctrl-C ends it.
+        structured array known at the start; positions alone are refused. progress(share) is called meanwhile; Ctrl-C ends it.
 
         policy, predictor and device may also be Python objects:
           policy.prioritise(candidates, view) -> (n,) priorities >= 0; the largest is solved next. candidates:
@@ -175,8 +175,8 @@ class Scene:
           device.position(t, force) -> (3,), at rest for t = 0; duration [s] and force_limit [N] if it has them
         Under the virtual clock the same options give the same arrays, bit by bit.
         """
-        if isinstance(options.get("states"), States):
-            options["states"] = options["states"].array
+        if options.get("states") is not None:
+            options["states"] = known_rows(options["states"])
         return Run(_core._run_session(self._scene, progress, options))
 
 

@@ -77,13 +77,14 @@ def read_states(file: Any) -> States:
 
 
 def write_states(file: Any, states: Any, spacing: float | None = None) -> None:
-    """Writes a new .states file; an existing one is refused. states: States, structured array, or positions (n, 3) [m].
-    spacing of a full lattice [m]; None: that of the States."""
+    """Writes a new .states file; an existing one is refused. states: States or structured array; positions alone
+    are refused, as their forces are not known. spacing of a full lattice [m]; None: that of the States."""
+    rows = known_rows(states)
     if spacing is None:
         if not isinstance(states, States):
             raise _core.InputError("spacing: is missing, expected metres")
         spacing = states.spacing
-    _core.write_states(file, rows_of(states), spacing)
+    _core.write_states(file, rows, spacing)
 
 
 def measured(positions: ArrayLike, forces: ArrayLike, stiffness: ArrayLike | None = None) -> NDArray[Any]:
@@ -101,8 +102,17 @@ def numbers(values: Any, argument: str) -> NDArray[np.float64]:
         raise _core.InputError(f"{argument}: expected an array of numbers") from None
 
 
+def known_rows(states: Any) -> NDArray[Any]:
+    """The structured array of States or of a structured array. InputError for positions: their forces are not known."""
+    if not isinstance(states, States) and np.asarray(states).dtype.names is None:
+        raise _core.InputError("states: positions alone have no forces, expected States or a structured array; "
+                               "forefeel.measured(positions, forces) makes one")
+    return rows_of(states)
+
+
 def rows_of(states: Any) -> NDArray[Any]:
-    """The structured array of what stands for states: States, structured array, or positions (n, 3) [m]."""
+    """The structured array of what stands for states: States, structured array, or positions (n, 3) [m], whose forces
+    are set to zero and are not to be used."""
     if isinstance(states, States):
         return states.array
     states = np.asarray(states)
