@@ -8,7 +8,7 @@
 namespace forefeel {
 namespace {
 
-// Smallest score whose weight, with that of all below, reaches `share` of the total.
+// The smallest score at which the summed weight of all scores up to it reaches `share` of the total.
 double weighted_quantile(const std::vector<std::pair<double, double>>& sorted, double total, double share) {
   if (share >= 1) return 2 * sorted.back().first;
   double sum = 0;

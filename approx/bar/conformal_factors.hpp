@@ -1,13 +1,13 @@
 #pragma once
-// Half-widths of error bars by adaptive conformal inference (Gibbs, Candes 2021, Eq. 2). A score is
-//   z = error / s,   s its scale before the truth is known (error_scale.hpp)
-// and the bar of level 1 - a is q s, with q the (1 - a_t)-quantile of the scores of that label so far. After
+// Half-widths of error bars by adaptive conformal inference (Gibbs, Candes 2021, the update below). A score is
+//   z = error / s   [1],   s [N]: scale of the error, known before the truth (error_scale.hpp)
+// The bar of level 1 - a is q s [N], with q the (1 - a_t)-quantile of the scores so far at the same label. After
 // each score
 //   a_{t+1} = a_t + gamma (a - err_t),   err_t = 1 where z > q, else 0
-// so that in the long run the share a of the scores lies outside, whatever their distribution does. Scores are
-// kept in a window. Those of a prior, quantiles measured beforehand, count as `prior_weight` scores and stay.
-// Without a prior the factors of a label are infinite until its first score. Where a_t has fallen to 0 the
-// quantile is twice the largest score.
+// In the long run the share a of the scores then lies outside the bar, however their distribution changes. Only the
+// last `window` scores are kept. A prior (quantiles measured beforehand) counts as `prior_weight` scores and is
+// always kept. Without a prior the factors of a label are infinite until its first score. Once a_t has fallen to 0,
+// q is twice the largest score.
 // One object, one thread.
 
 #include <array>
@@ -47,7 +47,8 @@ class ConformalFactors {
   }
 
   const Factors& factors(Label label) const { return of(label).factors; }
-  // weight: of this score against one of the hand's own, in (0, 1]. Scores that are no numbers are ignored.
+  // weight, in (0, 1]: how much this score counts; 1 for a score at a place where the hand was. Scores that are
+  // not finite are ignored.
   void learn(Label label, double score, double weight = 1);
 
  private:

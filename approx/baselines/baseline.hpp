@@ -12,8 +12,8 @@
 
 namespace forefeel {
 
-// r^3 with linear p on force, or r^5 with quadratic p on force and stiffness. Work space is kept between
-// calls.
+// Refit of r^3 with linear p on force, or of r^5 with quadratic p on force and stiffness. The work space is kept
+// between calls.
 class LuRefit {
  public:
   LuRefit(std::size_t states, bool hermite_quintic);

@@ -24,8 +24,8 @@ namespace forefeel {
 // Values that are not given: kernel quintic with force+stiffness where the states have it, else cubic with
 // force; 25 neighbours with stiffness, else 100; rule label; no ridge.
 struct EvaluateOptions {
-  // The model is chosen (auto_model.hpp), as far as nothing below fixes it. Not given: it is chosen where no
-  // state has a stiffness and method, kernel, data, neighbours and ridge are all left open.
+  // True: the model is chosen (auto_model.hpp), except for what the members below fix. Not given: the model is
+  // chosen if no state has a stiffness and method, kernel, data, neighbours and ridge are all left open.
   std::optional<bool> choose = {};
   std::optional<Method> method = {};  // rbf if not given
   std::optional<Kernel> kernel = {};
@@ -34,7 +34,7 @@ struct EvaluateOptions {
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
   bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
-  bool bars = false;          // error bars of each point, of the method rbf only (judge/offline_bar.hpp)
+  bool bars = false;          // error bars of each point, for method rbf only (judge/offline_bar.hpp)
   double spacing = unknown;   // h [m]; unknown: the median distance of the states
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
@@ -57,8 +57,8 @@ struct EvaluatedPoints {
   std::size_t stepped_down = 0;
 };
 
-// Error bars of the points, what they were made of, and the number of points that lie farther from the states
-// than any force left out: there the bars are an extrapolation.
+// Error bars of the points, the measurement behind them, and the number of points that lie farther from the states than
+// any force left out. At these points the bars are extrapolated.
 struct EvaluatedBars {
   std::vector<BarWidths> at;
   OfflineBars measured;
@@ -72,7 +72,7 @@ struct Evaluation {
   std::size_t states = 0;                          // known positions
   RepeatedStates repeated = {};                    // states that contradict each other are averaged
   std::optional<AutoModel> chosen = {};            // where the model was chosen
-  std::optional<EvaluatedBars> bars = {};          // where they are asked for and the method has them
+  std::optional<EvaluatedBars> bars = {};          // if requested and the method has them
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };
 

@@ -3,9 +3,9 @@
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
 // remove() deletes rows and columns of A. With the same columns of L deleted, the rest of A is L L^T + V V^T,
 // where V holds the deleted columns. This is a positive update of the trailing factor, done by one reflection
-// per column for many deleted columns at once; it is stable, and a downdate is never needed. append() adds up
-// to 8 rows at the end by a triangular solve. Both update Y too. A deleted row stays as a hole (a unit row)
-// until the factor closes up. Cost: O(k m^2) for k rows. Nothing allocates after construction.
+// per column for many deleted columns at once; it is stable, and a downdate is never needed. append() adds up to 8
+// rows at the end by a triangular solve. Both also update Y. A deleted row stays as a hole (a row of the unit
+// matrix) until the factor is compacted. Cost: O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,8 +31,8 @@ class DenseFactor {
 
   // Turns the rows (ascending) into holes.
   void remove(std::span<const std::size_t> removed);
-  // Deletes the rows and closes up: only the rows of `kept` (ascending) stay. All rows in neither list must
-  // be holes.
+  // Deletes the rows and compacts the factor: only the rows of `kept` (ascending) stay. Rows in neither list must be
+  // holes.
   void remove(std::span<const std::size_t> removed, std::span<const std::size_t> kept);
 
   // The panel that append() reads: the new rows of A, element (r, c) for column c (new rows included), and

@@ -30,8 +30,8 @@ namespace forefeel {
 // A state as the fit needs it.
 struct Sample {
   StateId id;
-  Vec3 at, force;
-  Mat3 stiffness;  // NaN where not known
+  Vec3 at, force;  // [m], [N]
+  Mat3 stiffness;  // [N/m]; NaN where not known
   // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows removes it gradually
   // as w tends to 0, so that the model is a continuous function of the HIP if w is.
   double weight = 1;

@@ -12,7 +12,7 @@ using namespace detail;
 
 namespace {
 
-// States checked at a time: evaluating a model there costs little beside its update.
+// Number of states checked at a time. Evaluating a model there costs little compared with its update.
 constexpr std::size_t watched(std::size_t n) {
   return n <= 16 ? n : n <= 32 ? 16 : 8;
 }
@@ -134,7 +134,7 @@ bool RbfFit::refit_is_cheaper() const {
   return mode_ == Mode::automatic && updated_ && alive_ > most_refined;
 }
 
-// What the model is to reproduce at its own states: forces, and slopes if it uses stiffness.
+// The data that the model must reproduce at its own states: forces, and derivatives if it uses stiffness.
 void RbfFit::load_given() {
   for (std::size_t i = 0; i < living_.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) {
@@ -146,8 +146,8 @@ void RbfFit::load_given() {
     }
 }
 
-// The change of the coefficients that takes the misfit out, by the factor that is there:
-// correction_ (of lambda) and polynomial_correction_.
+// Solves for the change of the coefficients that removes the misfit, with the present factor: correction_ (of lambda)
+// and polynomial_correction_.
 void RbfFit::solve_correction(const ModelData& out) {
   const std::size_t q = terms_, m = factor_.rows();
   // With w = L^T delta lambda: Q^T w = R^-T rest and w = L^-1 misfit beyond Q.

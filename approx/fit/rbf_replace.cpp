@@ -1,5 +1,4 @@
-// Replacing some of the states: which leave and come, update or refit, and closing up the rows that are left
-// empty.
+// Replaces some of the states: finds the states to remove and to add, chooses update or refit, and compacts the factor.
 #include <algorithm>
 
 #include "approx/fit/rbf_fit.hpp"

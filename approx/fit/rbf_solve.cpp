@@ -1,4 +1,4 @@
-// The coefficients from the factor, and the model that they make.
+// Computes the coefficients from the factor, and writes the model.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -116,7 +116,7 @@ void RbfFit::set_bound(ModelData& out) {
 
 namespace {
 
-// y, brought so near that no distance to it overflows; 0 if it is not finite.
+// y, limited so that no distance to it overflows; 0 if it is not finite.
 Vec3 within_range(Vec3 y) {
   const double distance = y.stableNorm();
   if (distance < 1e8) return y;
@@ -177,7 +177,7 @@ RbfFit::Reach RbfFit::reach_from(const Vec3& y) {
 double RbfFit::length_of(const Reach& reach, double half_ball) {
   double length = reach.radius;
   if (weighted_ &&
-      half_ball > 0) {  // 0.68 half_ball is the usual spread; at most 1.5 times the spread of what counts
+      half_ball > 0) {  // 0.68 half_ball is the usual spread; at most 1.5 times the spread of counting states
     double counted[5];
     sums::loops().extent(slots_, px_.data(), py_.data(), pz_.data(), slot_array(share), counted);
     const double shares = std::reduce(slot_array(share), slot_array(share) + slots_);
@@ -240,9 +240,8 @@ void RbfFit::write_mean_tangent(ModelData& out, const Reach& reach) {
   out.tangent_force += out.tangent_jacobian * at;
 }
 
-// The planes that bound the states: of the nearer side, each state moved towards the mean as its weight
-// falls; or of both sides, each state moved towards the HIP, which lies between the sides however small the
-// weight of the far one is.
+// The planes that bound the states. Nearer side only: each state is moved towards the mean as its weight falls. Both
+// sides: each state is moved towards the HIP, which lies between the sides even if the weight of the far side is small.
 void RbfFit::write_hull(const ModelData& out, ModelData::Hull& hull, bool near, const Vec3& centre) {
   if (!weighted_) {
     const double* y = out.data.data();

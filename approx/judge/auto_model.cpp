@@ -20,7 +20,7 @@ constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
-constexpr double ridge_gain = 1.02;  // how much worse the best must be without its ridge
+constexpr double ridge_gain = 1.02;  // a ridge is used if the error without it is larger by this factor
 
 struct Candidate {
   ModelOptions model;

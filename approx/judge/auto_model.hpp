@@ -1,13 +1,13 @@
 #pragma once
-// Which model suits a set of states, and how wrong will it be? Some of the known forces are held back
-// (left_out.hpp), as far from the rest as the wanted places are from all of them; the other states predict
-// their forces by the very models that will be used (ModelUpdater). The candidate with the least root mean
-// square of |f - f~| is chosen. The expected error is that of held positions as far from what is known as the
-// wanted places. It compares with forces as measured: their noise is a part of it.
+// Chooses a model for a set of states and estimates its error. Some known forces f are held back (left_out.hpp). They
+// are as far from the remaining states as the wanted places are from all states. The remaining states predict the
+// held forces (f~) with the same models that will be used later (ModelUpdater). The candidate with the least root
+// mean square of |f - f~| [N] is chosen. The expected error is the error at held positions that are as far from
+// known states as the wanted places. f is the force as measured, so its noise is part of the error.
 //
-// Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 by label, or one model of all (of
-// at most 1000 rows); ridges from 0 to 0.1, where a ridge must be better than none by 2 %. All are tried on
-// some of the positions, the best on all.
+// Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one model of all states
+// (at most 1000 rows); ridges from 0 to 0.1. A ridge is used only if it reduces the error by 2 %. All candidates are
+// tried on some of the positions, the best ones on all.
 
 #include <cstddef>
 #include <functional>

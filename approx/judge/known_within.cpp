@@ -34,7 +34,8 @@ SpacingAdvice advise_spacing(std::span<const BarSample> samples, const Tolerance
   for (std::size_t i = 0; i < by_spread.size(); ++i) {
     within += by_spread[i].second ? 1 : 0;
     const bool last = i + 1 == by_spread.size();
-    if (!last && by_spread[i + 1].first <= by_spread[i].first * (1 + 1e-9)) continue;  // equal ones together
+    if (!last && by_spread[i + 1].first <= by_spread[i].first * (1 + 1e-9))
+      continue;  // equal spreads count together
     if (i + 1 < least_safe || static_cast<double>(within) < share * static_cast<double>(i + 1)) continue;
     advice = {.spacing = by_spread[i].first / safe_spread, .safe = i + 1, .within = within, .all = last};
   }

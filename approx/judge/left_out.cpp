@@ -54,7 +54,7 @@ Division best_division(std::span<const Vec3> at, std::span<const double> wanted)
   const double target = median({wanted.begin(), wanted.end()});
   Division best;
   double least = infinite;
-  for (PositionGroups& way : ways) {  // from large to small: of equal ones the larger
+  for (PositionGroups& way : ways) {  // from large to small groups: in a tie the larger is taken
     Division division = divide(at, std::move(way));
     if (division.count == 0) continue;
     const double found = median(distances(at, division));
@@ -73,7 +73,7 @@ void add_trials(std::span<const State> states, double inner, std::span<const dou
   const std::vector<double> away = distances(at, division);
   const PositionGroups& groups = division.groups;
   std::vector<char> used(groups.count, 1);
-  if (inner < 1)  // the rim of a patch is no rim of the states
+  if (inner < 1)  // the border of a patch is not one of the states: groups there stay known
     for (std::size_t i = 0; i < at.size(); ++i)
       if (i > static_cast<std::size_t>(inner * static_cast<double>(at.size()))) used[groups.of[i]] = 0;
   trials.groups += static_cast<std::size_t>(std::ranges::count(used, 1));

@@ -17,7 +17,7 @@ constexpr std::size_t least_states = 8, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 
-// The ceil((n + 1) p)-th least; infinite where there are fewer.
+// The ceil((n + 1) p)-th least of n scores; infinite if there are fewer.
 double conformal_quantile(std::vector<double>& scores, double p) {
   const auto rank = static_cast<std::size_t>(std::ceil((static_cast<double>(scores.size()) + 1) * p - 1e-9));
   if (rank > scores.size()) return infinite;
@@ -26,7 +26,7 @@ double conformal_quantile(std::vector<double>& scores, double p) {
   return *at;
 }
 
-// Factors q of each label, from the samples outside one part.
+// Factors q of each label, from all samples except those of part `but`.
 std::array<BarWidths, 4> factors_of(std::span<const BarSample> samples, double constant,
                                     std::optional<std::uint32_t> but) {
   std::array<std::vector<double>, 4> own;
@@ -64,7 +64,8 @@ void fill_bars(std::vector<BarSample>& samples, double constant) {
   }
 }
 
-// Mean interval score of the bars of 95 %: their width, and what lies outside of them 2 / 0.05 times.
+// Sum of the interval scores of the bars of 95 %: their width, plus 2 / 0.05 times the excess of the error over the
+// half-width.
 double interval_score(std::span<const BarSample> samples) {
   double sum = 0;
   for (const BarSample& s : samples) {

@@ -1,14 +1,15 @@
 #pragma once
-// Error bars of a model made offline from known states: half-widths e_p(x) [N] that hold |f~(x) - f(x)| in the
-// share p of the places, for each p of bar_levels. Split conformal prediction, normalised (Papadopoulos et al. 2002)
-// and by label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
+// Error bars of a model f~ made offline from known states: half-widths e_p(x) [N] such that |f~(x) - f(x)| <= e_p(x)
+// at the share p of the places, for each p of bar_levels. Method: split conformal prediction, normalised (Papadopoulos
+// et al. 2002) and by label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
 //   e_p(x) = q_p (s(x) + b),   q_p: the ceil((n + 1) p)-th least of n scores |f~_i - f_i| / (s(x_i) + b)
-// The scores are those of known forces that are left out in groups of neighbouring positions (left_out.hpp), as
-// far from the rest as the wanted places are from all states. s: scale of the error (bar/error_scale.hpp), from
-// the 16 states nearest to x. b [N]: what does not shrink near a state, as noise: of 0, 0.1, 0.3, 1 and 3 median
-// errors the one with the least interval score (Gneiting, Raftery 2007, Eq. 43) of the bars of 95 %.
-// A label with fewer than 30 scores, or too few for a level, takes the scores of all. Where these are too few the
-// bar is infinite: a level p needs p / (1 - p) scores, 99 of them for 99 %.
+// The scores are those of known forces f_i that are left out in groups of neighbouring positions (left_out.hpp). They
+// are as far from the remaining states as the wanted places are from all states. s [N]: scale of the error
+// (bar/error_scale.hpp), from the 16 states nearest to x. b [N]: the part of the error that does not shrink near a
+// state, such as noise. b is 0, 0.1, 0.3, 1 or 3 times the median error: the value whose bars of 95 % have the least
+// interval score (Gneiting, Raftery 2007, Eq. 43).
+// A label uses the scores of all labels if it has fewer than 30 of its own, or too few for a level. If all labels
+// together have too few, the bar is infinite: a level p needs p / (1 - p) scores, 99 of them for 99 %.
 
 #include <array>
 #include <cstddef>
@@ -28,26 +29,26 @@ using BarWidths = std::array<double, bar_levels.size()>;  // [N], of each level
 struct BarSample {
   Vec3 at = Vec3::Zero();                   // [m]
   double force = 0, predicted = 0;          // |f|, |f~| [N]
-  Label label = Label::blank;               // without it
-  double spread = unknown, away = unknown;  // without it; to the nearest state that is left [m]
+  Label label = Label::blank;               // of its position, with its part left out
+  double spread = unknown, away = unknown;  // the same; distance to the nearest remaining state [m]
   double scale = 0, error = 0;              // s, |f~ - f| [N]
-  std::uint32_t part = 0;                   // left out together
+  std::uint32_t part = 0;                   // forces of one part are left out together
   BarWidths bar{};                          // from the scores of the other parts
 };
 
-// Of samples, with bars from the other parts: samples, the share inside, the median half-width of 95 % [N].
+// How well bars from the other parts cover the samples.
 struct BarCover {
   std::size_t samples = 0;
-  std::array<double, bar_levels.size()> inside{unknown, unknown, unknown};
-  double width_p50 = unknown;
+  std::array<double, bar_levels.size()> inside{unknown, unknown, unknown};  // share inside, of each level [1]
+  double width_p50 = unknown;                                               // median half-width of 95 % [N]
 };
 
 class OfflineBars {
  public:
-  OfflineBars() = default;  // of no samples: infinite
+  OfflineBars() = default;  // without samples: all bars are infinite
   explicit OfflineBars(std::vector<BarSample> samples);
 
-  BarWidths at(Label label, double scale) const;  // s(x) [N]
+  BarWidths at(Label label, double scale) const;  // scale: s(x) [N]
   double constant() const { return constant_; }   // b [N]
   std::span<const BarSample> samples() const { return samples_; }
   BarCover cover(std::optional<Label> label = {}) const;  // of all, or of one label

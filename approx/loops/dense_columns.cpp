@@ -30,8 +30,8 @@ void solve_transposed3(const double* l, std::size_t stride, const double* invers
         sum[2][t] += value * x2;
       }
     };
-    // The four entries just solved come last, so that the others need not wait for them, with a load of the
-    // same width as their store.
+    // The four entries just solved come last, so that the others need not wait for them. They are read by one load as
+    // wide as their store.
     const std::size_t whole = width == 8 ? (c + 11) / 8 * 8 : c + 4;
     for (std::size_t i = whole; i < m; i += width) add(i, load(y[0] + i), load(y[1] + i), load(y[2] + i));
     for (std::size_t i = whole; i > c;) {

@@ -53,7 +53,7 @@ FOREFEEL_INLINE void reflect(const Reflection<G>& h, Value& l, Value (&v)[G]) {
   for (std::size_t g = 0; g < G; ++g) v[g] -= h.v[g] * step;
 }
 
-// The reflections of C columns and what they make of their diagonal block.
+// The reflections of C columns, and the diagonal block after them.
 template <std::size_t G, std::size_t C>
 struct Corner {
   Reflection<G> h[C];

@@ -216,7 +216,7 @@ FOREFEEL_INLINE void add_together(const double* data, std::size_t stride, std::s
       s[c] = times_plus(phi[t], load(data + (3 + c) * stride + i + t * width), s[c]);
 }
 
-// In groups of four vectors. The rest comes first, so that its slow roots are not waited for at the end.
+// Sums in groups of four vectors. The remainder comes first, so that nothing waits for its slow roots at the end.
 template <int K>
 FOREFEEL_INLINE void add_all_plain(std::size_t n, const double* data, std::size_t stride, const Pack y[3],
                                    Pack s[3]) {
@@ -270,8 +270,8 @@ FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, 
   return size <= std::bit_cast<std::int64_t>(b);
 }
 
-// From one evaluation to the next the processor looks ahead by a few vectors of centres only. So the
-// instructions before the first of them are few, and the polynomial is placed where the sums wait anyway.
+// The processor overlaps consecutive evaluations by only a few vectors of centres. So few instructions precede the first
+// vector, and the polynomial is computed where the sums have to wait anyway.
 template <int K, bool hermite>
 bool quick(const sums::Sum& m, const double x[3], double f[3]) {
   Pack y[3];

@@ -1,7 +1,6 @@
 #pragma once
-// A vector (Pack) as wide as the instruction set that the file is compiled for. Only for loops that are
-// compiled once per set: the linker must not share anything here between sets, so all of it is local to the
-// file.
+// Pack: a vector as wide as those of the instruction set that the file is compiled for. Only for loops that are
+// compiled once per set. Everything here is local to the file, because the linker must not share it between sets.
 
 #include <cstddef>
 
@@ -40,7 +39,7 @@ FOREFEEL_INLINE Pack load(const double* at) {
 FOREFEEL_INLINE void store(double* at, Pack value) {
   *reinterpret_cast<Loose*>(at) = value;
 }
-// The lanes from the given one on.
+// Stores the lanes from `first` on.
 FOREFEEL_INLINE void store_from(double* at, Pack value, std::size_t first) {
 #if defined(__AVX512F__)
   _mm512_mask_storeu_pd(at, static_cast<__mmask8>(0xffu << first), reinterpret_cast<__m512d>(value));
@@ -64,7 +63,7 @@ FOREFEEL_INLINE Pack fused(Pack a, Pack b, Pack c) {
   return c;
 #endif
 }
-// The same where the rounding between does not matter: fused only where that is one instruction.
+// a b + c where the intermediate rounding does not matter: fused only if that is one instruction.
 FOREFEEL_INLINE Pack times_plus(Pack a, Pack b, Pack c) {
 #if defined(__AVX2__)
   return fused(a, b, c);
@@ -99,7 +98,7 @@ FOREFEEL_INLINE void move_four(double* to, const double* from) {
 #endif
 }
 
-// The square matrix of which x holds the rows.
+// Transposes the square matrix whose rows are in x.
 FOREFEEL_INLINE void transpose(Pack x[width]) {
 #if defined(__AVX512F__)
   __m512d pair[8], quad[8];
@@ -177,7 +176,7 @@ FOREFEEL_INLINE void sums_of(const Pack p[4], double out[4]) {
 #endif
 }
 
-// Four values by one store, which a load of those four need not wait for.
+// Writes four values by one store, so that a following load of all four does not stall.
 FOREFEEL_INLINE void store_four(double* at, double a, double b, double c, double d) {
 #if defined(__AVX2__)
   _mm256_storeu_pd(at, _mm256_set_pd(d, c, b, a));

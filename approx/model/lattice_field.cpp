@@ -53,7 +53,7 @@ bool LatticeField::whole(const Index& cell) const {
   return true;
 }
 
-// The value at index, continued axis by axis from inside the cell where no state is known.
+// The value at index; if no state is known there, extrapolated axis by axis from inside the cell.
 Vec3 LatticeField::ghost(Index index, const Index& cell, int axis) const {
   if (const Vec3* known = at(index)) return *known;
   for (; axis < 3; ++axis) {

@@ -1,5 +1,12 @@
 #pragma once
-// Interpolation in the lattice {k h}^3 of known states: trilinear, or tricubic by cubic convolution.
+// Interpolates forces in the lattice {k h}^3 of known states. In the lattice cell k of x, with t = x / h - k in [0, 1]^3,
+//   f(x) = sum over i, j, l of w_i(t_1) w_j(t_2) w_l(t_3) f(h (k + (i, j, l)))     [N]
+//   trilinear   i, j, l in {0, 1},         w_0(t) = 1 - t, w_1(t) = t
+//   tricubic    i, j, l in {-1, 0, 1, 2},  w: cubic convolution with a = -1/2 (R. G. Keys, IEEE Transactions on
+//               Acoustics, Speech, and Signal Processing 29, 1981); values missing beyond the border are extrapolated,
+//               quadratically where three states are in line
+// h [m]: spacing. x outside every cell with all eight corners: the value at the nearest point of such a cell, or the
+// force of the nearest state if that is nearer. Zero without states, and where x is not finite. O(n) outside the cells.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +24,7 @@ namespace detail {
 std::size_t nearest_of(const std::vector<Vec3>& points, const Vec3& x);
 }  // namespace detail
 
-// The states by their lattice position; states off the lattice are left out.
+// Cells are made of states on the lattice only. States off the lattice count only as the nearest state.
 class LatticeField {
  public:
   LatticeField(std::span<const State> states, double spacing, bool cubic);
@@ -29,7 +36,7 @@ class LatticeField {
   const Vec3* at(const Index& index) const;
   Vec3 ghost(Index index, const Index& cell, int axis) const;
   bool whole(const Index& cell) const;
-  static Vec3 into(const Index& cell, const Vec3& k);  // what of the cell is nearest to k, in spacings
+  static Vec3 into(const Index& cell, const Vec3& k);  // the point of the cell nearest to k, in spacings
   Vec3 inside(const Index& cell, const Vec3& k) const;
 
   double spacing_;

@@ -31,7 +31,7 @@ class ModelDraft {
   void reserve(const ModelOptions& options);  // what a model with these options needs
   void clear();                               // f~ = 0 everywhere; keeps the memory
   void set_lattice(std::shared_ptr<const LatticeField> field, std::span<const StateId> states);
-  void forget_states();  // for a guess: states() of the model is then empty
+  void forget_states();  // for a first guess: states() of the model is then empty
   ModelData& data() { return *data_; }
 
  private:

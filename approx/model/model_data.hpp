@@ -1,5 +1,5 @@
 #pragma once
-// What a Model holds, and how its force is bounded:
+// The data of a Model, and the bound on its force:
 //   f~(x) = (1 - w) sat(raw) + w sat(T)     [N]
 //   B     = 1.25 (F + K D)                  [N], F and K the largest force and stiffness among the states
 // in scaled coordinates y = (x - centre) / scale, with
@@ -41,17 +41,17 @@ struct ModelData {
   std::size_t stride = 0;
   AlignedArray data;  // see kernel_sums.hpp
   std::array<std::array<double, 4>, 10>
-      polynomial{};  // over 1 x y z xx yy zz xy xz yz, per component (and 0)
-  Vec3 centre = Vec3::Zero();
-  double scale = 1, inverse_scale = 1;
+      polynomial{};                     // over 1 x y z xx yy zz xy xz yz, per component (and 0)
+  Vec3 centre = Vec3::Zero();           // [m]
+  double scale = 1, inverse_scale = 1;  // [m], [1/m]
 
   std::shared_ptr<const LatticeField> lattice;  // if set, it is the model and the rest is not used
 
-  bool known = false;  // false: zero everywhere
-  Vec3 tangent_at = Vec3::Zero(), tangent_force = Vec3::Zero();
-  Mat3 tangent_jacobian = Mat3::Zero();
-  double hold = 0;   // D [m]
-  double trust = 0;  // in scaled coordinates
+  bool known = false;                                            // false: zero everywhere
+  Vec3 tangent_at = Vec3::Zero(), tangent_force = Vec3::Zero();  // x_b [m], f_b [N]
+  Mat3 tangent_jacobian = Mat3::Zero();                          // J_b [N/m]
+  double hold = 0;                                               // D [m]
+  double trust = 0;                                              // in scaled coordinates
   struct Hull {
     double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
     std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes

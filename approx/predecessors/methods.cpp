@@ -213,9 +213,8 @@ RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
     matrix.block<1, 3>(row, m + 1) = y.transpose();
     right.row(row) = known[order[i]]->force.transpose();
   }
-  // If the states do not determine the weights (as many centres as states, states in a plane), the smallest
-  // weights:
-  // they do not depend on the order in which columns are eliminated.
+  // If the states do not determine the weights (as many centres as states, states in a plane), the smallest weights are
+  // used, because they do not depend on the order in which columns are eliminated.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
   factor.setThreshold(1e-10);
   factor.compute(matrix);

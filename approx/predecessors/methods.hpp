@@ -10,10 +10,10 @@
 //                 uses the two that it computed last; here these are the two nearest states
 //   offline_rbf   one RBF model of all states (Peterlik et al.)
 //   rbf_network   r^3 and linear p by least squares, with fewer centres than states (De et al.)
-// Every method is bounded by |f~(x)| <= max |F_i| + 2 S d(x); a longer force is shortened to this, so that
-// the methods can be compared far from their states without harm to a device. d(x) [m]: distance to the
-// nearest state; S [N/m]: the largest known stiffness, or secant |F_i - F_j| / |x_i - x_j| of a state and the
-// one nearest to it.
+// Every method is bounded by |f~(x)| <= max |F_i| + 2 S d(x) [N]; a larger force is scaled down to the bound. So the
+// methods can be compared far from their states without harm to a device. d(x) [m]: distance to the nearest state;
+// S [N/m]: the largest known stiffness, or the largest secant |F_i - F_j| / |x_i - x_j| of a state and its nearest
+// neighbour.
 
 #include <span>
 #include <string_view>
@@ -66,7 +66,7 @@ class RbfNetwork {
   Vec3 force(const Vec3& x) const;
   std::size_t centres() const { return centres_.size(); }
   static std::size_t centres_of(std::size_t states,
-                                std::size_t wished);  // of so many states; wished 0: a fifth, at least 10
+                                std::size_t wished);  // wished 0: a fifth of the states, at least 10
 
  private:
   Vec3 middle_ = Vec3::Zero();

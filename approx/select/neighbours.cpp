@@ -14,22 +14,22 @@ namespace {
 
 constexpr double loyalty = 0.95;  // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
-constexpr std::size_t few = 256;  // up to so many states, all are candidates
+constexpr std::size_t few = 256;  // up to this number of states, all are candidates
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // In spacings:
 constexpr double shell =
     2.5;  // depth behind the nearest state in which states determine the position of a side
-constexpr double pulled_to = 0.25;  // before the nearest state of a side,
+constexpr double pulled_to = 0.25;  // before the nearest state of a side;
 constexpr double pulled_r =
     2.2;                      // and for kernel r, for which one or two layers suffice, before a single side
-constexpr double band = 0.4;  // of the key, over which a weight rises,
-constexpr double band_r5 = 0.8;   // for r^5 on force, which extrapolates farthest,
-constexpr double band_r = 1.4;    // for r, whose ridge falls least steeply with w
+constexpr double band = 0.4;  // of the key, over which a weight rises;
+constexpr double band_r5 = 0.8;   // the same for r^5 on force, which extrapolates farthest;
+constexpr double band_r = 1.4;    // the same for r, whose ridge falls least steeply with w
 constexpr double entering = 2;    // before the end of the candidates' distance, over which a state enters
 constexpr double farthest = 32;   // a far side
 constexpr double fading = 8;      // before that, over which it fades
-constexpr double at_hip = 0.25;   // a state within this distance of the HIP has hardly a direction
+constexpr double at_hip = 0.25;   // within this distance of the HIP, the direction of a state is unreliable
 constexpr double off_view = 100;  // added to the apparent distance, per square of the deviation from a view
 constexpr double in_view = 0.3;   // cosine to a view below which a state deviates from it
 constexpr double least_weight = 1e-10;
@@ -45,7 +45,7 @@ constexpr double least_ratio = 0.1;  // (d_1 + h) / (d + h) from which a far sid
 // same cell.
 constexpr int coarse = 4;
 constexpr double least_sharp = 0.55;  // a state hides others only if it has a clear direction
-constexpr double beyond = 1.2;        // keys are computed up to so many times the last one
+constexpr double beyond = 1.2;        // keys are computed up to this multiple of the last one
 constexpr double first_end = 0.6;     // limit of the keys computed first, in radii of a half ball of n states
 
 // From 0 to 1 on [0, 1], twice differentiable.

@@ -8,17 +8,17 @@
 // falls from infinity to 0 as w rises to 1). h [m] is the spacing, d_1 the distance of the nearest state. As
 // seen along the direction to state i, where states more than about 70 degrees off that direction count as
 // farther away:
-//   d_i, t_i   distance of the nearest state there, mean direction to the states about as near
-//   beta_i     how much that side counts: from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1
+//   d_i, t_i   distance of the nearest state there, mean direction to the states at about that distance
+//   beta_i     weight of that side: from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1
 //   c_i        (beta_i (d_1 + h) / (d_i + h))^(1/3), so that the number of members falls as 1 / distance
 //   key_i      |x_i - x - (d_i - h / 4) t_i| / c_i (kernel r: up to 2.2 h, not h / 4), so that the members
 //              of a side fill a half ball at its boundary; one or two layers do not determine the polynomial
-//   w_i        rises from 0 at the key of rank n to 1 within band h
+//   w_i        rises from 0 at the key of rank n to 1, over a band of fixed width (a multiple of h)
 // The candidates are all states within a distance that is a continuous function of x (or all states if they
-// are few); c_i falls to 0 over the last 2 h of it. n is at least weighted_neighbours(). Between two sides up
-// to bridging_neighbours() more states are added; the rank is then a real number, and its key lies between
-// those of the two nearest ranks. The far side of a gap therefore enters and leaves while its weight is small, and
-// no axis and no number of sides changes at once.
+// are few); c_i falls to 0 over the last 2 h of that distance. n is at least weighted_neighbours(). Between two
+// sides up to bridging_neighbours() more states are added. The rank n is then a real number; its key is interpolated
+// between those of the two nearest ranks. So the far side of a gap enters and leaves while its weight is small, and
+// the set of sides never changes abruptly.
 
 #include <cstdint>
 #include <vector>
@@ -46,7 +46,7 @@ class NeighbourSelector {
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
   // How far the last set is a bridge between two sides: 0 for one side, 1 in the middle.
   double bridge() const { return bridge_; }
-  bool weighted() const { return sided_; }
+  bool weighted() const { return sided_; }   // the last set has weights
   double radius() const { return radius_; }  // the key of rank n [m]; 0 without weights
   void forget();                             // drops hysteresis
 
@@ -95,7 +95,7 @@ class NeighbourSelector {
   std::size_t room_ = 0;
   bool sided_ = false;
   double nearest_ = 0, bridge_ = 0, radius_ = 0;
-  double whole_ = 0;  // every state nearer than this knows its whole side
+  double whole_ = 0;  // for a state nearer than this, all states of its side are candidates
 };
 
 }  // namespace forefeel

@@ -14,9 +14,9 @@ struct UpdateReport {
   Label label = Label::blank;  // of the HIP; it decides how the set is chosen
 };
 
-// What an update says about the model that it makes.
+// Marks that the caller sets on the model that an update makes.
 struct UpdateTag {
-  std::uint64_t serial = 0;  // 0: the updater counts
+  std::uint64_t serial = 0;  // serial number of the model; 0: the updater numbers its models itself
   bool guess = false;        // the space holds a guess: states() of the model is empty
 };
 
@@ -31,8 +31,7 @@ class ModelUpdater {
   // model.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr, const UpdateTag& tag = {});
   Model model_at(const Vec3& hip);
-  // The updater is then as new: the next model depends on the space and the HIP alone, not on earlier
-  // positions.
+  // Forgets earlier positions: the next model depends on the space and the HIP alone.
   void forget();
 
  private:

@@ -10,8 +10,9 @@
 
 namespace forefeel::detail {
 
-// 256 directions, evenly spread over the sphere (spiral of the golden angle), each with its opposite; and for
-// each cell of a grid on the faces of a cube those within `turned` (cosine) of some direction in the cell.
+// 256 directions, evenly spread over the sphere (golden-angle spiral), each with its opposite. A grid on the faces of
+// a cube divides the directions into cells. Each cell lists the directions whose angle to some direction in the cell
+// is at most arccos(turned).
 class Views {
  public:
   static constexpr double turned =
@@ -20,7 +21,7 @@ class Views {
   Views();
   // Number of the cell that the direction u lies in; cells x cells on each of the six faces.
   static std::size_t cell_of(const Vec3& u, int cells);
-  // Numbers of the directions about u.
+  // Indices of the directions near u.
   std::span<const std::uint16_t> of(const Vec3& u) const;
 
   std::vector<Vec3> all;

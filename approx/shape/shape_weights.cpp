@@ -10,7 +10,7 @@ namespace {
 
 using Index = Eigen::Index;
 
-// Coordinates y = (p - x) / scale: the place asked for is the origin.
+// Coordinates y = (p - x) / scale: the HIP position x of the wanted shape is the origin.
 struct Frame {
   Vec3 rest = Vec3::Zero();
   std::vector<Vec3> at;

@@ -27,10 +27,10 @@ struct ShapeWeights {
   ShapeOrder order = ShapeOrder::slope;
 };
 
-// Largest sum |w_i| of an interpolation; beyond it the next simpler one is taken.
+// Largest sum |w_i| of an interpolation (states and rest). Beyond it, the next simpler interpolation is used.
 inline constexpr double most_weight = 6;
 
-// places: of the states [m], finite, no two at one place, none at rest. O(n^3) and allocates.
+// places: positions x_i of the states [m]: finite, distinct, none at rest. Cost: O(n^3); allocates.
 ShapeWeights shape_weights(const Vec3& x, std::span<const Vec3> places);
 
 }  // namespace forefeel

@@ -57,8 +57,8 @@ ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x, 
   return out;
 }
 
-// The force here if the switch changed nothing in this frame: of the model so far, and of the offset as far
-// as the motion leaves it.
+// The force here if the switch changed nothing in this frame: that of the model so far, plus the offset that remains
+// after the motion.
 Vec3 ForceSwitch::carried(const Vec3& old, const Vec3& now, double travel) noexcept {
   if (options_.rule == SwitchRule::none) return old;
   const double beyond = travel - options_.jump_speed * options_.frame;
@@ -83,7 +83,7 @@ ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool come
   if (comes) {
     out.undamped_jump = (now - old).norm();
     offset_ = before - now;
-    if (!offset_.allFinite()) offset_.setZero();  // nothing is left of a force that is not finite
+    if (!offset_.allFinite()) offset_.setZero();  // drops a force that is not finite
   }
   if (options_.rule == SwitchRule::none) {
     offset_.setZero();

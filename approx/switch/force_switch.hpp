@@ -13,7 +13,7 @@
 //
 // How large F can be. paper: F lies between the forces of the two models at the HIP. smooth: e was measured
 // where the HIP was at the switch, and several switches add up. Two rules bound it while the HIP moves:
-//   |F| <= S                    S [N]: the largest force so far of what rule none renders
+//   |F| <= S                    S [N]: the largest force so far that rule `none` would have rendered
 //   e <- e exp(-(s - s0) / l)   in a frame in which the HIP moves by s > s0: a jump, faster than any hand.
 //                               s0 = 1 mm in 1 ms, l = 5 mm. After 5 cm nothing of e is left.
 // They act only while the HIP moves, and dF does not count them.
@@ -33,8 +33,8 @@ struct SwitchOptions {
   double jnd_floor = 0.010;       // F_abs [N]
   double frame = 1e-3;            // [s]
   double paper_interval = 10e-3;  // [s]; the smooth bound per frame is the JND scaled by frame / interval
-  double jump_speed = 1;          // rule smooth: of the HIP, from which on the offset is forgotten [m/s]
-  double jump_length = 5e-3;      // over which it falls by a factor e then [m]
+  double jump_speed = 1;          // rule smooth: speed of the HIP above which the offset e decays [m/s]
+  double jump_length = 5e-3;      // travel over which it then falls to 1 / 2.718 [m]
 };
 
 class ForceSwitch {
@@ -53,9 +53,9 @@ class ForceSwitch {
   };
   // newest: the latest published model, or null if none was published since the last frame.
   Frame step(const Model* newest, const Vec3& x) noexcept;
-  // The same from forces at x: `old` of the previous model, `now` of the newest; comes: the newest is new in
-  // this frame; travel: of the HIP since the last frame [m]. Not for rule paper, which needs both models for
-  // longer.
+  // The same from forces at x: `old` of the previous model, `now` of the newest. comes: the newest model is new in
+  // this frame; travel: of the HIP since the last frame [m]. Not for rule paper, which needs both models in later
+  // frames, too.
   Frame step(const Vec3& old, const Vec3& now, bool comes, double travel = 0) noexcept;
 
  private:

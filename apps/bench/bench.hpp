@@ -12,7 +12,7 @@ namespace forefeel {
 // folder: where approx.csv and approx.svg are written; "" writes no file.
 int bench_approx(const Globals& globals, const std::string& scene, const std::string& folder);
 int bench_coverage(const Globals& globals);
-// most_states: at most so many states are solved; 0 means the scene's whole lattice.
+// most_states: largest number of states to solve; 0 means the scene's whole lattice.
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states);
 int bench_switch(const Globals& globals, const std::string& scene);
 

@@ -1,9 +1,9 @@
 // forefeel bench approx [SCENE]: one table, speed against error, of every method on a real state space.
-//   speed  fit, update and evaluation beside Eigen's LU of the whole saddle system and a scalar sum, of the
-//          same instruction set (FOREFEEL_ISA asks for a lower one) and in the same run. Series of each run
-//          one after the other, so that all find their own data in the caches. Medians, one thread.
-//   error  against tight solves at random positions: inside the lattice, beyond a flat front of known states,
-//          and with ever fewer states
+//   speed  fit, update and evaluation, compared with Eigen's LU of the whole saddle system and with a scalar sum, in the
+//          same run and with the same instruction set (FOREFEEL_ISA selects a lower one). The series are timed one
+//          after the other, so that each finds its own data in the caches. Medians, one thread.
+//   error  against tight solves at random positions: inside the lattice, beyond a flat front of known states, and with
+//          fewer and fewer states
 
 #include <fmt/format.h>
 
@@ -117,7 +117,7 @@ class Bench {
         progress_.show(0.9, std::string(name(method)));
         try {
           measure_older(method);
-        } catch (const InputError& error) {  // the states do not suit it
+        } catch (const InputError& error) {  // the states do not suit the method
           notes.push_back(fmt::format("{}: {}, left out", name(method), error.what()));
         }
       }
@@ -173,7 +173,7 @@ class Bench {
 
   template <class Judge>
   void count_states(Measured& m, const Judge& p95_with) {
-    for (const Sparser& s : sparser_) {  // ever fewer
+    for (const Sparser& s : sparser_) {  // fewer and fewer states
       const double p95 = p95_with(s);
       if (p95 <= 0.01) m.states_for_1 = s.states.size();
       if (p95 <= 0.07) m.states_for_7 = s.states.size();

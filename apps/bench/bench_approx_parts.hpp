@@ -49,10 +49,10 @@ struct Measured {
   std::optional<std::size_t> states_for_1, states_for_7;  // fewest whose p95 is below 1 % and 7 %
 };
 
-// How many states are replaced in the updates that are timed: Measured::update.
+// Number of states replaced in each timed update (Measured::update).
 constexpr std::size_t replacements[3] = {1, 5, 20};
 
-// What one method takes beside a baseline; medians [us].
+// Time of one method compared with a baseline; medians [us].
 struct Comparison {
   std::string name, baseline;  // "update r3", "own refit"
   double ours = unknown, theirs = unknown;

@@ -43,7 +43,7 @@ class ModelTiming {
       std::vector<double> updates, own_refits, lu_refits;
       RbfFit fit(options, n);
       fit.refit({pool_.data(), n});
-      std::size_t by_refit = 0;  // where the updater finds that cheaper
+      std::size_t by_refit = 0;  // updates made by a refit, because that is cheaper
       for (int block = 0; block < blocks; ++block) {
         time_block(block, updates, [&](std::size_t i) {
           by_refit += fit.replace(made[i].removed, made[i].added) ? 1 : 0;
@@ -140,7 +140,7 @@ class ModelTiming {
       warn(globals_,
            fmt::format("evaluate {} with {}: the scalar baseline gives another force", m.method, m.n));
     for (int block = 0; block < 25 * blocks;
-         ++block) {  // in turn, so that both meet what else the machine does
+         ++block) {  // alternating, so that other load on the machine affects both
       ours.push_back(evaluation_us(
           globals_, [&](const Vec3& x) { return model.force(x); }, at, repeats));
       theirs.push_back(evaluation_us(globals_, scalar, at, repeats));

@@ -1,5 +1,5 @@
 #pragma once
-// Times of one model in `forefeel bench approx`, each beside a baseline of the same run.
+// Times of one model in `forefeel bench approx`, each compared with a baseline measured in the same run.
 
 #include <vector>
 
@@ -23,9 +23,9 @@ double evaluation_us(const Globals& globals, const Force& force, const std::vect
   return time;
 }
 
-// Refit, update and evaluation of the model of these options on the first n samples of the pool, which the
-// other samples replace. Fills the times of `m`, whose method and errors are there already, and appends the
-// comparisons to `rows`.
+// Times refit, update and evaluation of a model with these options. The model holds the first n samples of the pool;
+// updates replace them by the other samples. Fills the times of `m`, whose method and errors must be set before, and
+// appends the comparisons to `rows`.
 void time_model(const Globals& globals, const Case& taken, const std::vector<Sample>& pool,
                 const ModelOptions& options, Measured& m, std::vector<Comparison>& rows);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Two further measurements of `forefeel bench coverage`: the cost of keeping regions up to date, and how far
-// the two indexes agree on the built-in setups.
+// Two further measurements of `forefeel bench coverage`: the cost of updating regions, and the agreement of the two
+// indexes on the built-in setups.
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>

@@ -191,7 +191,7 @@ nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& basel
   return row;
 }
 
-// What the rounds gave. Times are seconds a state, one of each round.
+// Results of the rounds. Times are in seconds per state, one for each round.
 struct SolverRounds {
   std::vector<double> our_times, eigen_times, cholmod_times;
   BaselineRun last_eigen, last_cholmod;

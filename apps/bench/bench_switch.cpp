@@ -36,7 +36,7 @@ namespace forefeel {
 namespace {
 
 constexpr double frame = 1e-3, speed = 0.06;            // [s], [m/s]
-constexpr std::size_t frames = 5000, settling = 60000;  // of the stream; at most so many after it
+constexpr std::size_t frames = 5000, settling = 60000;  // of the stream; at most, after its end
 constexpr std::size_t lead = 1000;                      // frames with the first model alone
 constexpr std::size_t states_per_model = 24;
 constexpr int rounds = 7;

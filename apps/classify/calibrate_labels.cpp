@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t truth_positions = 160;
 
-// What is known, what is compared with it, and the spacing.
+// The known states, the reference states and the spacing.
 struct CalibrationData {
   std::vector<State> pool = {}, truth = {};
   double spacing = unknown;

@@ -20,13 +20,13 @@ namespace forefeel {
 struct ClassifyArguments {
   std::string states, index = "delaunay", box, points, line, output, scene, through, known, calibrate;
   std::vector<std::string> diff;
-  std::optional<double> spacing, grid;
+  std::optional<double> spacing, grid;   // [m]
   std::optional<std::size_t> snapshots;  // default 40
   bool agreement = false;
   bool foreign = false;        // states of another body beside a scene
   bool list = false;           // print every point
-  bool bars = false;           // of the error, from forces left out
-  std::string tolerance = {};  // of the error; empty: the scene's, else 7 %
+  bool bars = false;           // error bars, from forces left out
+  std::string tolerance = {};  // for the error; empty: the scene's, else 7 %
   CoverageOptions coverage;
 };
 
@@ -52,8 +52,8 @@ struct Classified {
 
 constexpr double largest_spacing = 1e6;  // [m]; larger values may overflow when squared
 
-// What a file says about its states: the spacing [m], NaN if unknown; the box, unless it is just the extent
-// of the states; and the body.
+// Data of a file beside its states: the spacing [m], NaN if unknown; the box, unless it is only the extent of the
+// states; and the body.
 struct OwnFrame {
   double spacing = unknown;
   std::optional<Box> box = std::nullopt;

@@ -84,7 +84,7 @@ void check_extent(const Classified& set, const std::string& where) {
 }
 
 // Memory of a classification, for each state: its two copies, the triangulation and the octree (measured).
-// Regions come on top: little where most places have one label, up to three times as much where labels
+// Regions need additional memory: little if most places have the same label, up to three times as much if labels
 // alternate at the distance of states.
 constexpr double bytes_of_a_state = 1300;
 

@@ -117,9 +117,10 @@ std::vector<Declared> declared_errors_json() {
   for (Declared& row : rows) row.meaning = "with --bars: " + row.meaning;
   const std::vector<Declared> more{
       {"known", "", "", "with --bars: list: whether bar95 of a point is at most the tolerance"},
-      {"tolerance.value", "", "", "of the error: a share of the force, or newtons"},
+      {"tolerance.value", "", "", "tolerance of the error: a share of the force, or newtons"},
       {"tolerance.unit", "", "", "1 or N"},
-      {"tolerance.within", "1", "", "with --bars: share of evenly spread places of the box known within it"},
+      {"tolerance.within", "1", "",
+       "with --bars: share of evenly spread places of the box whose bar95 is at most the tolerance"},
       {"tolerance.places", "1", "", "with --bars: number of these places"},
       {"tolerance.left_out", "1", "", "with --bars: number of known forces left out"},
       {"tolerance.left_out_called", "1", "",
@@ -129,10 +130,12 @@ std::vector<Declared> declared_errors_json() {
       {"spacing_suggested.spacing", "m", "",
        "largest spacing at which 95 % of the forces left out that are safe lie within the tolerance; null: "
        "none"},
-      {"spacing_suggested.safe,within", "1", "", "number of forces left out that are safe then, and within"},
+      {"spacing_suggested.safe,within", "1", "",
+       "number of forces left out that are safe at it, and of these within the tolerance"},
       {"spacing_suggested.wider,wider_within", "1", "",
-       "the same of those safe only up to 1.5 times as wide"},
-      {"spacing_suggested.all", "", "", "true: no force left out asks for a smaller one"}};
+       "the same for forces that are safe only at a larger spacing, up to 1.5 times"},
+      {"spacing_suggested.all", "", "",
+       "true: all forces left out are safe at it; a larger one may also hold"}};
   rows.insert(rows.end(), more.begin(), more.end());
   return rows;
 }

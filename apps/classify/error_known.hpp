@@ -1,6 +1,6 @@
 #pragma once
-// classify --bars: how well the force is known, from states that are left out in groups: error bars of points, the
-// share of the box known within a tolerance, the spacing that the data suggest.
+// classify --bars: how well the force is known. States are left out in groups to find the error bars of points, the
+// share of the box where the force is known within a tolerance, and the spacing that the data suggest.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -13,17 +13,18 @@
 
 namespace forefeel {
 
-// Of the points: forces and bars. Of the box: the share of evenly spread places known within the tolerance.
+// Forces and bars at the points, and at evenly spread places of the box.
 struct ErrorKnown {
   Tolerance tolerance;
-  std::optional<Evaluation> points;  // none without points
+  std::optional<Evaluation> points;  // nullopt without points
   Evaluation box;
-  std::size_t places = 0, places_within = 0;
+  std::size_t places = 0, places_within = 0;  // of the box: all, and those known within the tolerance
   KnownWithin left_out;
   SpacingAdvice advice;
 };
 
-// Whether the command has to find it: asked for, or no spacing is known. Only states with forces have errors.
+// True if errors are to be found: --bars is given, or no spacing is known. Only states with forces have errors;
+// InputError for --bars without any.
 bool wants_errors(const ClassifyArguments& arguments, const Classified& set);
 ErrorKnown error_known(const Globals& globals, const ClassifyArguments& arguments, const Classified& set,
                        const std::vector<Vec3>& points);
@@ -36,7 +37,7 @@ std::string error_cells(const ErrorKnown& found, std::size_t point);
 std::vector<Declared> declared_errors();  // of these cells
 std::vector<Declared> declared_errors_json();
 
-// The tolerance of --tolerance, else of the scene if it writes one, else 7 %.
+// The tolerance of --tolerance, else that of the scene file, else 7 %.
 Tolerance tolerance_of(const Globals& globals, const ClassifyArguments& arguments);
 
 }  // namespace forefeel

@@ -15,8 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* level_names[] = {"90", "95", "99"};
-constexpr double fewer = 0.05;   // a share below its level by more is said
-constexpr std::size_t few = 30;  // of fewer forces a share says little
+constexpr double fewer = 0.05;   // a share that is further below its level gives a warning
+constexpr std::size_t few = 30;  // with fewer forces, the share of a label is not printed
 
 Json cover_json(const BarCover& cover) {
   Json out;
@@ -81,7 +81,7 @@ std::string bars_in_words(const EvaluatedBars& bars) {
     if (const BarCover own = bars.measured.cover(label); own.samples >= few && own.samples < all.samples)
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
   if (all.samples < 99) text += "; too few for a bar of 99 %";
-  if (too_few_inside(all)) text += "; fewer than they should: take the bars as too narrow";
+  if (too_few_inside(all)) text += "; fewer than they should, so the bars are too narrow";
   if (bars.beyond > 0)
     text += fmt::format(
         "; {} points lie farther from the states than any force left out: bars there are an "
@@ -156,7 +156,7 @@ std::string advice_in_words(const SpacingAdvice& advice, const Tolerance& tolera
         "no spacing suggested: at none would 95 % of at least 20 forces left out be safe and within {}",
         in_words(tolerance));
   std::string text = fmt::format(
-      "suggested: --spacing {:.2g}: {:.0f} % of the {} forces left out that are safe then lie within {}",
+      "suggested: --spacing {:.2g}: {:.0f} % of the {} forces left out that are safe at it lie within {}",
       advice.spacing, 100.0 * static_cast<double>(advice.within) / static_cast<double>(advice.safe),
       advice.safe, in_words(tolerance));
   if (advice.wider > 0)

@@ -1,5 +1,5 @@
 #pragma once
-// Prints what `forefeel classify` found for one set of states: as one JSON document, or in words.
+// Prints the result of `forefeel classify` for one set of states, as one JSON document or in words.
 
 #include "apps/classify/classify.hpp"
 #include "apps/classify/error_known.hpp"
@@ -13,7 +13,7 @@ struct ClassifiedPoints {
   const std::vector<Coverage>& found;  // one for each point
   const std::optional<Agreement>& agreement;
   const std::optional<ErrorKnown>& errors;
-  double seconds;  // for reading, indexing and labelling
+  double seconds;  // for reading, indexing and labelling [s]
 };
 
 void print_classified(const Globals& globals, const ClassifyArguments& arguments,

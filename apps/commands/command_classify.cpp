@@ -161,7 +161,7 @@ void check_effect(const Globals& globals, const ClassifyArguments& arguments, bo
   if (arguments.foreign && arguments.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   if (!arguments.tolerance.empty() && !arguments.bars)
-    throw InputError("--tolerance", "is of the error, expected it with --bars");
+    throw InputError("--tolerance", "is the tolerance of the error bars, expected it with --bars");
   if (arguments.bars && (run || !arguments.diff.empty()))
     throw InputError("--bars", "is for one set of states, expected it without --diff or a run");
   if (!arguments.through.empty() && extension != ".svg" && extension != ".png")

@@ -44,7 +44,7 @@ double ridge_of(const std::string& text) {
   return value;
 }
 
-// The value with this name; the parser has refused all others.
+// The value with this name; the parser has already refused unknown names.
 template <class Value>
 std::optional<Value> named(const std::optional<std::string>& text, std::span<const Value> values) {
   for (const Value value : values)
@@ -176,7 +176,7 @@ void describe(nlohmann::ordered_json& document, const Evaluation& result) {
   if_so("ridge", moving || offline, model.ridge);
 }
 
-// Null where the model was not chosen, or where too few states allow no choice.
+// Describes the chosen model; null if none was chosen, or if there are too few states for a choice.
 void describe_choice(nlohmann::ordered_json& document, const Evaluation& result) {
   document["chosen"] = nullptr;
   document["expected_error"] = nullptr;
@@ -310,7 +310,7 @@ void add_evaluate(CommandLine& line) {
   sub.option(
          "--method", arguments->method,
          "Approximation. auto chooses kernel, neighbours and ridge by leaving out groups of neighbouring "
-         "states, and says the error to expect; what is given beside it is kept. Default: auto for states "
+         "states, and prints the expected error; options that are given stay fixed. Default: auto for states "
          "without stiffness if none of kernel, data, neighbours and ridge is given, else rbf")
       .one_of(
           {"auto", "rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"});

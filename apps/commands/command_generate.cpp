@@ -101,7 +101,7 @@ GenerateOptions options_of(const Scene& scene) {
   return options;
 }
 
-// Warnings about ranks are shown when they come: a hanging one may need somebody's hand.
+// Warnings about ranks are shown at once, because the user may have to act on a hanging rank.
 FarmOptions farm_options(const Globals& globals, const std::stop_token& stop,
                          const std::function<void()>& tick) {
   return {.queue = 2, .stop = stop, .tick = tick, .note = [&globals](const std::string& line) {
@@ -119,7 +119,7 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   options.stop = stop.get_token();
 
   GenerateResult result;
-  // From the first state on. Before, while the lattice is planned, a signal ends the program: nothing is lost.
+  // Created with the first state. Before that, while the lattice is planned, a signal ends the program; nothing is lost.
   std::optional<InterruptWatch> watch;
   const auto raised = [&] { return watch && watch->raised(); };
   if (ranks) watch.emplace();
@@ -218,7 +218,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   return 1;
 }
 
-// Rank 0 checks, so that there is one line of error.
+// Only rank 0 checks, so that there is a single error line.
 void check_mpi(const Globals& globals, const GenerateArguments& arguments) {
   if (arguments.error)
     throw InputError(
@@ -264,7 +264,7 @@ void add_generate(CommandLine& line) {
       .shows("E");
   add_mpi_options(
       sub, arguments->mpi,
-      "All ranks of mpirun -n N forefeel generate --mpi … solve, the same states; rank 0 writes them");
+      "All ranks of mpirun -n N forefeel generate --mpi … solve; rank 0 writes. The states are the same");
 }
 
 }  // namespace forefeel

@@ -52,13 +52,13 @@ int tell_interrupted(const char* text, int argc, char** argv) {
   return 1;
 }
 
-// A reader of a pipe that is gone wants no more: that is no failure.
+// If the reader of a pipe has ended, output is no longer wanted; that is not a failure.
 bool reader_is_gone() {
   pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
   return poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
 }
 
-// What was printed must have arrived: a full disk behind `> file` is found here.
+// Checks that the output was written completely. A full disk behind `> file` is detected here.
 int printed(int code) {
   std::cout.flush();
   if (std::cout.good() && std::fflush(stdout) == 0) return code;

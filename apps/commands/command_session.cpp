@@ -49,7 +49,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// States and their file, which what is solved will be appended to. The file is made if it is missing.
+// Loads the states of a file and prepares it so that new states are appended. The file is made if it is missing.
 SessionPlan extend_states(const Scene& scene, const fs::path& file, const Globals& globals,
                           SessionPlan plan) {
   plan = with_state_file(std::move(plan), file);
@@ -164,7 +164,7 @@ void tell(const Globals& globals, const SessionSummary& s, const std::optional<s
   say(globals, look_at_it(globals, run));
 }
 
-// The slices and the states' file are made on threads of their own while the errors are computed.
+// The slices and the state file are made on separate threads while the errors are computed.
 struct Meanwhile {
   std::future<void> states;  // in their file
   Picture slices;
@@ -188,7 +188,7 @@ nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& s
   return document;
 }
 
-// Writes one file after the other: what cannot be written costs no other file its place.
+// Writes one file after the other. If one file cannot be written, the others still are.
 class Salvage {
  public:
   explicit Salvage(std::vector<std::string> failures) : failures_(std::move(failures)) {}
@@ -342,11 +342,11 @@ void add_session(CommandLine& line) {
   sub.option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults").required();
   sub.option(
          "--states", given->states.file,
-         "States known at the start (.states or CSV), of this body. The file is read only: what is solved "
-         "goes to RUN/session.states")
+         "States known at the start (.states or CSV), of this body. The file is not changed: new states are "
+         "written to RUN/session.states")
       .shows("S");
   const Option extend = sub.flag("--extend", given->states.extend,
-                                 "Append what is solved to the file of --states; it is made if missing");
+                                 "Append new states to the file of --states; it is made if missing");
   sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
   sub.option("--device", given->device,
              "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], "
@@ -366,7 +366,8 @@ void add_session(CommandLine& line) {
   sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
   sub.option("--shape-rate", given->shape_rate,
              "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none");
-  sub.option("--switch", given->switching, "How one model follows another: paper, smooth or none");
+  sub.option("--switch", given->switching,
+             "How the force changes from one model to the next: paper, smooth or none");
   sub.option("--cost", given->cost,
              "Virtual clock: time of a solve [s], constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
   sub.option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");

@@ -1,5 +1,4 @@
-// forefeel show: a picture of a body, of states or of a run, that can be turned; or a still one; or files for
-// ParaView.
+// forefeel show: an interactive 3-D picture of a body, states or a run; or a still picture; or files for ParaView.
 
 #include <fmt/format.h>
 

@@ -43,7 +43,7 @@ std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
   return points;
 }
 
-// A position in another unit, or with a mistyped exponent.
+// Refuses positions that are too far away, usually because of another unit or a mistyped exponent.
 void check_reach(const std::vector<Vec3>& points, double side) {
   constexpr double farthest = 100;  // longest sides of the body
   for (const Vec3& x : points)

@@ -64,8 +64,7 @@ std::optional<std::string> drawn_as(const std::string& format, const Figure& fig
                            : draw_pdf(width, height, script);
 }
 
-// FOLDER/NAME.FORMAT for each format that is wanted. Returns false, and a warning says so, where one is
-// missing.
+// Writes FOLDER/NAME.FORMAT for each wanted format. If one cannot be written, warns and returns false.
 bool write_figures(const Globals& globals, const fs::path& folder, const std::vector<std::string>& formats,
                    const std::vector<Figure>& figures) {
   bool whole = true;
@@ -208,7 +207,7 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
   }
 }
 
-// What the figures rest on, and the result in a sentence.
+// The devices behind the figures, and the result in one sentence.
 struct Findings {
   std::vector<StudyDevice> devices;
   std::optional<std::string> verdict;
@@ -224,7 +223,7 @@ void tell(const Globals& globals, const Findings& found) {
     say(globals, fmt::format("  {}", fmt::join(device_row(device), " | ")));
 }
 
-// The devices and the verdict come first: the rest is read in their light.
+// The devices and the verdict come first, because the other values must be read with them in mind.
 nlohmann::ordered_json to_json(const Findings& found) {
   return {{"attention", attention(found.devices)},
           {"verdict", found.verdict ? nlohmann::ordered_json(*found.verdict) : nlohmann::ordered_json()},
@@ -232,7 +231,7 @@ nlohmann::ordered_json to_json(const Findings& found) {
           {"devices", devices_json(found.devices)}};
 }
 
-// What all ranks must have in common: build, study, scenes and traces.
+// The identity that all ranks must share: of build, study, scenes and traces.
 std::string identity_of(const StudyPlan& plan) {
   Sha256 hash;
   for (const StudyCell& cell : plan.cells) hash.add(cell.key + "\n");

@@ -1,4 +1,4 @@
-// forefeel trace FILE[,columns=…,rate=…,unit=…,tool=…] …: what a recorded motion is like, and changes of it.
+// forefeel trace FILE[,columns=…,rate=…,unit=…,tool=…] …: checks a recorded motion, and changes it.
 
 #include <fmt/format.h>
 
@@ -186,13 +186,14 @@ void add_trace(CommandLine& line) {
          "As in --device trace:FILE, with its settings: FILE,columns=t/x/y/z,rate=HZ,unit=mm/ms,tool=NAME. "
          "Columns are names of the header or numbers from 1; forefeel help devices")
       .required();
-  sub.option("--scene", given->scene, "Also says what leaves the box of this scene").shows("SCENE");
+  sub.option("--scene", given->scene, "Also reports which share is outside the box of this scene")
+      .shows("SCENE");
   sub.flag("--to-contact", given->to_contact,
            "Shifts the motion so that it starts at the contact at rest, x = 0");
   sub.option("--offset", given->offset, "Shifts the motion by this [m]").shows("X,Y,Z");
-  sub.option("--from", given->from, "Leaves out what is earlier [s]").shows("T");
-  sub.option("--to", given->to, "Leaves out what is later [s]").shows("T");
-  sub.option("--rate", given->rate, "Samples in a second of what is written [Hz]").shows("HZ");
+  sub.option("--from", given->from, "Leaves out rows before this time [s]").shows("T");
+  sub.option("--to", given->to, "Leaves out rows after this time [s]").shows("T");
+  sub.option("--rate", given->rate, "Sampling rate of the output [Hz]").shows("HZ");
   sub.option("-o,--output", given->output, "Writes t,x,y,z in s and m").shows("OUT.csv");
 }
 

@@ -67,8 +67,8 @@ std::string in_words(const ErrorQuantiles& q) {
   return fmt::format("p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %", 100 * q.p50, 100 * q.p95, 100 * q.max);
 }
 
-// Two phases, which may follow each other several times. How many states are needed is not known beforehand,
-// so the first shows what is reached, without a time left. The second counts its solves.
+// There are two phases, which may alternate several times. In the first, the number of states needed is not known
+// beforehand, so the line shows the error reached and no remaining time. In the second, it counts the solves.
 void show(Progress& progress, const PlacementProgress& p, double wanted) {
   if (p.truth_total > 0) {
     progress.phase("generate: checking the error");

@@ -34,7 +34,7 @@ void check_memory_of_lattice(const Scene& scene, double bytes_left) {
 }
 
 void check_memory_of_threads(const Scene& scene, int threads, double bytes_left) {
-  constexpr int few = 8;               // so few are never asked about
+  constexpr int few = 8;               // up to this number of threads, no memory check is made
   constexpr double of_thread = 256e3;  // stack as far as it is used, buffers of the allocator
   if (threads <= few) return;
   const double solver =

@@ -1,5 +1,5 @@
 #pragma once
-// The memory that `forefeel generate` takes for a lattice, asked before anything is solved.
+// Estimates the memory that `forefeel generate` needs for a lattice, before anything is solved.
 
 #include "apps/scene_input/scene.hpp"
 
@@ -8,11 +8,11 @@ namespace forefeel {
 // Bytes, within about a third: all positions and their states, and for each coarse node (every eighth position)
 // the displacements of the body and their derivatives.
 double bytes_of_lattice(const Scene& scene);
-// InputError at the box where that is more than is left.
+// InputError, with the place of the box, if that is more than bytes_left.
 void check_memory_of_lattice(const Scene& scene, double bytes_left);
 
-// Throws InputError where so many threads (0: as many as the machine has) would take more memory than is
-// left: each has a solver of its own.
+// Throws InputError if this number of threads (0: all of the machine) needs more memory than is left; each thread has
+// its own solver.
 void check_memory_of_threads(const Scene& scene, int threads, double bytes_left);
 
 }  // namespace forefeel

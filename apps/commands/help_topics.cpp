@@ -59,7 +59,7 @@ HelpTopic devices_topic() {
   return topic;
 }
 
-// Of a JSON document or table: those with a dot behind those of the same beginning, as they are declared.
+// The tables of the files that forefeel writes.
 HelpTopic outputs_topic() {
   HelpTopic topic{
       "outputs", "The files of a run, of a study, and of single commands. Unknown values are empty, or null.",

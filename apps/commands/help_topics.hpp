@@ -17,11 +17,10 @@ struct HelpTopic {
 
 // scene, study, devices, outputs.
 std::vector<HelpTopic> help_topics();
-// Only the tables of this name, and those below it: "session" also gives "session.jnd". Empty if there is
-// none.
+// The table of this name and those nested in it: "session" also gives "session.jnd". Empty if there is none.
 std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name);
 
-// For a terminal of this many columns.
+// Text for a terminal of `width` columns.
 std::string as_text(const DeclaredTable& table, std::size_t width);
 std::string as_html(const std::vector<HelpTopic>& topics);  // a complete page
 nlohmann::ordered_json to_json(const std::vector<HelpTopic>& topics);

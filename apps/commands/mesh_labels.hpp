@@ -1,5 +1,5 @@
 #pragma once
-// `forefeel mesh` of a label volume: what its options say, and what it tells.
+// `forefeel mesh` for a label volume: reads its options, makes the mesh, prints the report.
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -16,7 +16,7 @@ std::map<std::int64_t, std::string> parse_labels(const std::string& text);
 struct LabelBody {
   TetMesh mesh;
   LabelMeshReport report;
-  std::string taken;  // "120 x 120 x 80 voxels of 0.8 x 0.8 x 2 mm, lengths taken in mm"
+  std::string taken;  // as read: "120 x 120 x 80 voxels of 0.8 x 0.8 x 2 mm, lengths taken in mm"
 };
 LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, Progress& progress);
 

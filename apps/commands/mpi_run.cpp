@@ -20,11 +20,11 @@ namespace {
 int serve(std::optional<MpiGroup>& group, const RankedCommand& command) {
   const ServedRank end = serve_rank(group->transport(), command.load, command.load_at_once);
   if (end == ServedRank::done) return 0;
-  if (end == ServedRank::busy) group.reset();  // MPI is ended in order; the solving thread never will be
+  if (end == ServedRank::busy) group.reset();  // ends MPI properly; the solving thread is never joined
   std::_Exit(end == ServedRank::busy ? 0 : 1);
 }
 
-// MPI cannot end in order while a rank hangs. Without a code, an error is still to be reported.
+// MPI cannot end properly while a rank hangs. Without a code, an error still has to be reported.
 void end_with_hanging(const Globals& globals, MpiGroup& group, const RankPool& pool,
                       std::optional<int> code) {
   warn(globals, fmt::format("{} of {} ranks hang or are gone; mpirun ends them, and itself with an error",

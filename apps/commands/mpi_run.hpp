@@ -1,6 +1,6 @@
 #pragma once
-// Commands that run as all ranks of `mpirun -n N forefeel COMMAND … --mpi`. Rank 0 reads, writes and speaks; the other
-// ranks load the same input and solve what rank 0 gives them.
+// Commands that run on all ranks of `mpirun -n N forefeel COMMAND … --mpi`. Rank 0 reads, writes and prints. The other
+// ranks load the same input and solve the jobs that rank 0 gives them.
 
 #include <functional>
 #include <string>
@@ -24,15 +24,16 @@ struct RankedCommand {
   LoadHand load;                       // the other ranks
   bool load_at_once = false;           // the other ranks do not wait for rank 0 to check the input
 };
-// Throws what lead() throws. Ranks that hang at the end are left behind: mpirun ends them.
+// Rethrows exceptions of lead(). If ranks hang at the end, it does not wait for them: mpirun ends them.
 int run_ranked(const Globals& globals, const MpiArguments& arguments, const RankedCommand& command);
 
-// A measured spacing takes hundreds of solves: rank 0 measures it and says it when the work begins. heard: the
-// scene's spacing, or what rank 0 said where the scene's is "auto". Throws where the run ends before.
+// Measuring a spacing takes hundreds of solves, so only rank 0 measures it and sends it when the work begins.
+// said_spacing() packs that message. heard_spacing() returns the scene's spacing or, if that is "auto", the one from
+// rank 0; it throws if the run ends before.
 Bytes said_spacing(double spacing);
 double heard_spacing(const Scene& scene, const RankContext& rank);
 
-// What ranks of one run have in common: the build and the content of their input.
+// Identity that all ranks of one run must share: of the build and of the content of the input.
 std::string rank_identity(const std::string& content_hash);
 
 }  // namespace forefeel

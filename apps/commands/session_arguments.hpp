@@ -1,6 +1,6 @@
 #pragma once
-// What a person typed after `forefeel session`, and the plan of the session that it asks for. Options that
-// are not given come from the scene.
+// The arguments of `forefeel session`, and the session plan made from them. Options that are not given come from the
+// scene.
 
 #include <memory>
 #include <optional>
@@ -17,8 +17,8 @@ namespace forefeel {
 // States known at the start. The file is read only, unless `extend`.
 struct KnownStatesArguments {
   std::string file;
-  bool extend = false;   // what is solved is appended to the file
-  bool foreign = false;  // of another body: rendered alone
+  bool extend = false;   // new states are appended to the file
+  bool foreign = false;  // states of another body: they are rendered, and nothing is solved
 };
 
 struct SessionArguments {
@@ -26,14 +26,13 @@ struct SessionArguments {
   KnownStatesArguments states;
   std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor,
       workers_kind;
-  std::optional<double> seconds, latency, shape_rate;
+  std::optional<double> seconds, latency, shape_rate;  // [s], [s], [Hz]
   std::optional<int> workers;
   MpiArguments mpi;
 };
 
-// The options and what they are for, checked. An InputError names the place that gave the value. ranks:
-// null where the workers are no ranks.
-// displacements: states must hold them, whatever the scene says.
+// Makes and checks the plan. An InputError names the place that gave the value. ranks: null unless ranks of an MPI run
+// are the workers. displacements: states must hold them, whatever the scene says.
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
                     const std::shared_ptr<RankPool>& ranks, bool displacements);
 

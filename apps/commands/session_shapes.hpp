@@ -1,6 +1,6 @@
 #pragma once
-// The shapes of `forefeel session`: what is asked for, the files, and what is said of them. Without a rate above 0
-// nothing of this does anything.
+// The shapes of `forefeel session`: options, files, and the printed summary. Without a rate above 0, none of these
+// functions has an effect.
 
 #include <filesystem>
 #include <future>

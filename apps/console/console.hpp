@@ -26,8 +26,8 @@ void answer(const Globals& globals, const std::string& line);
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
 
-// One progress line on stderr, redrawn at most 10 times a second and at least once a second, so that the time
-// goes on where a step is long. Prints nothing if stderr is not a terminal. For any thread.
+// One progress line on stderr, redrawn at most 10 times a second and at least once a second, so that the time advances
+// during long steps. Prints nothing if stderr is not a terminal. For any thread.
 class Progress {
  public:
   Progress(const Globals& globals, std::string title);
@@ -37,8 +37,8 @@ class Progress {
 
   void show(double share,
             const std::string& text);  // share in [0, 1] of the phase; gives the time left in it
-  void show(const std::string& text);  // how much is left is not known; gives the time so far
-  // The next phase: the title of the line, and the start of its time. Nothing if it is the title already.
+  void show(const std::string& text);  // the remaining work is unknown; shows the time so far
+  // Begins the next phase: sets the title of the line and restarts its time. No effect if the title is the same.
   void phase(const std::string& title);
 
  private:

@@ -23,8 +23,8 @@ std::int64_t nanoseconds() {
   return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-// Before a command watches for itself, nothing has to be saved. A step that does not ask end_if_interrupted()
-// for half a second (a large lattice, a surface that is meshed) is left at once.
+// Until a command creates its own InterruptWatch, nothing has to be saved. If end_if_interrupted() is not called within
+// half a second (a large lattice, a surface being meshed), the program exits at once.
 extern "C" void forefeel_leave(int) {
   if (!from_the_start) return;
   static constexpr char line[] = "forefeel: interrupted before the work began: nothing was written\n";

@@ -1,8 +1,8 @@
 #pragma once
 // Ctrl-C (SIGINT), SIGTERM and SIGHUP (the terminal is gone) ask a command to stop. It finishes its current
 // step and writes its results so far. SIGHUP stays ignored where it was, as under nohup.
-// SIGPIPE and SIGXFSZ are ignored: a pipe without a reader and a file beyond the limit of its size are errors
-// of the write (EPIPE, EFBIG) and end no program without a word.
+// SIGPIPE and SIGXFSZ are ignored: writing to a pipe without a reader, or beyond the size limit of a file, then fails
+// with an error (EPIPE, EFBIG) instead of silently ending the program.
 
 #include <atomic>
 #include <stdexcept>
@@ -16,7 +16,7 @@ void write_errors_without_signals();
 // Starts to record signals, as an InterruptWatch does. main calls it before commands that create their
 // InterruptWatch later.
 struct EarlyInterrupt {
-  bool leave = true;  // a signal that nobody heeds within half a second before then ends the program with 1
+  bool leave = true;  // a signal not handled within half a second until then ends the program with code 1
   bool json = false;  // and prints {"interrupted": true}
 };
 void watch_from_the_start(const EarlyInterrupt& early);

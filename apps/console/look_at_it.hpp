@@ -1,5 +1,5 @@
 #pragma once
-// The line with which commands end that made something to look at.
+// The last line that a command prints if its result can be shown.
 
 #include <filesystem>
 #include <string>
@@ -9,7 +9,7 @@
 namespace forefeel {
 
 // "look at it: forefeel show liver.states --scene liver.toml -o liver.html", to be pasted into a shell. scene: empty
-// where none is needed; the --set of this command go with it.
+// if none is needed; otherwise the --set options of this command are added.
 std::string look_at_it(const Globals& globals, const std::filesystem::path& what,
                        const std::string& scene = {});
 

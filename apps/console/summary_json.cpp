@@ -22,7 +22,7 @@ nlohmann::ordered_json to_json(const ColumnValue& value) {
 
 namespace {
 
-// Keys that are no single values, or that tables of studies do not have.
+// Keys whose values are lists, or that the tables of studies do not have.
 struct Extra {
   const char *table, *key, *unit, *meaning;
   nlohmann::ordered_json (*value)(const SessionSummary&);
@@ -35,7 +35,7 @@ constexpr Extra extras[] = {
      }},
     {"safety", "force_limit", "N", "force limit of this session: that of the scene or of the device",
      [](const SessionSummary& s) { return to_json(column_value(s.safety.force_limit)); }},
-    {nullptr, "attention", "", "list of lines: what to know before any figure",
+    {nullptr, "attention", "", "list of lines: warnings to read before the figures",
      [](const SessionSummary& s) { return Json(attention(s)); }},
     {nullptr, "notes", "", "list of lines: what the system refused, what failed",
      [](const SessionSummary& s) { return Json(s.run.notes); }},

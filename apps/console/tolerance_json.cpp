@@ -36,7 +36,7 @@ std::string tolerance_in_words(const ToleranceShare& share, const Tolerance& tol
 
 std::vector<Declared> declared_tolerance() {
   return {
-      {"tolerance.value", "", "", "where the scene writes state_space.tolerance: that, a share or newtons"},
+      {"tolerance.value", "", "", "state_space.tolerance if the scene gives it: a share or newtons"},
       {"tolerance.unit", "", "", "1 or N"},
       {"tolerance.known", "1", "", "share of the frames whose error bar of 95 % is at most the tolerance"},
       {"tolerance.samples", "", "", "sampled frames"},

@@ -1,5 +1,5 @@
 #pragma once
-// How long a session knew the force within the tolerance of its scene, as it is printed.
+// Prints the share of the time for which a session knew the force within the tolerance of its scene.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>

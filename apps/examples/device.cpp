@@ -5,7 +5,7 @@
 
 using namespace forefeel;
 
-// 1. A device says where the hand is at time t, once a millisecond: it must not allocate, lock or throw.
+// 1. A device returns the position of the hand at time t, once a millisecond. It must not allocate, lock or throw.
 struct Measured final : Device {
   std::vector<std::pair<double, Vec3>> samples;
   double duration() const override { return samples.back().first; }

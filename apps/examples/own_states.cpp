@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
   const double spacing = 0.005;  // [m]
   const std::vector<State> states = argc > 1 ? read_states_csv(argv[1]) : measured(spacing);
 
-  // 2. The space finds neighbours and labels. A state that stands where another is already is left out.
+  // 2. The space finds neighbours and labels. Of states at the same position, only the first is kept.
   StateSpace space({.spacing = spacing});
   for (const State& state : states) space.insert(state);
 

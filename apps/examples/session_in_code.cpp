@@ -15,7 +15,7 @@ int main() {
   const Box reach{Vec3::Constant(-0.012), Vec3::Constant(0.012)};
   const SessionInput input{.touched = {.body = body, .space = {.spacing = 0.004, .box = reach}}};
 
-  // 2. How the hand moves, who solves, and on which clock: the virtual one repeats on every machine.
+  // 2. The motion of the hand, the workers and the clock. Runs under the virtual clock repeat on every machine.
   SessionOptions options;
   options.clock = {.kind = Clock::virtual_time, .seconds = 2};
   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.04};  // [m/s]
@@ -23,7 +23,7 @@ int main() {
   options.workers.cost = ConstantCost{.seconds = 0.05};  // of a simulated solve
   options.model.fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
 
-  // 3. The run. Its result holds every frame; the summary holds what they amount to.
+  // 3. The run. Its result holds every frame; the summary holds the statistics.
   const SessionPlan plan = make_plan(input, options);
   const SessionResult result = run_session(plan);
   const SessionSummary summary = summarise(result, plan);

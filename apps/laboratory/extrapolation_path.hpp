@@ -61,7 +61,8 @@ struct Largest {
 Largest largest(const Curve& curve, const Judge& judge, double low = 0,
                 double high = std::numeric_limits<double>::infinity());
 
-// Where the set gains its first states of the far side, and where it loses its last of the near side.
+// The jumps where the neighbour set gains its first states of the far side, and where it loses its last states of the
+// near side.
 struct Crossing {
   Jump enters, leaves;
 };

@@ -1,8 +1,8 @@
 // Energy around closed loops (approx/judge/loop_energy.hpp) in the scene's own state space, per method:
 //   fixed    one set of states: the nearest to the middle of the loop, or the set that an older method uses
 //   moving   the set follows the HIP; a new model every quarter spacing, used at once
-//   smooth   as moving, through the default switch. Left out if every change of model is small enough for the
-//            switch to pass it on in one frame: then nothing is damped and the forces are the same.
+//   smooth   as moving, through the default switch. Left out if the switch passes every change of model in one frame:
+//            then nothing is damped, and the forces are the same.
 // Moving loops run twice. Only the second turn counts, because the first model fades in during the first.
 
 #include <fmt/format.h>
@@ -121,7 +121,7 @@ class Moving {
   }
   void count_from_here() { damped_ = 0, largest_ = 0; }
   std::size_t damped() const { return damped_; }  // frames whose force differs from the newest model's
-  double largest() const { return largest_; }     // jump between models, of what may pass in one frame
+  double largest() const { return largest_; }     // jump between models, relative to the bound of one frame
 
  private:
   ModelUpdater updater_;
@@ -181,7 +181,7 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
 // Effect of the switch on the second turns of all moving loops.
 struct Damping {
   std::size_t frames = 0, damped = 0;
-  double largest = 0;  // jump between models, of what may pass in one frame
+  double largest = 0;  // jump between models, relative to the bound of one frame
 };
 
 Damping moving_rows(const StateSpace& space, std::vector<Row>& rows) {

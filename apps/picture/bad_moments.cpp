@@ -37,7 +37,8 @@ std::string known_words(const FrameRecord& f, double distance) {
   return fmt::format("The nearest of {} known states was {} away.", f.known, millimetres(distance));
 }
 
-// What became of the nearest place that was asked for and not known yet.
+// Describes the nearest state within `distance` that became known only later, or never: when it was requested, and when
+// it came.
 std::string missing_words(const SessionResult& result, const FrameRecord& f, double distance) {
   const DispatchRecord* best = nullptr;
   for (const DispatchRecord& d : result.dispatch) {

@@ -1,6 +1,6 @@
 #pragma once
-// The worst moments of a session, each with what explains it: where the tip was, what was known near it,
-// which part of the error was largest, and whether the state that was missing came later.
+// The worst moments of a session, each with an explanation: where the tip was, which states were known near it, which
+// part of the error was largest, and whether the missing state arrived later.
 
 #include <string>
 #include <vector>

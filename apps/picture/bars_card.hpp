@@ -1,5 +1,5 @@
 #pragma once
-// The card of a report about error bars: how many samples lie inside, for each level and label.
+// The card about error bars in the report: the share of samples inside their bars, for each level and label.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace forefeel {
 
-// How a card is coloured.
+// Colour of a card.
 enum class Judged { plain, good, warn, bad };
 
 struct Card {
@@ -15,8 +15,8 @@ struct Card {
   Judged judged = Judged::plain;
 };
 
-// Bad where a level falls short by more than 5 points, of all samples (20 at least) or of a label with 100; a
-// warning by more than 2.
+// Bad if the share inside is more than 5 points below a level, over all samples (at least 20) or over a label with at
+// least 100; a warning from 2 points on.
 Card bars_card(const SessionSummary::ErrorBars& bars);
 
 }  // namespace forefeel

@@ -236,7 +236,7 @@ std::string all_numbers(Json document) {
          "</details>\n";
 }
 
-// What is said before anything else.
+// The warnings that come before all figures.
 std::string attention_box(const SessionSummary& summary) {
   std::string html;
   for (const std::string& line : attention(summary)) html += "<li>" + escaped(line) + "</li>\n";

@@ -14,20 +14,20 @@ namespace forefeel {
 
 using Picture = std::shared_future<std::string>;  // HTML
 
-// Each is made on its own thread. All but the slices read the result meanwhile, so it must outlive them.
-// Slices, still (curves for browsers without scripts) and deadlines are drawn by gnuplot; empty without it.
+// Each picture is made on its own thread. All but the slices read the session's result, so the result must outlive them.
+// Slices, still (curves for browsers without scripts) and deadlines are drawn by gnuplot; they are empty without it.
 struct ReportPictures {
   Picture slices, still, deadlines;  // deadlines: only with a real clock
   Picture charts, moments;           // curves that can be zoomed; the worst moments
 };
-// Draws what was known where, after a session. Copies what it needs from the result.
+// Begins to draw slices that show the coverage in the course of a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
 ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view);
-// force_limit: what is sent is cut at [N].
+// force_limit: largest force that is sent [N].
 RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, double force_limit);
 
 // Writes run_folder/report.html. document: summary.json, printed in full at the end of the page. Without
-// gnuplot the report has no plots and says so. Throws InputError if the file cannot be written.
+// gnuplot the report has no plots, and a note says why. Throws InputError if the file cannot be written.
 void write_report(const std::filesystem::path& run_folder, const SessionSummary& summary,
                   const nlohmann::ordered_json& document, const Scene& scene, const ReportPictures& pictures);
 

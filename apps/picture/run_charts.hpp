@@ -1,5 +1,5 @@
 #pragma once
-// The parts of a session's report that its script draws, and the table of its worst moments.
+// Parts of a session's report: the charts that its script draws, and the table of its worst moments.
 
 #include <string>
 

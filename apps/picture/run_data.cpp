@@ -36,7 +36,7 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-// Four digits are more than a picture shows.
+// Four digits are enough for a picture.
 Json rounded(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0.0;

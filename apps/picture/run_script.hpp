@@ -6,7 +6,7 @@
 
 namespace forefeel {
 
-// JavaScript in two parts, one function together. Reads the document of run_data.hpp from the element
+// JavaScript in two parts; concatenated, they are one function. It reads the document of run_data.hpp from the element
 // "run-data" and draws into the elements that run_charts() of run_charts.hpp makes.
 extern const std::string_view run_script_chart, run_script_page;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a report needs of a session's options to judge its frames.
+// The options of a session that a report needs to evaluate its frames.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace forefeel {
 struct RunView {
   Box box = {};                  // where states are placed [m]
   double spacing = 0.006;        // [m]
-  double force_limit = unknown;  // what is sent is cut at [N]
+  double force_limit = unknown;  // largest force that is sent [N]
   double jnd_share = 0.07;       // just noticeable difference: max(jnd_share |F|, jnd_floor)
   double jnd_floor = 0.010;      // [N]
   double error_floor = 0.05;     // errors are relative to max(|reference|, error_floor) [N]

@@ -1,5 +1,5 @@
 #pragma once
-// Slices through the box that show what a session knew where (a gnuplot script, see plot.hpp).
+// Slices through the box that show where a session knew states (a gnuplot script, see plot.hpp).
 
 #include <array>
 #include <utility>

@@ -20,7 +20,7 @@ std::string as_name(const std::string& text) {
   return name;
 }
 
-// The least and largest of what was added, with a margin, inside what the metric can be.
+// The least and largest value added, with a margin, limited to the possible range of the metric.
 class Range {
  public:
   void add(double value) {

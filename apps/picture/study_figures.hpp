@@ -13,14 +13,13 @@ namespace forefeel {
 
 // A value of a metric in the unit of its title.
 double in_unit(const StudyMetric& metric, double value);
-// False for an interval that says nothing: unknown, without width, or nearly as wide as all that the metric
-// can be.
+// False for an interval without information: unknown, without width, or nearly as wide as the metric's whole range.
 bool says_something(const StudyMetric& metric, const ConfidenceInterval& interval);
 
-// The ranking of one axis; the axis of values fits the means and the bootstrap intervals. Nothing without a
-// value.
+// The ranking of one axis of the study. The plotted range fits the means and the bootstrap intervals. nullopt if there
+// is no value.
 std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entry, const Palette& palette);
-// The first axis' values over an axis of numbers. Nothing if the axis has no two numbers.
+// One curve for each value of the first axis, over an axis of numbers. nullopt if that axis has fewer than two numbers.
 std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyCellResult>& cells,
                                     std::size_t axis, const Palette& palette);
 // All of a report: rankings, then curves.

@@ -100,7 +100,7 @@ std::string verdict_section(const StudyResults& results) {
   return html + "</div>\n";
 }
 
-// What must be read beside a ranking: means over the cells of one value, in the unit of the title.
+// Values printed beside a ranking: means over the cells of one value, in the unit of the title.
 struct Beside {
   const char *key, *title;
   double scale;
@@ -122,7 +122,7 @@ double mean_at(const StudyResults& results, std::size_t axis, std::size_t level,
   return n > 0 ? sum / static_cast<double>(n) : std::nan("");
 }
 
-// Places of those that are not told apart from the first are one place: "1=".
+// Values that are not significantly different from the first share its place: "1=".
 std::string place_of(const std::vector<Ranked>& ranked, std::size_t i) {
   const bool any_tie = std::ranges::any_of(ranked.begin() + 1, ranked.end(), &Ranked::tied);
   if (i == 0 || ranked[i].tied) return any_tie ? "1=" : "1";

@@ -16,7 +16,7 @@ namespace forefeel::python {
 namespace py = pybind11;
 namespace {
 
-// Python's own handlers of signals: a command installs others and leaves the system's behind.
+// Saves and restores Python's signal handlers, because a command installs its own and ends with the system's.
 class KeptSignals {
  public:
   KeptSignals() {

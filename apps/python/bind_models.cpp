@@ -79,7 +79,7 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
   }
 }
 
-// The options of `forefeel evaluate`, by the same names. None stands for an option that is not given.
+// The options of `forefeel evaluate`, by the same names. None means that an option is not given.
 EvaluateOptions options_of(const py::kwargs& given) {
   EvaluateOptions options;
   if (given.contains("method") && !given["method"].is_none()) set_option(options, "method", given["method"]);
@@ -200,7 +200,7 @@ void bind_models(py::module_& module) {
           "linear, cubic or quintic; a simpler one than asked for where the states do not determine it.")
       .def_property_readonly(
           "degree", [](const PyModel& self) { return self.model->degree(); },
-          "Of the polynomial part: 0, 1 or 2.")
+          "Degree of the polynomial part: 0, 1 or 2.")
       .def_property_readonly(
           "is_tangent", [](const PyModel& self) { return self.model->is_tangent(); },
           "True: only the tangent of the nearest state.")

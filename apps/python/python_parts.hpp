@@ -34,7 +34,8 @@ void bind_parts(pybind11::module_& module);  // the view that a policy's method 
 // policy.prioritise(candidates, view) -> (n,) priorities. Called once per planning step, or after each dispatch
 // too if the object has reads_pending = True.
 std::shared_ptr<Policy> policy_of(pybind11::object policy, std::shared_ptr<Failure> failure);
-// The same for a registered policy, which has no such session: an exception is thrown at once, as text.
+// The same for a registered policy, which belongs to no session: an exception is thrown at once, with the text of the
+// Python error.
 std::unique_ptr<Policy> unique_policy_of(pybind11::object policy);
 // predictor.observe(t, at, velocity); predictor.predict(horizon) -> (at, deviation).
 std::shared_ptr<Predictor> predictor_of(pybind11::object predictor, std::shared_ptr<Failure> failure);

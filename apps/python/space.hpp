@@ -1,5 +1,5 @@
 #pragma once
-// A state space as Python sees it: shared, and read only once it is made.
+// A state space as Python sees it: shared, and never changed after construction.
 
 #include <memory>
 

@@ -41,7 +41,7 @@ namespace {
 
 constexpr std::size_t hash_length = 32;  // of a name: the digest of what the file depends on
 
-// "0daad364fd643a1e9daf614e74193ef0.mesh" and the like, with SQLite's logs and what a killed process leaves.
+// True for names like "0daad364fd643a1e9daf614e74193ef0.mesh", for SQLite's logs and for leftovers of a killed process.
 bool is_of_cache(const std::string& name) {
   std::string_view all = name;
   if (all.starts_with('.') && all.ends_with(".part")) all.remove_prefix(1);  // not written to its end

@@ -15,7 +15,7 @@ constexpr const char* way_out = "expected states of this body, or --foreign to t
 }  // namespace
 
 const char* const foreign_help =
-    "Take states of another or an unknown body as they are; nothing is then solved for the scene's body";
+    "Accept states of another or an unknown body; nothing is then solved for the scene's body";
 
 std::string_view name(Belonging belonging) {
   return belonging == Belonging::identity ? "identity" : belonging == Belonging::asked ? "asked" : "foreign";

@@ -1,10 +1,9 @@
 #pragma once
-// States that a command is given beside a scene, and how it is known that they belong to the scene's body:
-//   identity   the file names its body, and it is the scene's
-//   asked      it names none (a CSV, imported or measured states): the body is solved at a few of the file's
+// States that a command gets in addition to a scene. They must belong to the scene's body:
+//   identity   the file names its body, and it is the body of the scene
+//   asked      the file names no body (a CSV, imported or measured states). The body is solved at a few of the file's
 //              positions, and the forces agree (scheduling/workers/ask_body.hpp)
-//   foreign    --foreign: they are taken as they are, and nothing may be solved for the scene's body beside
-// them
+//   foreign    with --foreign, states of any body are accepted; then nothing is solved for the scene's body
 
 #include <string>
 
@@ -22,9 +21,9 @@ struct GivenStates {
   Belonging belonging = Belonging::identity;
 };
 
-// Reads the file; nothing is written to it. InputError where the states are of another body, unless they are
-// taken as foreign: what differs, in the identity or in the forces. Warns of damaged rows, and averages
-// states that contradict each other at one position.
+// Reads the file and never writes to it. InputError if the states belong to another body, unless `foreign`; the error
+// names what differs, in the identity or in the forces. Warns of damaged rows. Averages states that contradict each
+// other at one position.
 GivenStates given_states(const Globals& globals, const Scene& scene, const std::string& file, bool foreign);
 
 // The same for states that are already loaded from `file`.

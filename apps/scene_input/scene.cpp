@@ -33,7 +33,7 @@ void check_positions(const StateSpaceOptions& space, const InputPlace& place) {
 
 constexpr double farthest = 100;  // longest sides of the body from rest: no force is meant there
 
-// A spacing or a box in another unit, or with a mistyped exponent.
+// Refuses a spacing or a box that is too large, usually because of another unit or a mistyped exponent.
 void check_reach(const SceneTable& table, const StateSpaceOptions& space, double side) {
   const double most = farthest * side;
   if (space.spacing > most)

@@ -57,9 +57,9 @@ struct Scene {
   SessionOptions session;  // .model.fit equals model; device and cost: scene_session.hpp
 };
 
-// What a command needs of its scene. Measuring spacing = "auto" solves hundreds of states.
+// How a command uses its scene. Measuring spacing = "auto" solves hundreds of states.
 struct SceneUse {
-  bool spacing = true;  // false: not measured; the finest spacing that would be tried stands for it
+  bool spacing = true;  // false: "auto" is not measured; the finest spacing that would be tried is used
   bool quiet = false;   // no progress line while it is measured
 };
 
@@ -78,8 +78,8 @@ std::string_view built_in_scene_text();
 // key is read.
 std::set<std::string> scene_keys_read(std::string_view text, std::span<const std::string> overrides = {});
 
-// The scene's state space on a lattice of another spacing [m]. The box changes with it where the scene gives
-// none. InputError where the lattice has too many positions.
+// The scene's state space on a lattice of another spacing [m]. If the scene gives no box, the box changes with the
+// spacing. InputError if the lattice has too many positions.
 StateSpaceOptions space_at(const Scene& scene, double spacing);
 
 }  // namespace forefeel

@@ -63,7 +63,7 @@ DeclaredTable material_table() {
   const Material soft;
   return {
       "material",
-      "The law of the tissue. Of several tissues: [[material]] tables with a group each, and one without.",
+      "The law of the tissue. For several tissues: [[material]] tables, each with a group, and one without.",
       {{"group", "", "", "name of a group of tetrahedra of the mesh; without it, the table is for the rest"},
        {"law", "", with_mesh(std::string(name(soft.law))), any_of(laws)},
        {"young", "Pa", with_mesh(shown(soft.young)), "Young's modulus at small strain"},
@@ -75,9 +75,9 @@ DeclaredTable material_table() {
 DeclaredTable viscosity_table() {
   return {
       "material.viscosity",
-      "[[material.viscosity]]: a branch of a generalised Maxwell tissue. The law is that of a fast press; a "
-      "held one relaxes to 1 - the sum of the shares of it.",
-      {{"share", "1", needed, "of the force that relaxes, between 0 and 1; their sum is below 1"},
+      "[[material.viscosity]]: a branch of a generalised Maxwell material. The law gives the force of a fast "
+      "press; while the tip is held, it relaxes to (1 - sum of the shares) times that force.",
+      {{"share", "1", needed, "share of the force that relaxes, between 0 and 1; their sum is below 1"},
        {"time", "s", needed, "relaxation time, in which that share falls to 37 %"}}};
 }
 
@@ -143,7 +143,7 @@ std::vector<Declared> run_keys(const SessionOptions& s) {
           {"first_guess", "", shown(s.model.first_guess),
            "while no state is known, render the stiffness of a disc on a half-space"},
           {"passivity", "", word_of(passivity_words(), s.safety.passivity),
-           words_of(passivity_words()) + ": hold back force that would make the loop generate energy"},
+           words_of(passivity_words()) + ": control holds back force that would generate energy"},
           {"jnd", "", "", "table: the just noticeable difference"},
           {"limits", "", "", "table: the safety rules"}};
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Every key of a scene: name, unit, default and meaning. SceneTable accepts and reads these keys and no
-// others, and `forefeel help scene` prints them.
+// Every key of a scene: name, unit, default and meaning. SceneTable accepts only these keys, and `forefeel help scene`
+// prints them.
 
 #include <string>
 #include <vector>

@@ -15,8 +15,8 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& alternative
 // True for two different keys of one such list, given with their section: "contact.node", "contact.group".
 bool exclude_each_other(const std::string& key, const std::string& other);
 
-// Keys of [session] that only control what is solved, by whom and when. They have no effect if states arrive
-// at given times.
+// Keys of [session] that only control which states are solved, by which worker and when. They have no effect if states
+// arrive at given times.
 const std::vector<std::string>& scheduling_keys();
 // "has no effect where states arrive at given times (<arrivals>), …"
 std::string no_effect_beside(const std::string& arrivals);

@@ -19,8 +19,8 @@ struct MaterialTable {
 // defaults: keys that are not given have default values, as for phantoms.
 std::vector<MaterialTable> read_materials(const std::vector<SceneTable>& tables, bool defaults);
 
-// The viscosity of the body, which is that of every table: the rendered force has one relaxation function.
-// InputError if they differ.
+// The viscosity of the body. All tables must have the same one, because the rendered force has a single relaxation
+// function; InputError otherwise.
 Viscosity read_viscosity(const std::vector<SceneTable>& tables);
 
 // Sets the body's material and regions. InputError: a group that the mesh does not name, tetrahedra in two

@@ -47,7 +47,7 @@ toml::table* table_of_list(toml::array& list, const std::string& next, bool& nam
 
 }  // namespace
 
-// Of a table of a list: what its key "group" says.
+// The value of the key "group" of a table in a list.
 std::optional<std::string_view> group_of(const toml::node& table) {
   const toml::node* value = table.as_table() ? table.as_table()->get("group") : nullptr;
   if (!value || !value->is_string()) return {};

@@ -10,12 +10,12 @@
 
 namespace forefeel {
 
-// Sets the key and adds its path to `overridden`. value is TOML, or a bare string; keys that exclude this one are
-// dropped. Of a list of tables [[key]], "key.NAME.…" means the one with group = "NAME", "key.…" the one without a
-// group. Throws InputError if the text lacks key or value.
+// Sets the key and adds its path to `overridden`. The value is TOML or a bare string; keys that exclude this one are
+// removed. In a list of tables [[key]], "key.NAME.…" means the table with group = "NAME", and "key.…" the table without
+// a group. Throws InputError if the text lacks key or value.
 void override_key(toml::table& scene, const std::string& text, std::set<std::string>& overridden);
 
-// Of a table of a list: what its key "group" says.
+// The value of the key "group" of a table in a list.
 std::optional<std::string_view> group_of(const toml::node& table);
 
 }  // namespace forefeel

@@ -1,7 +1,7 @@
 #pragma once
-// What a scene asks of the shape of the body: the keys shape_rate, shape_surface and shape_checks of [session].
-// Only sessions want it, so it is no part of a Scene; load_scene() checks the keys too, and a rate above 0 makes
-// states keep displacements.
+// The options of the body's shape in a scene: the keys shape_rate, shape_surface and shape_checks of [session]. Only
+// sessions use them, so they are not part of Scene. load_scene() checks the keys, too; a rate above 0 makes states keep
+// their displacements.
 
 #include <filesystem>
 #include <span>

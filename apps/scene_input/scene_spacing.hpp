@@ -23,8 +23,8 @@ struct SpacingChoice {
   bool kept = false;   // read from the cache folder; nothing was solved
 };
 
-// The values depend only on the arguments. If folder is empty, nothing is cached. A progress line shows what
-// is tried, unless it is to be quiet.
+// The values depend only on the arguments. If folder is empty, nothing is cached. Unless `quiet`, a progress line shows
+// the spacing being tried.
 SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
                                 const AutoSpacingOptions& options, const std::filesystem::path& folder,
                                 bool quiet);

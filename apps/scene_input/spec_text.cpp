@@ -27,7 +27,7 @@ std::vector<Declared> path_settings() {
 }
 
 std::vector<Declared> hand_settings() {
-  std::vector<Declared> all{{"target", "", "press", "path that the hand means to follow: a NAME of path"},
+  std::vector<Declared> all{{"target", "", "press", "path that the hand tries to follow: a NAME of path"},
                             {"grip", "N/m", fmt::format("{}", HandMotion{}.grip),
                              "stiffness of the grip; also light, medium or firm"}};
   for (Declared& setting : path_settings()) all.push_back(std::move(setting));

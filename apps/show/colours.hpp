@@ -1,5 +1,5 @@
 #pragma once
-// The colours of `forefeel show`, by what they stand for; those of labels are the ones of all pictures.
+// The colours of `forefeel show` by meaning. Labels have the same colours in all pictures.
 
 #include <map>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// Reads what is to be shown: a scene, a mesh or surface, a set of states, or the folder of a run.
+// Reads the input of `forefeel show`: a scene, a mesh, a surface, a set of states, or the folder of a run.
 
 #include <string>
 

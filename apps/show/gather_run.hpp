@@ -1,5 +1,5 @@
 #pragma once
-// The folder of a run: where the hand was, what was sent to it, which states were known, which shapes it made.
+// Reads the folder of a run: positions of the hand, forces sent, known states, shapes of the body.
 
 #include <filesystem>
 #include <optional>

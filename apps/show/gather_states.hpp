@@ -11,15 +11,15 @@
 
 namespace forefeel {
 
-// What labels are made with. box: nothing where only the states' extent is known.
+// Settings of the labels. box: nullopt if only the extent of the states is known.
 struct LabelFrame {
-  std::string where;  // what errors name
-  double spacing = unknown;
+  std::string where;         // what errors name
+  double spacing = unknown;  // [m]
   std::optional<Box> box;
 };
 
-// Labels of every place are taken at the end of `times` and at the others [s]; a state is known from the time
-// `known` on, or from the start where that is NaN. Sets states, box and spacing of the content.
+// Computes labels on a grid at each of `times` [s]. A state counts from its time `known` on, or from the start if that
+// is NaN. Sets states, box and spacing of the content.
 void take_states(const Globals& globals, const LabelFrame& frame, std::vector<ShownState> states,
                  std::span<const double> times, ShowContent& content);
 

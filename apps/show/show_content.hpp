@@ -1,6 +1,6 @@
 #pragma once
-// What `forefeel show` shows, as plain data: a body, a box, states, labels, and the path of the hand. Positions
-// are those of the HIP [m]: x = 0 is where the contact rests. Without a contact (a mesh or a surface alone) they
+// The content of `forefeel show` as plain data: a body, a box, states, labels, and the path of the hand. Positions are
+// HIP positions [m]; x = 0 is the rest position of the contact. Without a contact (a mesh or surface alone), positions
 // are those of the mesh.
 
 #include <array>
@@ -88,8 +88,8 @@ struct ShowContent {
 // The box around all that is shown [m].
 Box extent_of(const ShowContent& content);
 
-// From where it is seen first: the azimuth about z, from x towards y, and the elevation of the eye [degrees]. The
-// contact is in sight.
+// The initial view: azimuth about z, from x towards y, and elevation of the eye [degrees]. view_of() chooses it so that
+// the contact is visible.
 struct ViewPoint {
   double azimuth = -60, elevation = 24;
 };

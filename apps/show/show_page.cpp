@@ -38,7 +38,7 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
-// {"f32": "base64"}: what the script makes a typed array of.
+// {"f32": "base64"}, which the script turns into a typed array.
 template <class T>
 Json packed(const char* type, const std::vector<T>& values) {
   std::vector<unsigned char> bytes(values.size() * sizeof(T));
@@ -201,7 +201,7 @@ constexpr std::string_view body_html = R"(<div id="stage"></div>
 <div id="failure">This page needs WebGL, which the browser does not offer.</div>
 )";
 
-// Nothing may be loaded from anywhere: the browser enforces it.
+// Forbids the page to load anything; the browser enforces it.
 constexpr std::string_view policy =
     "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
     "style-src 'unsafe-inline'; img-src data: blob:\">\n";

@@ -18,7 +18,7 @@ namespace forefeel {
 namespace {
 
 constexpr int width = 1180, height = 780, legend_left = 905, title_height = 40;
-constexpr std::size_t most_triangles = 14'000;  // more are joined to coarser ones
+constexpr std::size_t most_triangles = 14'000;  // a finer surface is coarsened
 
 const std::string& ink(std::string_view meaning) {
   return show_colours().at(std::string(meaning));
@@ -162,7 +162,7 @@ void add_box(const Box& box, const Eye& eye, Depths& shapes) {
       for (int a = 0; a < 3; ++a) from[a] = (k >> a) & 1 ? box.high[a] : box.low[a];
       to = from;
       to[axis] = box.high[axis];
-      constexpr int parts = 12;  // so that each lies before or behind what it passes
+      constexpr int parts = 12;  // so that each part lies entirely before or behind other shapes
       for (int i = 0; i < parts; ++i) {
         const Vec3 a = from + (to - from) * (double(i) / parts),
                    b = from + (to - from) * (double(i + 1) / parts);

@@ -5,7 +5,7 @@
 
 namespace forefeel {
 
-// What the build found; the texts of three.js are empty where it found none.
+// The texts embedded by the build; those of three.js are empty if the build did not find it.
 std::string_view embedded_viewer_script();
 std::string_view embedded_viewer_style();
 std::string_view embedded_three();           // three.min.js

@@ -67,7 +67,7 @@ InputPlace Reader::where(const toml::node* node, const std::string& key) const {
   return {.file = study_.file.string(), .key = key};
 }
 
-// The keys of a study and how each is read, in the order of reading. Steps without a name are no keys.
+// The keys of a study and how each is read, in the order of reading.
 struct Reader::Key {
   const char *name, *standard, *meaning;
   void (Reader::*read)();
@@ -138,7 +138,7 @@ void Reader::read_set() {
   for (const std::string& text : set_) {
     const std::string key = text.substr(0, text.find('='));
     const std::string canonical = key == "model.select" ? "session.select" : key;
-    if (keys_.unfix(canonical))  // what the study fixes, --set may fix otherwise
+    if (keys_.unfix(canonical))  // --set may override a fixed key of the study
       std::erase_if(study_.fixed,
                     [&](const std::string& other) { return other.starts_with(canonical + "="); });
     const InputPlace place{.option = "--set", .key = key};

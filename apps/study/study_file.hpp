@@ -1,5 +1,5 @@
 #pragma once
-// A study as a file (TOML): what a person writes for scheduling/study/study.hpp.
+// A study file (TOML), from which a Study (scheduling/study/study.hpp) is made.
 //
 //   scene = "liver.toml"            # relative to the study, as are traces and arrivals that it names
 //   seeds = [1, 2, 3]
@@ -21,11 +21,11 @@
 //
 //   [sustained]                     # each cell searches the highest speed that it sustains (sustained_speed.hpp)
 //
-// A session ends with its motion: a trace of 3 s gives 3 s and one of 60 s gives 60 s, whatever the scene's
-// session.seconds; where the study itself gives session.seconds, no longer than that. Paths and hands have no
-// end; they run for session.seconds.
-// The clock is virtual whatever the scene says: cells must not depend on wall time. A key may appear once, be
-// it varied, stepped, fixed or given by --set.
+// A session ends with its motion: a trace of 3 s gives a session of 3 s and a trace of 60 s one of 60 s, whatever
+// session.seconds is in the scene. If the study itself gives session.seconds, that is an upper limit. Paths and hands
+// never end; they run for session.seconds.
+// The clock is always virtual, because cells must not depend on wall time. A key may be given only once: varied,
+// stepped, fixed or by --set.
 
 #include <cstdint>
 #include <filesystem>
@@ -44,7 +44,7 @@ namespace forefeel {
 struct StudyFileValue {
   std::string text;                    // as it stands in cells.csv
   std::vector<std::string> overrides;  // "key.path=TOML" for the scene
-  std::optional<double> number;        // of `target_load` and `speed`, which are no scene keys
+  std::optional<double> number;        // of `target_load` and `speed`, which are not keys of a scene
 };
 
 struct StudyFileAxis {
@@ -69,7 +69,7 @@ struct StudyFile {
   std::vector<std::string> overrides(std::span<const std::size_t> choice) const;
 };
 
-// set: what --set gave. InputError for anything that contradicts itself or cannot be meant.
+// set: the values of --set. InputError for contradictory or meaningless input.
 StudyFile read_study(const std::filesystem::path& file, std::span<const std::string> set);
 
 // An error about an overridden scene key, said with the place in the study that gave the key.

@@ -78,7 +78,7 @@ std::string in_words(const StudyProgress& p) {
   return fmt::format("{} of {} cells{}", p.done, p.cells, before);
 }
 
-// Warnings about ranks are shown when they come: a hanging one may need somebody's hand.
+// Warnings about ranks are shown at once, because the user may have to act on a hanging rank.
 void run_on_ranks(RankPool& ranks, const StudyPlan& plan, const std::vector<std::size_t>& cells,
                   const StudyRunOptions::Take& take, const Globals& globals, const InterruptWatch& watch) {
   std::stop_source stop;

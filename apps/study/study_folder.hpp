@@ -1,8 +1,8 @@
 #pragma once
 // Runs a study in a folder. Each finished cell is written at once to its own file, DIR/cells/KEY.json,
-// completely or not at all. A kill loses only the cells being run; a rerun resumes. KEY is a hash of the
-// cell's content (scene, body, options, seed, traces, version). A cell is therefore found again when the rest
-// of the study changes, and never mistaken for another.
+// completely or not at all. If the process is killed, only the cells being run are lost; a rerun resumes. KEY is a hash
+// of the cell's content (scene, body, options, seed, traces, version). So a cell is found again even if the rest of the
+// study changes, and it is never mistaken for another cell.
 
 #include <filesystem>
 

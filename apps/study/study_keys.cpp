@@ -19,7 +19,7 @@ using study_toml::toml_of;
 
 namespace {
 
-// Words that stand for a key of the scene, or for what only a study has.
+// Short words for keys of the scene, and keys that only a study has.
 struct ShortKey {
   Declared declared;
   bool of_scene = true;  // "policy" stands for "session.policy"

@@ -1,6 +1,6 @@
 #pragma once
-// The keys of a study: which key of the scene a word stands for, each given once in one way, and the values
-// that name files.
+// The keys of a study: which scene key each word means, the check that each key is given only once, and values that are
+// file names.
 
 #include <filesystem>
 #include <map>
@@ -16,7 +16,7 @@
 
 namespace forefeel::study_keys {
 
-// What `forefeel help study` says of the keys of [vary], of [[step]] and of [sustained].
+// The tables of `forefeel help study` for the keys of [vary], [[step]] and [sustained].
 DeclaredTable declared_vary();
 DeclaredTable declared_step();
 DeclaredTable declared_sustained();
@@ -32,11 +32,11 @@ std::span<const std::string> scene_sections();
 // keys of a scene. InputError at `place` for an unknown word.
 std::string scene_key(const std::string& written, const InputPlace& place, bool pseudo_allowed);
 
-// How and where each key is given: "fixed", "varied", …
+// Records how ("fixed", "varied", …) and where each key is given.
 class ClaimedKeys {
  public:
-  // InputError where the key is given already. A key and a table that holds it are the same place, and so are
-  // the load and the cost it stands for.
+  // InputError if the key was given before. A key also conflicts with a table that contains it, and target_load with
+  // the cost.
   void claim(const std::string& key, const InputPlace& place, const std::string& how);
   bool unfix(const std::string& key);                        // false where it was not "fixed"
   const InputPlace* place_of(const std::string& key) const;  // null where it is not given
@@ -49,11 +49,10 @@ class ClaimedKeys {
 struct StudyPaths {
   std::filesystem::path file, scene;
 };
-// The value as TOML. A file named in the study is looked for beside the study first; the scene wants it
-// relative to itself.
+// The value as TOML. A file name in the study is looked up in the study's folder first; the result is relative to the
+// scene's folder, as the scene reader expects.
 std::string rebased(const StudyPaths& study, const std::string& key, const toml::node& node);
-// The same text for values that are the same however they are written: 2, 2.0 and 0x2; a file by any of its
-// names.
+// A text that is the same for equal values however they are written: 2, 2.0 and 0x2; a file under any of its names.
 std::string identity(const StudyPaths& study, const std::string& key, const toml::node& node);
 
 }  // namespace forefeel::study_keys

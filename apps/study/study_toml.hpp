@@ -1,6 +1,6 @@
 #pragma once
-// TOML of a study: read from its file, and its values as text, for messages, for the table of the cells and
-// for the scene's overrides.
+// Reads the TOML of a study, and converts its values to text: for messages, for the table of cells and for overrides of
+// the scene.
 
 #include <toml++/toml.h>
 
@@ -13,14 +13,14 @@ namespace forefeel::study_toml {
 
 // InputError where the file cannot be read.
 std::string read_text(const std::filesystem::path& file);
-// InputError with the line where the text is no TOML.
+// InputError with the line if the text is not valid TOML.
 toml::table parse(const std::string& text, const std::filesystem::path& file);
 
 // The value as TOML in one line.
 std::string toml_of(const toml::node& node);
-// The same with numbers in as few digits as read back to the same, and a string without its quotes.
+// The same, with the shortest digits that read back to the same number, and strings without quotes.
 std::string shown(const toml::node& node);
-// toml++ sorts keys; here what a person wrote first comes first.
+// The entries in the order of the file; toml++ itself sorts them by key.
 std::vector<std::pair<std::string, const toml::node*>> in_file_order(const toml::table& table);
 
 }  // namespace forefeel::study_toml

@@ -1,7 +1,7 @@
 #pragma once
-// The rows of a CSV file as cells of text: the one place that knows what a row is.
-//   Cells are separated by commas. White space around a cell is dropped. So are the quotes of a cell that is
-//   quoted as a whole; commas and line breaks inside quotes are not supported.
+// Splits a CSV file into rows, and each row into cells of text. All readers of CSV files use it.
+//   Cells are separated by commas. White space around a cell is dropped, and so are quotes around a whole
+//   cell. Commas and line breaks inside quotes are not supported.
 //   Blank lines, lines that begin with # and a byte order mark are skipped.
 // csv_table.hpp reads columns of numbers, csv_text.hpp columns of text.
 
@@ -17,11 +17,11 @@ namespace forefeel {
 
 class CsvRows {
  public:
-  // content: of the whole file; name: of the file, for messages. The content stays where it is while this
-  // lives.
+  // content: of the whole file; it must outlive this object. name: of the file, for messages.
   CsvRows(const std::string& content, std::string name);
 
-  // InputError where the last line has no line break: what forefeel wrote ends with one, unless it was cut.
+  // InputError if the last line has no line break. A file that forefeel wrote ends with one; without it, the
+  // file was cut short.
   void expect_whole_lines() const;
 
   bool next();                     // to the next row; false after the last

@@ -34,7 +34,7 @@ std::size_t place_of(const CsvRows& header, std::string_view column, const std::
   return static_cast<std::size_t>(found - header.cells().begin());
 }
 
-// From the first row. A row of numbers is no header: it is read again as the first row of data.
+// Finds the columns in the first row. If that row holds numbers, it is not a header; it is read again as data.
 Places find_places(CsvRows& rows, std::span<const std::string_view> columns, const CsvOptions& options,
                    const std::string& wanted) {
   Places places;

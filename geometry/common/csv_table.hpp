@@ -1,6 +1,6 @@
 #pragma once
-// Columns of numbers from a CSV file. A header line names the columns, in any order; other columns are
-// ignored. A file whose first row holds numbers has no header and is read by position.
+// Reads columns of numbers from a CSV file. A header line names the columns, in any order; columns that were
+// not asked for are ignored. If the first row holds numbers, there is no header, and columns are read by position.
 
 #include <filesystem>
 #include <span>

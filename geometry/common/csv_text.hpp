@@ -1,6 +1,7 @@
 #pragma once
-// A CSV file with a header line, every cell kept as text: columns by name, numbers where a cell is one. For
-// files in which cells may be empty or hold words; csv_table.hpp is for columns of numbers alone.
+// Reads a CSV file with a header line and keeps every cell as text. Columns are found by name; a cell is
+// converted to a number on request. For files whose cells may be empty or hold words; csv_table.hpp is for
+// columns of numbers only.
 
 #include <filesystem>
 #include <memory>
@@ -13,15 +14,16 @@ namespace forefeel {
 
 class CsvText {
  public:
-  // InputError that names file and line for a missing file, no header, a row of another length than the
-  // header, or a last line without a line break (a file that was cut short). expected: what the message calls the file ("a file of a run").
+  // InputError that names file and line: the file or its header is missing, a row differs from the header in
+  // length, or the last line has no line break (the file was cut short). expected: what the message calls the
+  // file ("a file of a run").
   static CsvText read(const std::filesystem::path& file, std::string_view expected);
 
   std::size_t rows() const { return lines_.size(); }
   std::size_t line(std::size_t row) const { return lines_[row]; }  // in the file, from 1
   bool has(std::string_view column) const { return index(column).has_value(); }
   std::string_view text(std::size_t row, std::string_view column) const;  // "" where the column is absent
-  double number(std::size_t row, std::string_view column) const;  // NaN where absent, empty or no number
+  double number(std::size_t row, std::string_view column) const;  // NaN if absent, empty or not a number
 
  private:
   std::optional<std::size_t> index(std::string_view column) const;

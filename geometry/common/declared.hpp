@@ -1,6 +1,6 @@
 #pragma once
-// What the program says about one key, argument or column. Readers and writers use the same tables as
-// `forefeel help`, so that its text cannot be out of date.
+// Describes keys, arguments and columns. The readers and writers of files use the same tables as
+// `forefeel help`, so the help text is never out of date.
 
 #include <string>
 #include <vector>

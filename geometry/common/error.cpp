@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t longest_quote = 80, longest_path = 400, longest_problem = 1200;
 
-// No more than `most` bytes: the middle of a longer text becomes "…". Characters of several bytes stay whole.
+// Shortens a text to at most `most` bytes: the middle is replaced by "…". Multi-byte characters stay whole.
 std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   const auto inside = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };
@@ -29,7 +29,7 @@ std::size_t end_of_piece(const std::string& text, std::size_t begin) {
   return std::min(text.find(' ', begin), text.size());
 }
 
-// Words and quoted texts that are too long lose their middle, and so does the whole.
+// Shortens long words and quoted texts in the middle, then the whole text if it is still too long.
 std::string with_short_quotes(const std::string& text) {
   std::string result;
   for (std::size_t begin = 0; begin < text.size();) {

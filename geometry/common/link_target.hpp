@@ -5,8 +5,8 @@
 
 namespace forefeel {
 
-// The file that a name leads to: symbolic links followed, even to a file that is missing. A name without links
-// is returned as it is. InputError: links that lead in a circle.
+// Returns the file that a name leads to after all symbolic links are followed; that file may be missing. A
+// name without links is returned unchanged. InputError if the links form a circle.
 std::filesystem::path followed(const std::filesystem::path& file);
 
 }  // namespace forefeel

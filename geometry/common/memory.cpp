@@ -14,7 +14,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// The number in a file of one word; infinite where there is none ("max").
+// The number in a file that holds one word; infinite if that word is not a number ("max").
 double number_in(const std::string& file) {
   std::ifstream in(file);
   double value = 0;

@@ -1,13 +1,12 @@
 #pragma once
-// How much memory is left, for estimates that are made before anything large is begun.
+// Available memory, to check a large allocation before it is made.
 
 #include <string>
 
 namespace forefeel {
 
-// Memory that can be taken without swapping [bytes]: what the machine has free or can free (MemAvailable), and
-// no more than what the limits of the control group and of the process (ulimit -v) leave. Infinite where the
-// system does not tell.
+// Memory that can be allocated without swapping [bytes]: MemAvailable of the system, at most what the limits of
+// the control group and of the process (ulimit -v) leave. Infinite if the system does not report it.
 double available_memory();
 
 // "3.1 GB", "12 MB"

@@ -52,7 +52,7 @@ int open_part(const fs::path& part, const fs::path& replaced) {
       ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, replaces ? 0600 : 0666);
   if (descriptor < 0 || !replaces) return descriptor;
   if (::fchown(descriptor, status.st_uid, status.st_gid) != 0) {
-    // Only root may give a file away. The file then belongs to who writes it.
+    // Only root may change the owner of a file. If this fails, the file belongs to the writing user.
   }
   ::fchmod(descriptor, status.st_mode & 07777);
   return descriptor;

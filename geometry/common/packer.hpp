@@ -1,6 +1,7 @@
 #pragma once
-// Values as bytes, for messages between processes of one build on machines of one kind: numbers as they stand in
-// memory, lists and texts after their length. An Unpacker trusts no length and reads nothing beyond the end.
+// Packs values into bytes, for messages between processes of the same build on machines of the same kind.
+// Numbers are copied as they are in memory; lists and texts follow their length. An Unpacker checks every
+// length and never reads beyond the end.
 
 #include <concepts>
 #include <cstddef>
@@ -20,7 +21,7 @@ namespace forefeel {
 
 using Bytes = std::vector<char>;
 
-// A message that does not hold what its kind should hold.
+// Thrown if the content of a message does not match its kind.
 class MalformedMessage : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -1,7 +1,7 @@
 #pragma once
 // Quantiles of a sample, by one of three rules. Of n values x_1 <= ... <= x_n and a share p in [0, 1]:
-//   inverted_cdf   x_k, k = max(1, ceil(p n)): the least value that at least a share p of the sample does not
-//                  exceed. Type 1 of Hyndman and Fan, "Sample quantiles in statistical packages" (1996);
+//   inverted_cdf   x_k, k = max(1, ceil(p n)): the smallest value x for which at least a share p of the sample
+//                  is <= x. Type 1 of Hyndman and Fan, "Sample quantiles in statistical packages" (1996);
 //                  `nearest rank` in textbooks
 //   nearest        x_{1+k}, k = p (n - 1) rounded, halves up: `nearest` of numpy.quantile, which rounds
 //                  halves to even
@@ -23,8 +23,8 @@ double quantile(std::span<const double> sorted, double share, QuantileRule rule)
 // The same of values in any order; NaN are left out. O(n log n), allocates.
 double quantile_of(std::vector<double> values, double share, QuantileRule rule = QuantileRule::nearest);
 
-// The middle value, of an even number of values the upper one of the two in the middle: quantile_of(values,
-// 0.5, QuantileRule::nearest) in O(n).
+// The median; of an even number of values, the upper one of the two in the middle. Equal to
+// quantile_of(values, 0.5, QuantileRule::nearest), but O(n).
 double median(std::vector<double> values);
 
 }  // namespace forefeel

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t longest_line = 1 << 20, largest_stream = 1'000'000'000, small_file = 64'000'000;
 
-// Finds a line that is too long while the content grows.
+// Detects a line that is too long while the content is being read.
 class LineCheck {
  public:
   explicit LineCheck(const std::filesystem::path& file) : file_(file) {}

@@ -1,8 +1,8 @@
 #pragma once
 // FOREFEEL_CLONES before a function compiles it for SSE2, AVX2 with FMA, and AVX-512. The loader picks one,
-// so one binary serves old and new processors. Only for leaf loops over raw pointers: what they call must be
-// inlined. One version only: with FOREFEEL_NATIVE, under a sanitizer (the resolvers run before its runtime),
-// with other compilers.
+// so one binary serves old and new processors. Only for innermost loops over raw pointers: all functions that
+// they call must be inlined. A single version is compiled with FOREFEEL_NATIVE, under a sanitizer (the resolvers
+// run before its runtime) and with other compilers than GCC.
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(FOREFEEL_NATIVE) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -1,7 +1,7 @@
 #pragma once
-// How large an error of a force f [N] may be: a share of it, or a force.
-//   limit(f) = value max(||f||, floor)   relative, value [1]
-//   limit(f) = value                     in newtons, value [N]
+// The largest error that a force f [N] may have, relative or absolute:
+//   limit(f) = value max(||f||, floor)   relative, value [1], floor [N]
+//   limit(f) = value                     absolute, value [N]
 
 #include <algorithm>
 #include <optional>
@@ -18,7 +18,7 @@ struct Tolerance {
   double limit(double force) const { return newtons ? value : value * std::max(force, floor); }  // [N]
 };
 
-// "0.07" or "0.07 N"; nothing for any other text, and for numbers that are not above 0.
+// "0.07" or "0.07 N"; nullopt for any other text, and for numbers that are not above 0.
 std::optional<Tolerance> tolerance_from(std::string_view text);
 std::string in_words(const Tolerance& tolerance);  // "7 %", "0.07 N"
 

@@ -1,7 +1,7 @@
 #pragma once
-// Where do the octree index and the Delaunay triangulation label the same place differently? Measured by
-// volume:
-//   share = (volume where both agree, blank left out) / (volume that is not blank for both)
+// Compares the labels of the octree index with those of the Delaunay triangulation, by volume:
+//   share = (volume that both label alike, and not blank) / (volume that at least one of them does not label
+//           blank)                                                                                       [1]
 
 #include <array>
 #include <optional>
@@ -17,7 +17,7 @@ struct Agreement {
   double share = 1;
   // The cube in the middle of the longest run of differing cubes along x, and its two labels.
   struct Difference {
-    Vec3 at;
+    Vec3 at;  // [m]
     Label delaunay, octree;
   };
   std::optional<Difference> worst;  // nothing if no label differs

@@ -13,8 +13,7 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-// Directions that fall into one cell of this side count as one: clustering needs fewer than each of 2000
-// states.
+// Directions in one cell of this side are merged, because clustering up to 2000 single directions would be slow.
 constexpr double grain = 0.04;
 
 struct Ray {
@@ -67,7 +66,7 @@ std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_
   }
   std::vector<BridgeSide> result;
   for (auto& [root, side] : sides) {
-    // A side all round the place has no mean direction.
+    // A side that surrounds the place has no mean direction.
     const double length = side.direction.norm();
     side.direction = length > 1e-9 ? Vec3(side.direction / length) : Vec3(Vec3::UnitX());
     double least = 1;

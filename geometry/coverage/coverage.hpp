@@ -1,6 +1,6 @@
 #pragma once
-// What is known at a place q? Over the Delaunay triangulation of the known states, with q in a finite cell of
-// circumcentre c and circumradius R:
+// How well the force at a place q is known. In the Delaunay triangulation of the known states, let q lie in a
+// finite cell of circumcentre c and circumradius R:
 //   spread    pi(q) = sqrt(R^2 - |q - c|^2)      [m]  infinite outside the hull; factor of Waldron's bound
 //             (1998) on the error of linear interpolation
 //   distance  delta(q) to the nearest state      [m]

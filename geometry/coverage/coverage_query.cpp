@@ -18,7 +18,7 @@ struct Scratch {
   ConeSolver solver;
 };
 
-// One for each thread: queries are const and may run side by side.
+// Work space, one for each thread: queries are const and may run in several threads.
 Scratch& scratch() {
   thread_local Scratch mine;
   return mine;

@@ -1,9 +1,9 @@
 #pragma once
 // The labels of coverage.hpp at a place, from an octree and a Delaunay triangulation of the same states.
 //
-// Thresholds hold within 1e-9 (relative). A lattice meets several of them exactly (pi = sqrt(3)/2 h in its
-// cells, delta = 1.5 h between its points), and rounding would decide there. For the same reason gamma = 90
-// degrees counts as enclosed if the states are not coplanar: the face of a slab.
+// Thresholds have a relative tolerance of 1e-9. A lattice meets several of them exactly (pi = sqrt(3)/2 h in its
+// cells, delta = 1.5 h between its points); without a tolerance, rounding would decide there. For the same
+// reason gamma = 90 degrees, as on the face of a slab, counts as enclosed if the states are not coplanar.
 
 #include <optional>
 
@@ -21,7 +21,7 @@ struct Thresholds {
   double safe_spread, safe_radius, safe_cos;  // [m], [m], cos of the angle
   double sparse_distance;                     // [m]
   double gap_radius, gap_cos;                 // [m], cos of the angle
-  double merge;                               // a state nearer than this is at q itself [m]
+  double merge;                               // a state nearer than this counts as being at q [m]
   bool cell_suffices;                         // the safe angle is at least 90 degrees
 
   // The thresholds at another spacing: lengths times `factor`, except the merge distance.

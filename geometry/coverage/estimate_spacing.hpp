@@ -1,7 +1,8 @@
 #pragma once
-// The spacing h of states that do not say it: the median distance of a position to its nearest other one,
+// Estimates the spacing h of states that come without one: the median distance of a position to the nearest
+// other position,
 //   h = median over i of min over j of ||x_i - x_j||,  x_i != x_j
-// which is the spacing of a lattice that is mostly full.
+// For a lattice that is mostly full, this is the lattice spacing.
 
 #include <span>
 
@@ -9,8 +10,8 @@
 
 namespace forefeel {
 
-// [m]; `unknown` with fewer than two positions. Of more than 20 000 states every k-th is measured, 20 000 at
-// most; all count as neighbours. States at one position count once. O(n log n).
+// Returns h [m], or `unknown` with fewer than two positions. With more than 20 000 states only every k-th is
+// measured, at most 20 000 of them; all states count as neighbours. States at one position count once. O(n log n).
 double estimate_spacing(std::span<const State> states);
 
 }  // namespace forefeel

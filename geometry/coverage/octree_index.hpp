@@ -1,9 +1,9 @@
 #pragma once
 // Coverage from the states around a place, without a triangulation: cheap to insert into and to erase from.
 // With s = h(q), the spacing at q:
-//   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), and these are not
-//            coplanar. What is safe here is safe for the triangulation. The converse fails only if a corner
-//            of the Delaunay cell lies farther than rho
+//   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), and these states
+//            are not coplanar. A place that is safe here is also safe for the triangulation. The converse
+//            fails only if a corner of the Delaunay cell lies farther away than rho
 //   sparse   delta(q) <= kappa_p s, as for the triangulation
 //   gap      q's leaf is empty, and within the gap angle of each of 26 directions there is an occupied leaf
 //            within the gap radius
@@ -39,7 +39,7 @@ class OctreeIndex {
   Coverage coverage(const Vec3& q) const;
   Label label(const Vec3& q) const;
   // The same along a path: the tetrahedron of states that proved the last place safe often proves the next
-  // one. Only erase() puts a walk out of date; a further state cannot invalidate the proof.
+  // one, too. Only erase() makes a walk out of date; an additional state cannot invalidate the proof.
   Label label(const Vec3& q, PathWalk& walk) const;
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;

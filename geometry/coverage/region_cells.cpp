@@ -18,7 +18,7 @@ struct Cell {
   std::uint32_t leaf = 0;
 };
 
-// Faces of neighbours may differ by rounding; equal is what is nearer than this.
+// Faces of neighbours may differ by rounding; coordinates that differ by less than this count as equal.
 double tolerance(const std::vector<double>& sorted) {
   return sorted.empty() ? 0 : 1e-9 * std::max(sorted.back() - sorted.front(), std::abs(sorted.back()));
 }

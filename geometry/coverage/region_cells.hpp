@@ -1,10 +1,10 @@
 #pragma once
-// The leaves of regions as boxes with shared corners, so that other programs see what is connected: two boxes
-// of one component that share a facet are connected over corners that they share, directly or through other
-// boxes; boxes of different components share no corner.
+// Converts the leaves of regions to boxes with shared corners, so that other programs find the connected
+// components. Two boxes of one component that share a facet are connected by shared corners, directly or through
+// other boxes. Boxes of different components share no corner.
 //
-// A small leaf in the middle of a large one's facet shares no corner with it. Where nothing else connects the
-// two, the large leaf is cut into smaller boxes; so there may be a few more boxes than leaves.
+// A small leaf in the middle of a large leaf's facet shares no corner with the large leaf. If nothing else
+// connects the two, the large leaf is cut into smaller boxes. So there may be a few more boxes than leaves.
 
 #include <array>
 #include <cstdint>

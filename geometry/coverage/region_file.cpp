@@ -81,7 +81,7 @@ Grid voxels_of(const RegionCells& cells) {
   return grid;
 }
 
-// The array of numbers, and the names beside it.
+// The array of label numbers, and an array of their names.
 std::string labels(const std::string& array, const std::vector<Label>& label, AppendedArrays& arrays) {
   std::vector<std::uint8_t> numbers;
   std::vector<std::string_view> names;

@@ -31,7 +31,7 @@ void write_regions_csv(const std::filesystem::path& file, std::span<const Region
 void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space);
 
 struct SeriesEntry {
-  double time = 0;
+  double time = 0;  // [s]
   int part = 0;
   std::string file;  // relative to the series
 };

@@ -105,7 +105,7 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
     for (std::int32_t up = node(index).parent; up >= 0; up = node(up).parent)
       nodes_[static_cast<std::size_t>(up)].below = RegionNode::anything;
   };
-  // A watch may outlive its voxel. Marking what has taken its place costs time, but is never wrong.
+  // A watch may outlive its voxel. The node that replaced it is then marked without need, which only costs time.
   for (const std::uint32_t token : disturbed) wake(static_cast<std::int32_t>(token));
   for (const std::int32_t index : restless_) wake(index);
   restless_.clear();

@@ -56,7 +56,8 @@ bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec
     become_leaf(node, Label::blank, axis);
     return true;
   }
-  // A move by e turns no direction by more than asin(e / nearest): a smaller angle at q proves all.
+  // A move by e turns a direction by at most asin(e / nearest), so a correspondingly smaller angle at q proves the label
+  // for all voxels.
   gather(q, limits.gap_radius - e);
   const double turn = std::asin(std::min(1.0, e / nearest.norm())) + 1e-9;
   const double angle = std::acos(std::clamp(limits.gap_cos, -1.0, 1.0));
@@ -88,7 +89,7 @@ bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const 
 }
 
 bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
-  // The corners first: if not all voxels are safe, a corner usually is not.
+  // The corners are tested first: if some voxel is not safe, usually a corner is not.
   const std::int32_t w = node.width();
   for (int pass = 0; pass < 2; ++pass) {
     for (std::int32_t k = 0; k < w; ++k)

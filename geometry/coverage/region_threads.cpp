@@ -63,7 +63,7 @@ void RegionTree::take_root(std::int32_t root, RegionTree& part) {
   part.wished_.clear();
 }
 
-// Of a part: its only root, settled.
+// Called on a part of the tree: settles its only root, which starts as `root`.
 std::exception_ptr RegionTree::settle_root(const RegionNode& root) {
   return caught([&] {
     nodes_.assign(1, root);

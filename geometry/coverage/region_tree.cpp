@@ -110,7 +110,7 @@ Label RegionTree::label_at(const Vec3& q) {
 std::uint8_t RegionTree::summary(const RegionNode& node) const {
   switch (node.kind) {
     case RegionNode::Kind::unresolved:
-      return RegionNode::anything;  // it may become any leaf, and the nodes above are not told
+      return RegionNode::anything;  // it may become any leaf, and the nodes above are not updated then
     case RegionNode::Kind::leaf: {
       const bool by_axis =
           node.label == Label::sparse && !(node.axis[0] == 0 && node.axis[1] == 0 && node.axis[2] == 0);
@@ -152,7 +152,7 @@ void RegionTree::branch(std::int32_t index) {
     nodes_[static_cast<std::size_t>(up)].below = RegionNode::anything;
 }
 
-// Eight leaves that are all safe, or all gap, are replaced by their parent. Goes on upwards as far as it can.
+// Replaces eight leaves that are all safe, or all gap, by their parent. Repeats this upwards as far as possible.
 void RegionTree::collapse(std::int32_t index) {
   for (; index >= 0; index = node(index).parent) {
     RegionNode& parent = nodes_[static_cast<std::size_t>(index)];

@@ -10,10 +10,10 @@
 //   sparse   a voxel whose spread is too wide: only when the Delaunay cell around it is destroyed.
 //            Any other: within the safe radius, if the state lies in the leaf's empty cone
 //
-// The marking is lazy. An insertion is stored with the root cubes in reach; label_at() hands it down one
-// level at each node of its path. Marked leaves are unresolved. label_at() resolves those on its path,
-// settle() all of them, and settle() visits nothing else. On an adaptive lattice a leaf is proven only where
-// h(q) is constant, and the coarsest h decides what an insertion may break.
+// The marking is lazy. An insertion is stored with the root cubes in its reach; label_at() passes it on by one
+// level at each node of its path. Marked leaves are unresolved. label_at() resolves those on its path; settle()
+// resolves all of them and visits nothing else. On an adaptive lattice a leaf is proven only where h(q) is
+// constant, and the coarsest h decides which leaves an insertion marks.
 //
 // The first settle() shares the root cubes among threads. Each root is settled in a tree of its own, and
 // these are joined in the order of the roots. So nodes and labels are the same for any number of threads.
@@ -52,7 +52,7 @@ struct RegionNode {
   bool waits = false;          // an insertion may be stored here or below
   std::int32_t waiting = -1;   // of a branch: head of the list of insertions not yet handed to its children
   Label label = Label::blank;  // while unresolved: the last known label; it can only become better
-  std::uint8_t below = anything;  // of a branch: what is below, as bits; may hold too much, never too little
+  std::uint8_t below = anything;  // of a branch: bits of what is below; may hold extra bits, never too few
   std::array<float, 3> axis{};    // of the empty cone that proves a blank or sparse leaf; 0: none
 
   static std::uint8_t bit(Label label) {
@@ -136,8 +136,8 @@ class RegionTree {
   bool is_fresh() const;  // no leaf was ever resolved, and no insertion waits
   void settle_fresh(const std::function<void(double)>& progress);
   std::exception_ptr settle_root(const RegionNode& root);
-  void take_root(std::int32_t root, RegionTree& part);  // what part.nodes_ holds below its only root
-  void watch_cell(std::int32_t index);                  // the one that walk_ has found
+  void take_root(std::int32_t root, RegionTree& part);  // moves the nodes below the only root of `part` here
+  void watch_cell(std::int32_t index);                  // watches the cell that walk_ has found
   bool watch_place(const Vec3& q, std::int32_t index);
   bool settle_marked(std::size_t budget);
   void refresh_above(std::int32_t index);
@@ -166,7 +166,7 @@ class RegionTree {
   std::vector<RegionNode> nodes_;
   std::vector<std::int32_t> free_;      // first of eight unused nodes, each
   std::vector<std::int32_t> restless_;  // voxels that no watch covers: marked by every insertion
-  struct WishedWatch {                  // of a part of the tree, which must not change the triangulation
+  struct WishedWatch {                  // postponed: a part of the tree must not change the triangulation
     const void* cell;                   // null: of the cell at q
     Vec3 q;
     StateId near;
@@ -185,7 +185,7 @@ class RegionTree {
   Directions directions_;
   ConeSolver solver_;
   std::vector<std::int32_t> marked_;  // since settle() last resolved all leaves
-  bool complete_ = false;             // it did so once: whatever is unresolved lies below marked_
+  bool complete_ = false;             // settle() resolved all leaves once; unresolved ones lie below marked_
   std::size_t pending_ = 0;
 };
 

@@ -102,8 +102,8 @@ struct Facet {
   std::uint32_t leaf, past;  // past: the leaf across one of the upper faces of `leaf`
 };
 
-// Calls visit(facet) for every facet that two leaves share, by rising `leaf`. All threads find them; the
-// visits follow one another.
+// Calls visit(facet) for every facet that two leaves share, in order of `leaf`. All threads search for facets; visit()
+// is called by one thread at a time.
 template <class Visit>
 void for_each_facet(const RegionTree& tree, const LeafTable& table, Visit&& visit) {
   constexpr std::size_t block = 2048, blocks = 64;

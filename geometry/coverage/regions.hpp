@@ -1,16 +1,16 @@
 #pragma once
-// Regions: the box of a state space as labelled octree leaves. The finest cells are voxels of side h/4 with
-// the label of their centre; eight children of one label are one leaf. Voxels at the faces of a box that is
-// no multiple of h/4 are cut off (voxel_grid.hpp). Volumes, components and pictures are sums over leaves.
+// Regions: the box of a state space, divided into labelled octree leaves. The finest cells are voxels of side
+// h/4 with the label of their centre; eight children of one label are merged into one leaf. If the box is not a
+// multiple of h/4, voxels at its faces are cut off (voxel_grid.hpp). Volumes, components and pictures are sums
+// over leaves.
 //
 //   fill distance   sup over the box of delta(q)                        [m]
-//   largest hole    the largest ball without a state inside and with states all round, its centre in the box
-//                   and in the hull of the states: the largest circumscribed ball of a Delaunay cell
+//   largest hole    the largest ball that contains no state and whose centre lies in the box and in the hull of
+//                   the states: the largest circumscribed ball of a Delaunay cell
 //
-// Regions are kept up to date, not rebuilt. A new state is stored with the cells in its reach; the leaves
-// whose label it may change are resolved when they are looked at: by label_at() on one path from the root, by
-// settle() all of them. One owner: const members resolve what is pending, so they must not run in several
-// threads at once.
+// Regions are updated, not rebuilt. A new state is stored with the cells in its reach. The leaves whose label it
+// may change are resolved later: label_at() resolves those on one path from the root, settle() all of them.
+// Const members resolve pending leaves, so only one thread may use the regions at a time.
 
 #include <array>
 #include <cstddef>

@@ -111,7 +111,7 @@ Label StateSpace::label(const Vec3& q, PathWalk& walk) const {
                                 : query.label(q, walk, impl_->limits);
 }
 
-// A leaf has the label of the middle of each of its voxels.
+// All voxels of a leaf have the leaf's label, which is the label at their centres.
 Label StateSpace::region_label(const Vec3& q) const {
   return label(impl_->options.box.contains(q) ? impl_->voxels.centre(impl_->voxels.voxel_of(q)) : q);
 }

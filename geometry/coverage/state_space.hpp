@@ -35,12 +35,12 @@ class StateSpace {
     bool is_new = false;  // false: a state lies within merge_distance; the known one is kept
   };
   // InputError for a state that is not usable(), or whose position or force is not finite; nothing is inserted
-  // then. A force that is not known at all (three NaN) is taken: the space then only answers where states are.
+  // then. A force of three NaN (unknown) is accepted: such a state counts for coverage only.
   Insertion insert(State state);
 
   Coverage coverage(const Vec3& q) const;            // label and measures at q
   Label label(const Vec3& q) const;                  // the same label, cheaper
-  Label label(const Vec3& q, PathWalk& walk) const;  // the same, cheaper still along a path
+  Label label(const Vec3& q, PathWalk& walk) const;  // the same, even cheaper along a path
   Label region_label(const Vec3& q) const;  // what regions().label_at(q) returns, without making regions
   double spacing_at(const Vec3& q) const;   // h(q) [m]
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;  // by distance, ties by id

@@ -1,7 +1,7 @@
 #pragma once
-// A box cut into cubes, the finest cells of regions. The grid is centred in the box. If the box is no
-// multiple of the side, cubes at its faces are cut off; such a voxel stands for the middle of its remaining
-// part.
+// A box divided into cubes (voxels), the finest cells of regions. The grid is centred in the box. If the box is
+// not a multiple of the side, cubes at its faces are cut off; the centre of such a voxel is the centre of its
+// remaining part.
 
 #include <algorithm>
 #include <array>

@@ -1,13 +1,13 @@
 #pragma once
-// A label volume of a scanner: one whole number for each voxel, 0 for the background. The centre of voxel (i, j, k)
-// lies at
+// A label volume, a segmented image of a scanner: one whole number for each voxel, 0 for the background. The centre of
+// voxel (i, j, k) lies at
 //   x = origin + axes (i, j, k)^T                                                                             [m]
-// so the columns of `axes` hold spacing and orientation. Coordinates are those of the file (NIfTI: right, anterior,
-// superior; DICOM's and so most .mha and .nrrd files': left, posterior, superior).
+// so the columns of `axes` hold spacing and orientation. Coordinates are those of the file. NIfTI: right, anterior,
+// superior. DICOM, and most .mha and .nrrd files: left, posterior, superior.
 //
 // Readers: NIfTI 1 and 2 in one file (.nii, .nii.gz; header interpreted by libnifti), MetaImage (.mha, .mhd), NRRD
-// (.nrrd, .nhdr; raw, gzip or ascii), VTK XML image data (.vti). Each trusts no header: a size must fit the data that
-// follow and the memory that is left before anything of that size is allocated.
+// (.nrrd, .nhdr; raw, gzip or ascii), VTK XML image data (.vti). No reader trusts the header: before it allocates, it
+// checks each size against the data in the file and against the available memory.
 
 #include <array>
 #include <cstddef>

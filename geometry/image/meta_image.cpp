@@ -70,7 +70,7 @@ class MetaReader {
   }
   bool flag(const std::string& key) const { return lower_case(get(key)) == "true"; }
 
-  // As many numbers as in `otherwise`, which stands for a key that is not there.
+  // The numbers of a key, as many as in `otherwise`, which is returned if the key is missing.
   std::vector<double> numbers(const std::string& key, std::vector<double> otherwise) const {
     const auto found = values_.find(key);
     if (found == values_.end()) return otherwise;

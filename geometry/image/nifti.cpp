@@ -49,8 +49,8 @@ std::optional<Scalar> scalar_of(int type) {
   }
 }
 
-// What libnifti takes on trust, or refuses with a print: number of dimensions and sizes (of either version), type and
-// place of the data.
+// Checks what libnifti does not check, or refuses with a message of its own: number of dimensions and sizes (of either
+// version), type and place of the data.
 template <class Header>
 void check(Header header, bool swap, const std::string& file) {
   const auto plain = [&](auto value) { return swap ? byte_swapped(value) : value; };

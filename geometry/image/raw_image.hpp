@@ -1,5 +1,5 @@
 #pragma once
-// An image as a header describes it, before its values are labels. Private to this room.
+// An image as its header describes it, and the conversion of its values to labels. Private to this room.
 
 #include <array>
 #include <cstdint>
@@ -33,15 +33,16 @@ struct ImageHeader {
   std::string unit_name = "mm";
   bool unit_given = false;
   Scalar type = Scalar::uint8;
-  bool swap = false;                // bytes are in the order of other machines
+  bool swap = false;                // the byte order is not that of this machine
   double slope = 1, intercept = 0;  // value = slope * stored + intercept
 };
 
-// Number of voxels. InputError for a size that is not positive, that overflows, or whose voxels (`bytes_each`, and
-// what they become) do not fit into the memory that is left.
+// Number of voxels. InputError for a size that is not positive or overflows, or if the voxels (`bytes_each` in the
+// file, and the labels made of them) do not fit into the available memory.
 std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each);
 
-// Values appear one after the other; more than 255 different ones, or one that is not whole, is an InputError.
+// Collects the values of the voxels, one at a time. InputError for more than 255 different values, or for a value that
+// is not a whole number.
 class LabelCollector {
  public:
   LabelCollector(const ImageHeader& header, std::size_t voxels, const std::string& file);
@@ -61,7 +62,7 @@ class LabelCollector {
 // data: exactly the voxels, i fastest.
 LabelVolume labels_of(const ImageHeader& header, std::string_view data, const std::string& file);
 
-// The voxels of a file whose data follow at `content`, plain or compressed; InputError where they are cut short.
+// The voxels of a file whose data begin at `content`, plain or compressed; InputError if the data are cut short.
 LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool compressed,
                       const std::string& file);
 
@@ -70,11 +71,11 @@ LabelVolume read_meta_image(std::string_view content, const std::filesystem::pat
 LabelVolume read_nrrd(std::string_view content, const std::filesystem::path& file);
 LabelVolume read_vti(std::string content, const std::string& file);
 
-// The numbers in a header's text, as many as expected; else InputError.
+// Reads exactly `expected` numbers from the text of a header's key; InputError for any other count.
 std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
                                    const std::string& key);
 
-// The file with the data that a header names, in its own folder. InputError for a name with a folder.
+// Reads the data file that a header names; it must lie in the header's folder. InputError for a name with a folder.
 std::string read_beside(const std::filesystem::path& header, const std::string& name);
 
 }  // namespace forefeel

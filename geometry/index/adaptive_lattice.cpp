@@ -110,7 +110,7 @@ void AdaptiveLattice::split(std::int32_t index) {
                 2 * parent.low[2] + ((child >> 2) & 1)}};
 }
 
-// Splits a leaf; before that the neighbours that are coarser than it.
+// Splits a leaf, after its coarser neighbours have been split.
 void AdaptiveLattice::split_balanced(std::int32_t index, std::size_t& count) {
   const Node node = nodes_[static_cast<std::size_t>(index)];
   if (node.children >= 0) return;

@@ -1,8 +1,7 @@
 #pragma once
-// The adaptive lattice: an octree whose leaves are as wide as the spacing wanted there. Leaves that touch
-// (over faces, edges or corners) differ by at most one level. States belong at the corners of the leaves.
-// Leaves of width s have their corners at {k s}^3; so a lattice without refinement is {k h}^3, and rest is
-// always a corner.
+// The adaptive lattice: an octree whose leaves are as wide as the wanted spacing. Leaves that touch (over faces,
+// edges or corners) differ by at most one level. States lie at the corners of the leaves. Leaves of width s have
+// their corners at {k s}^3, so a lattice without refinement is {k h}^3, and rest is always a corner.
 //   h(q) = the largest spacing among the leaves that touch q's leaf, itself included [m]
 
 #include <array>
@@ -28,8 +27,8 @@ class AdaptiveLattice {
   // leaves.
   AdaptiveLattice(const Box& box, double coarsest);
 
-  // Splits leaves until each is at most target(leaf) [m] wide or max_level deep, and others as the balance
-  // needs. Returns the number of splits.
+  // Splits leaves until each is at most target(leaf) [m] wide or max_level deep. Splits other leaves as needed to
+  // keep neighbours within one level. Returns the number of splits.
   std::size_t refine(const std::function<double(const LatticeLeaf&)>& target, int max_level = 6);
 
   double spacing_at(const Vec3& q) const;  // h(q); outside the leaves, that of the nearest place inside
@@ -40,8 +39,8 @@ class AdaptiveLattice {
   // The corners of all leaves inside the given box, outward from rest, with the smallest spacing of their
   // leaves.
   struct Point {
-    Vec3 at;
-    double spacing;
+    Vec3 at;         // [m]
+    double spacing;  // [m]
   };
   std::vector<Point> points() const;
   double coarsest() const { return coarsest_; }
@@ -71,9 +70,9 @@ class AdaptiveLattice {
   std::vector<Node> nodes_;
 };
 
-// The lattice on which states with target spacings (State::spacing) lie: its coarsest spacing is the largest
-// of theirs, and no leaf is wider than the spacing of any state inside it. Nothing if no state has a target
-// spacing, or if all have the same.
+// The lattice on which states with target spacings (State::spacing) lie. Its coarsest spacing is the largest
+// target spacing, and no leaf is wider than the target spacing of a state inside it. nullopt if no state has a
+// target spacing, or if all have the same.
 std::optional<AdaptiveLattice> lattice_of(std::span<const State> states, const Box& box);
 
 }  // namespace forefeel

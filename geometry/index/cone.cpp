@@ -18,7 +18,7 @@ constexpr double flat = 1e-7;       // height below which directions count as co
 FOREFEEL_CLONES
 double largest_product(const double* __restrict x, const double* __restrict y, const double* __restrict z,
                        std::size_t count, double a, double b, double c) {
-  // Eight maxima side by side, which vectorise. The compiler may not reorder a maximum by itself.
+  // Eight separate maxima can be vectorised; the compiler may not reorder a single one.
   double best[8];
   for (double& b8 : best) b8 = -std::numeric_limits<double>::infinity();
   std::size_t i = 0;
@@ -223,7 +223,7 @@ EmptyCone ConeSolver::finish(const Directions& directions, Stop stop, std::size_
   const Vec3 point = nearest_of_hull(directions);
   const double distance = point.norm();
   if (distance > 1e-9) return {-std::min(distance, 1.0), -point / distance};
-  // The apex lies on the boundary of the hull: 90 degrees, along a facet's normal or off the plane.
+  // The apex lies on the boundary of the hull: gamma = 90 degrees. The axis is a facet's normal, or the plane's.
   if (stop == Stop::open) return {0.0, facets_[lowest].normal};
   return {0.0, plane_};
 }

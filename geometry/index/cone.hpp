@@ -6,9 +6,9 @@
 // point of the hull nearest to the apex. So gamma < 90 degrees exactly if q lies strictly inside the hull of
 // the states.
 //
-// The full hull is not built. A small hull grows by the direction farthest beyond its lowest facet, until
-// none lies beyond. It lies within the full hull, so it proves gamma <= threshold as soon as its own facets
-// do.
+// The full hull is not built. A small hull grows: the direction farthest beyond its lowest facet is added, until
+// no direction lies beyond that facet. The small hull lies within the full hull, so its facets alone can prove
+// gamma <= threshold.
 
 #include <array>
 #include <cstdint>

@@ -95,8 +95,8 @@ using Point = Kernel::Point_3;
 using CellHandle = Delaunay::Cell_handle;
 using VertexHandle = Delaunay::Vertex_handle;
 
-// What CGAL calls a visitor of hidden points, of which a Delaunay triangulation has none: it sees the cells
-// that an insertion destroys while it takes CGAL's own path, which is faster than find_conflicts() and
+// Receives the cells that an insertion destroys. CGAL calls such a class a visitor of hidden points (a Delaunay
+// triangulation has none). CGAL's own insertion with this visitor is faster than find_conflicts() and
 // insert_in_hole().
 template <class Gone>
 struct ConflictVisitor {
@@ -111,7 +111,7 @@ struct ConflictVisitor {
 };
 
 struct Triangulation : Delaunay {
-  // In dimension 3. gone(cell) for every cell that the new point destroys, before it does.
+  // In dimension 3. Calls gone(cell) for every cell that the new point destroys, before the cell is destroyed.
   template <class Gone>
   VertexHandle insert_in_space(const Point& p, CellHandle start, Gone&& gone) {
     Locate_type type;
@@ -159,7 +159,7 @@ struct Simplex {
     lowest = std::min({weight[0], weight[1], weight[2], weight[3]});
     return true;
   }
-  // In a thin cell the differences of coordinates must not be rounded, either.
+  // In a thin cell even the rounding of coordinate differences is too large.
   void set_exactly(CellHandle cell, const Vec3& q) {
     using Long3 = Eigen::Matrix<long double, 3, 1>;
     std::array<Long3, 4> p;
@@ -183,8 +183,8 @@ struct Simplex {
   }
 };
 
-// A place well inside the hull, kept while it grows: the mean of the states that are farthest along 26
-// directions.
+// A place well inside the hull of the states, updated as states are added: the mean of the states that are
+// farthest along 26 directions.
 class Inside {
  public:
   Inside() {

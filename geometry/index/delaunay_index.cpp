@@ -88,7 +88,7 @@ void DelaunayIndex::Impl::release_watches(CellHandle cell) {
 CellHandle DelaunayIndex::Impl::inner_cell(CellHandle cell, const Vec3& q, double longest,
                                            Simplex& simplex) const {
   const Vec3 toward = (inside.place() - q).normalized();
-  // None is a direction of a lattice: a step along a flat cell would stay in it.
+  // None of these is a direction of a lattice, because a step along a flat cell would stay in the cell.
   static const std::array<Vec3, 4> aside{Vec3(0.267, -0.534, 0.802), Vec3(-0.771, 0.154, 0.617),
                                          Vec3(0.577, 0.742, -0.342), Vec3(-0.302, -0.905, -0.301)};
   for (const double step : {1e-11, 1e-9}) {
@@ -251,7 +251,7 @@ bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
   if (cell == CellHandle()) {
     cell = my.triangulation.locate(point(q), my.start(near));
     if (!my.triangulation.is_infinite(cell)) return false;
-    // If q lies in the plane of a facet, it may come to lie in the hull while the facet stays.
+    // If q lies in the plane of a facet, a later state may put q into the hull without destroying the facet.
     const Exit exit(my.triangulation, cell, q);
     if (exit.height <= 1e-6 * exit.longest + my.grain()) return false;
   }

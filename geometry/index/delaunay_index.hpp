@@ -12,9 +12,9 @@
 // does not depend on which of several cospherical triangulations was chosen, so neither does pi. (The
 // circumradius alone is not monotone.)
 //
-// Rounding: cells whose height is below 1e-12 of their edges, or below 64 units in the last place of the
-// states' coordinates, count as coplanar. At a face of the hull the cell behind them is used instead, and q
-// may lie outside the hull by as little. (A rotated lattice has such cells at all its faces.)
+// Rounding: a cell counts as flat (coplanar) if its height is below 1e-12 of its edges, or below 64 units in the
+// last place of the states' coordinates. At a face of the hull the next cell that is not flat is used instead, so
+// q may lie outside the hull by such a height. (A rotated lattice has flat cells at all its faces.)
 
 #include <array>
 #include <cstdint>
@@ -28,11 +28,11 @@
 namespace forefeel {
 
 struct Spread {
-  double spread = std::numeric_limits<double>::infinity();
-  double alpha = std::numeric_limits<double>::infinity();  // only if asked for
-  bool inside = false;                                     // in the hull, in a cell that is not flat
-  std::array<StateId, 4> states;                           // of one cell that contains q
-  std::array<double, 4> weights{};                         // barycentric, >= 0, sum 1
+  double spread = std::numeric_limits<double>::infinity();  // [m]
+  double alpha = std::numeric_limits<double>::infinity();   // [m]; only if requested
+  bool inside = false;                                      // in the hull, in a cell that is not flat
+  std::array<StateId, 4> states;                            // of one cell that contains q
+  std::array<double, 4> weights{};                          // barycentric, >= 0, sum 1
   std::array<Vec3, 4> at;
 };
 
@@ -72,8 +72,8 @@ class DelaunayIndex {
   std::vector<Cell> cells() const;  // finite ones
   std::size_t cell_count() const;
   struct Ball {
-    Vec3 centre;
-    double radius = 0;
+    Vec3 centre;        // [m]
+    double radius = 0;  // [m]
   };
   std::vector<Ball> circumballs() const;  // of the finite cells that are not flat: the largest empty balls
 

@@ -49,7 +49,7 @@ Basis start() {
   return basis;
 }
 
-// Brings `p` in for the corner whose weight falls to zero first; false where the tetrahedron would collapse.
+// Replaces the corner whose weight falls to zero first by `p`; false if the tetrahedron would become flat.
 bool pivot(Basis& basis, const Vec3& p, double cost, std::uint32_t index) {
   const std::array<double, 4> share = basis.coordinates(p);
   std::size_t out = 4;

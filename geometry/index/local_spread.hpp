@@ -1,11 +1,11 @@
 #pragma once
-// The spread of a place from the states around it, without a triangulation:
+// The spread of a place q, computed from the states x_j around it, without a triangulation:
 //   pi_rho(q) = min { sqrt(sum mu_j |x_j - q|^2) :
 //                     mu_j >= 0, sum mu_j = 1, sum mu_j x_j = q,  |x_j - q| <= rho }   [m]
 // The spread of delaunay_index.hpp is the same minimum over all states. So pi <= pi_rho, with equality if the
-// corners of the Delaunay cell of q lie within rho. A finite pi_rho says that q lies in the hull of the
-// states within rho. A linear programme in five rows, solved by the simplex method on tetrahedra: O(n) a
-// pivot, about ten pivots.
+// corners of the Delaunay cell of q lie within rho. pi_rho is finite if q lies in the hull of the states within
+// rho. This is a linear programme with five rows, solved by the simplex method on tetrahedra: about ten pivots,
+// O(n) each.
 
 #include <array>
 #include <cstdint>

@@ -1,10 +1,10 @@
 #pragma once
-// The memory of a path of queries: the tetrahedron of states that held the last place, with its affine map.
-// While the path stays inside,
+// Speeds up queries along a path: it keeps the tetrahedron of states that contained the last place, and its
+// affine map. While the path stays inside,
 //   lambda_i = (B (q - v_0))_i,  i = 1..3,   lambda_0 = 1 - sum     barycentric weights of q
 //   spread   = sqrt(sum lambda_i |v_i - q|^2)
-// take a dozen products and no search. The caller owns one walk for each path and thread. It may be given to
-// any index at any time: a walk of another index, or out of date, costs a search and is renewed.
+// take a dozen products and no search. The caller owns one walk for each path and thread. A walk may be given to
+// any index at any time: if it belongs to another index or is out of date, the query searches and renews it.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -31,7 +31,7 @@ struct PathWalk {
     const Vec3 bc = b.cross(c);
     const double volume = a.dot(bc);
     const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
-    // The map of a flat cell would be inexact: there every query searches.
+    // The map of a flat cell would be inexact. It is not kept, so every query there searches.
     cached = std::abs(volume) > 1e-3 * longest * std::sqrt(longest);
     if (!cached) return;
     inverse.row(0) = bc / volume;
@@ -49,7 +49,7 @@ struct PathWalk {
   }
 };
 
-// A version for whatever a walk may belong to; no two calls return the same.
+// A new version number for an index; no two calls return the same number.
 std::uint64_t next_version();
 
 }  // namespace forefeel

@@ -126,7 +126,7 @@ bool PointOctree::erase(std::uint32_t id, const Vec3& at) {
     for (int i = 0; i < bucket.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (bucket.id[k] != id) continue;
-      // The gap is filled from the first bucket, the only one of a chain that may be partly full.
+      // The freed place is filled from the first bucket, the only one of a chain that may be partly full.
       Bucket& first = buckets_[static_cast<std::size_t>(head)];
       const auto last = static_cast<std::size_t>(--first.count);
       bucket.x[k] = first.x[last];

@@ -42,8 +42,9 @@ class PointOctree {
     visit_within(0, centre_, half_, q, radius * radius, visit);
   }
 
-  // The point within `reach` of q with the largest axis . d - cosine |d| + margin, d = x - q, as offset d, if
-  // that is positive. False: the cone about the unit axis is empty, with the margin [m] to spare.
+  // Finds the point x within `reach` of q with the largest value of axis . d - cosine |d| + margin, d = x - q.
+  // True if that value is positive; offset is then d. False: the cone about the unit axis is empty, even if it
+  // is widened by the margin [m].
   bool find_in_cone(const Vec3& q, const Vec3& axis, double cosine, double margin, double reach,
                     Vec3& offset) const {
     if (nodes_.empty()) return false;
@@ -51,8 +52,8 @@ class PointOctree {
     return find_in_cone(0, centre_, half_, {q, axis, cosine, margin, reach * reach}, best, offset);
   }
 
-  // visit(offset) for the points within the radius: for a leaf that is small against its distance once, with
-  // the mean of its points; otherwise for each point. Ends when visit() returns false.
+  // Calls visit(offset) for the points within the radius. A leaf that is small compared with its distance is
+  // visited once, with the mean of its points; otherwise each point is visited. Ends when visit() returns false.
   template <class Visit>
   void for_each_leaf_within(const Vec3& q, double radius, Visit&& visit) const {
     if (!nodes_.empty()) visit_leaves(0, centre_, half_, q, radius * radius, visit);

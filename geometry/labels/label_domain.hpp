@@ -1,5 +1,5 @@
 #pragma once
-// What the mesher of label volumes asks of a volume. Private to this room.
+// A label volume as the mesher sees it. Private to this room.
 
 #include <array>
 #include <atomic>
@@ -17,9 +17,9 @@ class LabelDomain {
   LabelDomain(const LabelVolume& volume, std::vector<int> subdomain_of_value);
 
   int voxel(std::int64_t i, std::int64_t j, std::int64_t k) const;  // 0 beyond the volume
-  // The subdomain with the greatest trilinear weight at x [m]; of equal ones the lowest.
+  // The subdomain with the largest trilinear weight at x [m]; of equal weights, the lowest subdomain.
   int at(const Vec3& x) const;
-  Box box() const;                                // around all wanted voxels, and a voxel more [m]
+  Box box() const;                                // of all wanted voxels, one voxel wider on each side [m]
   double smallest_step() const;                   // least spacing [m]
   std::size_t wanted() const { return wanted_; }  // voxels
   double volume_of_body() const;                  // of all wanted voxels [m^3]
@@ -32,7 +32,8 @@ class LabelDomain {
     bool touches_border = false;
   };
   const std::vector<Part>& parts() const { return parts_; }
-  std::vector<Part> seeded() const;  // without specks of a few voxels where a label has more
+  // The parts from which the mesher starts: parts of fewer than 8 voxels are left out if their label has a larger one.
+  std::vector<Part> seeded() const;
 
  private:
   void find_parts();
@@ -45,6 +46,7 @@ class LabelDomain {
   std::vector<Part> parts_;
 };
 
+// Progress that the meshing process reports: LabelMeshStep, and the number of meshes made so far.
 struct LabelTold {
   std::atomic<int> step = 0, meshes = 0;
 };
@@ -55,7 +57,7 @@ struct LabelledTets {
   std::vector<Tet> tets;
   std::vector<int> subdomain;  // #T, from 1
 };
-// seconds: what perturbation and exudation may take, each.
+// seconds: time limit of perturbation, and again of exudation [s].
 LabelledTets mesh_domain(const LabelDomain& domain, std::size_t elements, double seconds, LabelTold& told);
 
 }  // namespace forefeel

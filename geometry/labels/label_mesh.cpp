@@ -107,7 +107,7 @@ Made received(const std::string& data) {
   throw InputError(options.name, "CGAL cannot mesh it, expected labels with connected parts of many voxels");
 }
 
-// ---- checks and what is said
+// ---- checks and warnings
 
 void check_count(std::size_t made, const LabelMeshOptions& options) {
   const double ratio = static_cast<double>(made) / static_cast<double>(options.elements);

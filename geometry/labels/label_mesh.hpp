@@ -1,8 +1,8 @@
 #pragma once
-// Tetrahedra from a label volume. A point has the label with the greatest trilinear weight among the eight voxel
-// centres around it; where that changes lies an interface. CGAL's Mesh_3 (Boltcheva, Yvinec, Boissonnat 2009) samples
-// the interfaces by restricted Delaunay refinement, so both sides share nodes and faces. Flat tetrahedra are then
-// perturbed away and exuded (Cheng, Dey, Edelsbrunner, Facello, Teng 2000). Lengths in [m].
+// Meshes a label volume with tetrahedra. A point has the label with the largest trilinear weight among the eight voxel
+// centres around it; an interface lies where that label changes. CGAL's Mesh_3 (Boltcheva, Yvinec, Boissonnat 2009)
+// samples the interfaces by restricted Delaunay refinement, so both sides share nodes and faces. Flat tetrahedra are
+// then removed by perturbation and exudation (Cheng, Dey, Edelsbrunner, Facello, Teng 2000). Lengths in [m].
 
 #include <cstddef>
 #include <cstdint>
@@ -50,14 +50,14 @@ struct LabelMeshProgress {
   int meshes = 0;  // so far, in the search for the size
 };
 
-// Each label is an element group of its name. Runs in a child process with a limit of time, as tetrahedralise() does.
-// InputError: a wanted label is not in the volume (the message lists those that are), nothing but background, the
-// number cannot be met, or the time is up. `show` is called about ten times in a second.
+// Each label becomes an element group of that name. Runs in a child process with a time limit, as tetrahedralise()
+// does. InputError if a wanted label is not in the volume (the message lists those that are), if the volume is all
+// background, if the number of elements cannot be met, or if the time is up. `show` is called about ten times a second.
 TetMesh mesh_labels(const LabelVolume& volume, const LabelMeshOptions& options, LabelMeshReport& report,
                     const std::function<void(const LabelMeshProgress&)>& show = {});
 
-// The boundary of all wanted voxels, one for each face two triangles, outward (for a right-handed volume).
-// wanted[v]: whether values[v] belongs to the body.
+// The boundary of all wanted voxels: two triangles for each boundary face, facing outward (for a right-handed volume).
+// wanted[v]: whether the label values[v] belongs to the body.
 Surface voxel_surface(const LabelVolume& volume, const std::vector<char>& wanted);
 
 }  // namespace forefeel

@@ -34,8 +34,8 @@ Domain domain_of(const LabelDomain& labels) {
   return Domain(function, bounds, parameters::relative_error_bound = error);
 }
 
-// CGAL's own first points come from the middle of the box and miss small or remote parts: rays from within each part
-// end where its label does.
+// Adds the first points on the interfaces: rays start inside each part and end where its label ends. CGAL's own first
+// points come from the middle of the box and miss small or remote parts.
 void seed(Complex& complex, const Domain& domain, const LabelDomain& labels) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -70,7 +70,8 @@ Complex mesh_with(const Domain& domain, const LabelDomain& labels, double cell) 
   return complex;
 }
 
-// The number of tetrahedra falls about with the third power of their size: secant steps between logarithms.
+// Finds the size for a number of tetrahedra by secant steps between logarithms, since the number is about proportional
+// to size^-3.
 class SizeSearch {
  public:
   SizeSearch(const Domain& domain, const LabelDomain& labels, LabelTold& told)

@@ -11,15 +11,15 @@ namespace forefeel {
 
 bool is_mesh_file(const std::filesystem::path& file);  // by extension: .msh .vtk .vtu .mesh
 
-// The extension decides the format. Node groups: physical groups of Gmsh, of any dimension, keep their names
-// (a group that holds the whole body is left out); references R of Medit become ref_vertices_R,
-// ref_triangles_R, …. Element groups: physical volumes of Gmsh and references of Medit's tetrahedra under the
-// same names; labels in cell arrays of VTK (tissue_7, see add_label_groups()). Arrays of 0 and 1 in the point data
-// of .vtu are node groups. Does not check whether the mesh can be solved; check_and_orient() does.
+// The extension decides the format. Does not check whether the mesh can be solved; check_and_orient() does.
+// Node groups come from physical groups of Gmsh of any dimension, under their names (a group of the whole body is
+// left out); from references R of Medit, as ref_vertices_R, ref_triangles_R, …; and from arrays of 0 and 1 in the
+// point data of .vtu. Element groups come from physical volumes of Gmsh and references of Medit's tetrahedra, named
+// alike, and from labels in cell arrays of VTK (tissue_7, see add_label_groups()).
 TetMesh read_mesh(const std::filesystem::path& file);
 
-// Gmsh 2.2 ASCII; node groups become physical points, element groups physical volumes (of groups that overlap,
-// a tetrahedron keeps the first). The file appears complete or not at all.
+// Gmsh 2.2 ASCII. Node groups become physical points, element groups physical volumes; a tetrahedron of several
+// element groups keeps only the first. The file appears complete or not at all.
 void write_msh(const std::filesystem::path& file, const TetMesh& mesh);
 
 // VTK XML, ASCII. Each node group is an array of point data and each element group one of cell data, with 1 for its

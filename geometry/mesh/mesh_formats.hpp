@@ -11,7 +11,7 @@
 
 namespace forefeel {
 
-TetMesh read_gmsh(Scanner in);        // .msh 2.2 and 4.1, ASCII and binary
+TetMesh read_gmsh(Scanner in);        // .msh 1 (ASCII), 2.2 and 4.1 (ASCII and binary)
 TetMesh read_vtk_legacy(Scanner in);  // .vtk, DATASET UNSTRUCTURED_GRID, ASCII and BINARY
 TetMesh read_vtu(Scanner in);         // .vtu: ascii, binary or appended data; zlib if the build has it
 TetMesh read_medit(Scanner in);       // .mesh
@@ -25,9 +25,9 @@ struct CellLabel {
   TetIndex tet = 0;
   double value = 0;
 };
-// Makes element groups of a cell array that labels the tetrahedra: NAME_7 for those with 7, for arrays of whole
-// numbers with at most 256 different ones; and NAME for those with 1, if all values are 0 or 1. Other arrays are
-// passed over.
+// Makes element groups from a cell array NAME that labels the tetrahedra by whole numbers, at most 256 different ones:
+// the group NAME_7 holds the tetrahedra with 7, and so on. If all values are 0 or 1, there is also a group NAME, which
+// holds those with 1. Other arrays are ignored.
 void add_label_groups(TetMesh& mesh, const std::string& array, std::span<const CellLabel> labels);
 
 // Sorts every group, removes duplicates and empty groups.

@@ -74,7 +74,7 @@ class VtuReader {
     return tet_of_cell;
   }
 
-  // tet_of_cell: -1 where a cell is none.
+  // tet_of_cell: -1 for cells that are not tetrahedra.
   void take_labels(const VtkXmlPiece& piece, const std::vector<TetIndex>& tet_of_cell) {
     const auto section = piece.arrays.find("CellData");
     if (section == piece.arrays.end()) return;

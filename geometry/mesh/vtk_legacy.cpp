@@ -147,7 +147,7 @@ class LegacyReader {
     if (!in_.line(rest) || !trimmed(rest).empty())
       in_.fail(fmt::format("expected the end of the line after {} n size", upper(keyword)));
     const std::size_t at = in_.position();
-    // A binary block may begin with any bytes, but a count that spells OFFS would be a cell of 1.3e9 nodes.
+    // A binary block may begin with any bytes. But the bytes "OFFS", read as a count, would mean a cell of 1.3e9 nodes.
     if (lower_case(in_.content().substr(at, 7)) == "offsets") return read_offset_cells(n, size, to);
     if (binary_) in_.check_count(size, 4, "cell entries");
     for (std::size_t i = 0; i < n; ++i) {

@@ -14,7 +14,7 @@
 namespace forefeel {
 
 struct VtkCells {
-  std::vector<std::size_t> offsets{0};     // cell i has the points from offsets[i] to before offsets[i + 1]
+  std::vector<std::size_t> offsets{0};     // cell i has the points offsets[i] to offsets[i + 1] - 1
   std::vector<std::int64_t> connectivity;  // numbers of points, not checked
   std::size_t size() const { return offsets.size() - 1; }
 };
@@ -27,7 +27,7 @@ struct VtkLegacyFile {
   std::map<std::string, std::vector<double>> cell_arrays;  // of one component, by name
 };
 
-// Reads up to the end, or to an attribute of a kind that is not known here.
+// Reads to the end, or up to the first attribute of an unknown kind.
 VtkLegacyFile read_vtk_file(Scanner in);
 
 }  // namespace forefeel

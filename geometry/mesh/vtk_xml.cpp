@@ -16,7 +16,7 @@
 namespace forefeel {
 namespace {
 
-// &lt; and the like, as they stand in names.
+// Replaces &lt; and similar entities in names.
 std::string unescaped(std::string_view text) {
   constexpr std::array<std::pair<std::string_view, char>, 5> entities{
       {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}}};

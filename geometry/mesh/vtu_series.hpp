@@ -46,7 +46,7 @@ struct SeriesFile {
 void write_pvd(const std::filesystem::path& file, std::span<const SeriesFile> series);
 std::vector<SeriesFile> read_pvd(const std::filesystem::path& file);  // InputError: none, or damaged
 
-// Nodes and displacements of a file of a series. InputError for a file that is none.
+// Nodes and displacements of a file of a series. InputError for any other file.
 struct MovedNodes {
   std::vector<NodeIndex> node;
   std::vector<Vec3> moved;  // [m]

@@ -23,7 +23,7 @@ struct ChildOutcome {
   std::string data;  // what the work returned; complete only for exited with code 0
 };
 
-// The exit codes of a child beside those of the work itself.
+// Exit codes of the child that do not come from the work: it threw, or its answer could not be written whole.
 constexpr int child_threw = 98, child_cut_short = 99;
 
 // The child ends with the code that work() returns; work writes its answer with write_to.

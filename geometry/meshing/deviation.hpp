@@ -1,5 +1,5 @@
 #pragma once
-// How far a mesh is from the surface it was made of, and what to do about it.
+// How much a mesh deviates from the surface that it was made from, with advice in words.
 
 #include <limits>
 #include <string>
@@ -22,7 +22,7 @@ Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausd
 inline constexpr double large_volume_change = 0.05;
 inline constexpr double large_hausdorff = 0.05;  // of the longest side
 
-// A sentence for each of the two that is large: what, how much, what to do.
+// One sentence for each of the two deviations (volume, distance) that is large: what, how much, what to do.
 std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair);
 
 }  // namespace forefeel

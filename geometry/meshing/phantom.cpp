@@ -16,10 +16,9 @@ namespace {
 
 constexpr double patch_radius = 0.02;  // of the group "contact" [m]
 
-// Two ellipsoids, blended; their semi-axes r differ above and below the equator:
-//   g_i = |(x - c_i) / r_i|^2,   f = 1 / g_1^2 + 1 / g_2^2 - 1. The right lobe (x < 0) is thick, the left one
-//   thin; the underside is
-// flat.
+// Two blended ellipsoids, whose semi-axes r differ above and below the equator:
+//   g_i = |(x - c_i) / r_i|^2,   f = 1 / g_1^2 + 1 / g_2^2 - 1
+// The right lobe (x < 0) is thick, the left one thin; the underside is flat.
 struct Lobe {
   Vec3 centre;
   double x, y, above, below;  // semi-axes [m]
@@ -72,7 +71,7 @@ Vec3 extreme(const ImplicitSurface& body, const Vec3& direction) {
 struct Liver {
   ImplicitSurface unscaled = liver_body();
   Vec3 left = extreme(unscaled, -Vec3::UnitX()), right = extreme(unscaled, Vec3::UnitX());
-  Vec3 top = last_crossing(unscaled, lobes()[0].centre, Vec3::UnitZ());  // over the thickest place
+  Vec3 top = last_crossing(unscaled, lobes()[0].centre, Vec3::UnitZ());  // above the thickest place
   double scale = 0.22 / (right.x() - left.x());
 
   Surface surface(int n) const {
@@ -163,7 +162,7 @@ std::array<int, 3> cells_for(const Vec3& size, std::size_t elements) {
                          static_cast<std::size_t>(j) * static_cast<std::size_t>(k);
       if (!within_share(count, elements)) continue;
       const Vec3 sides(size.x() / i, size.y() / j, size.z() / k);
-      // Aspect ratio and count: a count that is 2 % off weighs as much as an elongation of 2 %.
+      // Cost of aspect ratio and count: a deviation of 2 % in the count weighs as much as an elongation of 2 %.
       const double cost =
           sides.maxCoeff() / sides.minCoeff() + std::abs(static_cast<double>(count) / (6 * cells) - 1);
       if (cost < least) least = cost, best = {i, j, k};

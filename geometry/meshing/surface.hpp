@@ -18,7 +18,7 @@ struct Surface {
 };
 
 inline constexpr const char* surface_extensions = ".obj .off .stl .ply .vtp, or .vtk with DATASET POLYDATA";
-// By extension; of a .vtk by its content, too.
+// Decided by the extension; for .vtk also by the content.
 bool is_surface_file(const std::filesystem::path& file);
 
 // .obj .off .stl .ply .vtp and legacy .vtk, ASCII and binary. InputError names file and line.
@@ -50,20 +50,20 @@ struct TetrahedraliseOptions {
   std::size_t elements = 0;                     // wanted number, met within 5 %; 0: as the surface is
   std::optional<double> length = std::nullopt;  // rescale so that the longest side is this [m]
   std::string name = "surface";                 // what errors call it
-  // For all of it, repair and every try included [s]. Nothing: 120, or 1 for each 5000 elements if that is more.
+  // For everything, repair and all tries included [s]. Not given: default_time_limit(elements).
   std::optional<double> time_limit = std::nullopt;
   const std::atomic<bool>* stop = nullptr;  // once true, it ends with an InputError "interrupted"
 };
-double default_time_limit(std::size_t elements);  // [s]
+double default_time_limit(std::size_t elements);  // 120, or 1 for each 5000 elements if that is more [s]
 
 struct TetrahedraliseReport {
   RepairReport repair;
   double hausdorff = 0;  // between the input surface and the boundary of the mesh [m]
 };
 
-// Repairs and decimates a surface and fills it by TetGen; bisection finds the volume bound that gives the
-// wanted number. Runs in a child process: CGAL and TetGen loop, crash and print on some inputs. InputError if
-// the number cannot be met, if the time is up, or if the body is not 1e-6 to 1e6 m long.
+// Repairs and decimates a surface and fills it with TetGen. Bisection finds the volume bound that gives the
+// wanted number of elements. Runs in a child process, because CGAL and TetGen hang, crash or print on some inputs.
+// InputError if the number cannot be met, if the time is up, or if the body is not 1e-6 to 1e6 m long.
 TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
                        TetrahedraliseReport* report = nullptr);
 

@@ -10,8 +10,8 @@ bool intersects_itself(const Surface& surface);
 // A closed surface around the whole input, a twentieth of alpha [m] outside it (CGAL alpha_wrap_3).
 Surface alpha_wrap(const Surface& surface, double alpha);
 // The same surface with triangles of about this edge length [m]. A much finer surface is first decimated by
-// edge collapse (Garland and Heckbert 1997); then isotropic remeshing, projected onto the input. Edges
-// sharper than 50 degrees stay.
+// edge collapse (Garland and Heckbert 1997). Then it is remeshed isotropically and projected onto the input.
+// Edges sharper than 50 degrees are kept.
 Surface resample_surface(const Surface& surface, double edge);
 
 }  // namespace forefeel

@@ -1,4 +1,4 @@
-// Repair by CGAL's Polygon Mesh Processing: the only file that sees those headers.
+// Repair by CGAL's Polygon Mesh Processing. Only this file includes those headers.
 
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>

@@ -1,4 +1,4 @@
-// Decimation, remeshing and distances by CGAL: the only file that sees those headers.
+// Decimation, remeshing and distances by CGAL. Only this file includes those headers.
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>

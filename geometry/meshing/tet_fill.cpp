@@ -135,7 +135,8 @@ bool stays_near(const TetMesh& mesh, const Surface& surface) {
   return std::ranges::all_of(mesh.nodes, [&](const Vec3& node) { return around.contains(node); });
 }
 
-// False where one closed part, whose triangles all stay, is not filled: the volumes differ.
+// False if the mesh does not fill the surface, that is, if the volumes differ. Checked only for a surface of one closed
+// part whose triangles are all kept.
 bool fills(const TetMesh& mesh, const Surface& surface) {
   double volume = 0;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) volume += std::abs(tet_volume(mesh, t));
@@ -163,7 +164,7 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   if (options.keep_surface && one_part && !fills(*mesh, surface))
     return problem = "TetGen's mesh has another volume than the surface", std::nullopt;
   if (options.keep_surface && !one_part) drop_cavities(*mesh, surface);
-  // New nodes on the surface cannot be told from inner ones; in that case no node may move.
+  // New nodes on the surface cannot be distinguished from inner ones; then no node may move.
   if (options.improve)
     improve_shapes(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
   return mesh;

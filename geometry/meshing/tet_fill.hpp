@@ -1,8 +1,8 @@
 #pragma once
-// Fills a closed surface without self-intersections with tetrahedra, by TetGen. TetGen throws int, and
-// crashes or loops on some inputs. It therefore runs in a forked child process (child_process.hpp), and the
-// caller only sees success or a reason. A mesh that leaves the surface's box, or that has another volume, is
-// no success.
+// Fills a closed surface without self-intersections with tetrahedra, using TetGen. TetGen throws int, and it
+// crashes or hangs on some inputs. It therefore runs in a forked child process (child_process.hpp); the caller
+// gets a mesh or the reason of the failure. A mesh that leaves the surface's box, or whose volume differs from
+// the surface's, counts as a failure.
 
 #include <atomic>
 #include <chrono>
@@ -27,12 +27,12 @@ struct TetFillOptions {
 std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options,
                                       std::string& problem);
 
-// TetGen fills every region between facets. This removes the regions outside the surface (winding number near
-// 0), as the cavity within a shell. The mesh must contain the surface.
+// TetGen fills every region that facets enclose. This function removes the regions outside the surface (winding
+// number near 0), such as the cavity within a shell. The mesh must contain the surface.
 void drop_cavities(TetMesh& mesh, const Surface& surface);
 
-// Fills with `elements` tetrahedra: bisects the volume bound until their number is within `share` of it, or
-// as near as it gets; the caller checks the number.
+// Fills with about `elements` tetrahedra: bisects the volume bound until their number is within `share` of the
+// wanted one. If that cannot be reached, the nearest number is returned; the caller checks it.
 struct CountedFill {
   std::optional<TetMesh> mesh;
   bool too_fine = false;  // more tetrahedra than wanted even without a bound: the surface must be coarser

@@ -14,9 +14,8 @@ namespace {
 
 constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
 
-// Least sine of a dihedral angle, negative where the tetrahedron is turned: small angles and those near 180
-// degrees count alike, and no trigonometry is needed. sin = 3/2 V l / (A_i A_j) with l the edge that the
-// faces share.
+// Least sine of a dihedral angle; negative for an inverted tetrahedron. The sine penalises angles near 0 and near 180
+// degrees alike and needs no trigonometry: sin = 3/2 V l / (A_i A_j), with l the edge that the two faces share.
 double shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 p[4] = {a, b, c, d};
   const double six_volume = (b - a).cross(c - a).dot(d - a);
@@ -87,9 +86,8 @@ class Improver {
     return result;
   }
 
-  // Removes flat tetrahedra on the surface. One with two faces there: the surface gets the other diagonal of
-  // the two. One with three: a low tip is cut off. The surface moves by less than a tenth of the edges there.
-  // True if any.
+  // Removes flat tetrahedra on the surface. With two faces there, the surface gets the other diagonal of the two; with
+  // three faces, a low tip is cut off. The surface moves by less than a tenth of the edges there. True if any was removed.
   bool peel() {
     const std::vector<Side> all = sides();
     std::vector<std::vector<int>> outer(mesh_.tets.size());

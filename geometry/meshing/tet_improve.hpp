@@ -14,7 +14,7 @@
 namespace forefeel {
 
 struct ImproveOptions {
-  std::size_t fixed_nodes = 0;  // so many nodes, from the first, are those of the surface and stay
+  std::size_t fixed_nodes = 0;  // the first `fixed_nodes` nodes lie on the surface and stay in place
   int rounds = 4;
   double peel_below_deg = 6;  // a flat tetrahedron on the surface is removed below this dihedral angle [deg]
 };

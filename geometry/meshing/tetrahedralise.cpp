@@ -37,8 +37,8 @@ void match_length(TetMesh& mesh, double length, const Vec3& centre) {
   for (Vec3& node : mesh.nodes) node = centre + factor * (node - centre);
 }
 
-// Edge of the tetrahedra when `elements` of about equal size fill the body; 0.15 l^3 is what a tetrahedron of
-// TetGen's takes in the mean (a regular one 0.118 l^3).
+// Edge l of the tetrahedra if `elements` of about equal size fill the body. The mean volume of TetGen's tetrahedra is
+// 0.15 l^3 (a regular one has 0.118 l^3).
 double edge_for(const Surface& surface, std::size_t elements) {
   return std::cbrt(enclosed_volume(surface) / (0.15 * static_cast<double>(elements)));
 }
@@ -48,13 +48,13 @@ bool meets(const std::optional<TetMesh>& mesh, std::size_t elements) {
          std::abs(static_cast<double>(mesh->tets.size()) / static_cast<double>(elements) - 1) <= share;
 }
 
-// One try may take half of the time, so that another is left.
+// One try may take at most half of the time, so that a second try is possible.
 std::chrono::milliseconds patience_of(const TetrahedraliseOptions& options) {
   const double limit = options.time_limit.value_or(default_time_limit(options.elements));
   return std::chrono::milliseconds(static_cast<std::int64_t>(500 * limit));
 }
 
-// What the child process tells while it works, in memory that it shares with its parent.
+// Progress of the child process, in memory shared with the parent.
 struct Told {
   std::atomic<int> step = 0, attempt = 0, fills = 0;
 };

@@ -38,7 +38,7 @@ bool mentions(const std::string& sql, const char* word) {
   throw InputError({.file = where}, fmt::format("'{:.40}' is {}, expected a plain table", name, what));
 }
 
-// A table that stores what is written to it, and computes nothing.
+// InputError unless it is a table that only stores values and computes nothing.
 void check_table(Statement& row, const std::string& where) {
   const std::string_view name = row.text(1);
   if (row.text(0) != "table") refuse(where, name, "no table");

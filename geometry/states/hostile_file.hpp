@@ -1,7 +1,7 @@
 #pragma once
-// Guards against a state file that is made to mislead or to hang its reader. Private to this room. Views,
-// triggers, virtual tables and expressions in the place of the plain tables are refused, and no query may take
-// more steps than the size of the file explains: pages that name each other hold endless rows.
+// Guards against a state file that was crafted to mislead or hang its reader. Private to this room. Views,
+// triggers, virtual tables and expressions instead of plain tables are refused. No query may take more steps than
+// the size of the file explains, because pages that refer to each other in a cycle yield endless rows.
 
 #include <cstdint>
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace forefeel {
 
-// While it lives, a query of this database ends with an InputError after 10^7 steps of SQLite's machine and 50
-// more for each byte of the file.
+// While this object exists, a query of the database ends with an InputError after 10^7 steps of SQLite's virtual
+// machine plus 50 for each byte of the file.
 class StepLimit {
  public:
   explicit StepLimit(sqlite3* database);
@@ -26,7 +26,7 @@ class StepLimit {
   std::int64_t left_;
 };
 
-// InputError unless identity, header, notes and states are plain tables with an end.
+// InputError unless identity, header, notes and states are plain, finite tables.
 void check_plain_tables(sqlite3* database, const std::string& where);
 
 }  // namespace forefeel

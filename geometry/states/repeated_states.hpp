@@ -1,7 +1,8 @@
 #pragma once
-// Several states at one position. Measurements repeat positions and scatter; two solves of one state agree.
-//   contradict   |f - f_1| > 1e-6 max(|f|, |f_1|), f_1 the first usable state of the position
-// Where states contradict each other the model uses their mean, each usable state with the same weight.
+// Several states at one position. Two solves of one state agree; repeated measurements scatter. A state with
+// force f [N] contradicts the first usable state of its position, with force f_1, if
+//   |f - f_1| > 1e-6 max(|f|, |f_1|)
+// Where states contradict each other, the model uses their mean; each usable state has the same weight.
 
 #include <cstddef>
 #include <span>
@@ -12,7 +13,7 @@
 
 namespace forefeel {
 
-// Both usable, and the forces differ by more than two tight solves of one state would.
+// True if both are usable and their forces differ as above, by more than two tight solves of one state do.
 bool contradict(const State& a, const State& b);
 
 struct RepeatedStates {
@@ -24,11 +25,12 @@ struct RepeatedStates {
 RepeatedStates repeated_states(std::span<const State> states);
 
 // "F.csv: 3 states contradict another at the same position: averaged at 2 positions, forces there differ by
-// up to 0.4 N"; empty where none does.
+// up to 0.4 N"; empty if none does.
 std::string contradictions_in_words(const std::string& file, const RepeatedStates& found);
 
-// The states with one at each position where they contradict each other: the mean of force, stiffness and
-// energy, measured. It takes the place of the first; all other states, failed ones too, stay as they are.
+// Replaces the states of each position where they contradict each other by one state: the mean of force,
+// stiffness and energy, with status measured, in the place of the first. All other states, failed ones too, stay
+// unchanged.
 struct AveragedStates {
   std::vector<State> states;
   RepeatedStates found;

@@ -27,7 +27,7 @@ Database open_database(const std::string& name, const std::string& where, int fl
   if (!database) throw InputError({.file = where}, "cannot be opened, no memory");
   if (code != SQLITE_OK) fail_database(database.get(), where);
   sqlite3_busy_timeout(database.get(), 5000);
-  // A file may come from anybody: nothing in its schema is run.
+  // The file may be untrusted: nothing in its schema may be executed.
   for (const auto& [option, on] :
        {std::pair(SQLITE_DBCONFIG_DEFENSIVE, 1), std::pair(SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0),
         std::pair(SQLITE_DBCONFIG_ENABLE_VIEW, 0), std::pair(SQLITE_DBCONFIG_ENABLE_TRIGGER, 0)})

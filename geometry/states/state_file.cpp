@@ -76,7 +76,7 @@ void create(const fs::path& file, const StateFileHeader& header) {
   }
 }
 
-// States of a body and states of nobody known are kept apart. A file without states takes the identity.
+// Refuses to mix states of a known body with states without an identity. A file without states takes the identity.
 void check_owner(sqlite3* database, const std::string& where, StateFileHeader& in_file,
                  const BodyIdentity& ours) {
   check_same_body(where, in_file.identity, ours);
@@ -151,8 +151,8 @@ StateFile StateFile::open_or_create(const fs::path& name, const StateFileHeader&
 
 namespace {
 
-// Opens for reading. SQLite may complete what a killed writer left, if file and folder are writable;
-// otherwise nothing is touched.
+// Opens for reading. If file and folder are writable, SQLite may recover the log of a killed writer; otherwise nothing
+// is changed.
 Database open_reader(const fs::path& given) {
   const fs::path file = followed(given);
   const std::string where = file.string();
@@ -163,7 +163,8 @@ Database open_reader(const fs::path& given) {
     return database;
   };
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  // SQLite's log goes by name. Another name of a file shows what was there when its last writer ended.
+  // SQLite finds its log by the name of the file. Under another name (hard link), only the states up to the end of the
+  // last writer are visible.
   const bool other_name = names_of(file) > 1 && !fs::exists(where + "-wal");
   if (other_name && is_being_written(file))
     throw InputError({.file = given.string()},

@@ -19,9 +19,9 @@
 //   checksum; it is added when they are opened for appending. If you edit a row with another tool, set its
 //   checksum to NULL.
 //
-// Durability: synchronous = FULL. When append() returns, the log is on the device. What was appended survives
-// the death of the process, and a loss of power as far as the device keeps what it has confirmed. A
-// transaction is there completely or not at all.
+// Durability: synchronous = FULL. When append() returns, the log is on the device. Appended states survive the end
+// of the process. They survive a power failure if the device keeps what it has confirmed. A transaction is stored
+// completely or not at all.
 // Processes: one writer at a time, the second gets an InputError; any number of readers beside it.
 
 #include <filesystem>
@@ -65,9 +65,9 @@ class StateFile {
   std::unique_ptr<Impl> impl_;
 };
 
-// A queue in front of a StateFile. push() never waits for the disk, and may be called by many threads. A
-// thread of its own commits states at most 20 ms after push(), and the rest at destruction. If the disk
-// fails, the next push() or flush() throws the InputError, and nothing more is written.
+// A queue in front of a StateFile. push() never waits for the disk and may be called by many threads. A background
+// thread commits states at most 20 ms after push(); the destructor commits the rest. If the disk fails, the next
+// push() or flush() throws the InputError, and nothing more is written.
 class StateWriter {
  public:
   explicit StateWriter(StateFile file);

@@ -1,8 +1,8 @@
 #pragma once
-// How a solve ended, as it is counted, printed and written. In memory `converged` says that the equations
-// hold. They can also hold where an element is turned inside out (least det F <= 0), a shape that no body
-// takes. Such a state stays usable, for its force is that of the mesh, but its outcome is `inverted`, and no
-// count of converged states includes it.
+// The outcome of a solve, as it is counted, printed and written. In memory, `converged` means that the equations
+// hold. They can also hold when an element is turned inside out (least det F <= 0), which no real body does. Such a
+// state stays usable, because its force is that of the mesh. Its outcome is `inverted`, and it does not count as
+// converged.
 
 #include <cstddef>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace forefeel {
 
-// False where det F is not known: measured states and those of other programs.
+// False if det F is unknown, as for measured states and states of other programs.
 inline bool has_inverted_elements(const State& state) {
   return state.status == SolveStatus::converged && state.min_jacobian <= 0;
 }

@@ -250,9 +250,9 @@ std::optional<State> StateRows::read() {
   std::optional<State> state;
   try {
     state = read_row(rows_, where_);
-  } catch (const InputError&) {  // so damaged that it is no state
+  } catch (const InputError&) {  // too damaged to be a state
   }
-  // Older files say converged where det F <= 0, so the checksum takes the word as it stands.
+  // Older files write converged even if det F <= 0, so the checksum uses the word in the file.
   if (state && checksum_of(*state, rows_.text(status_column)) != rows_.integer(checksum_column))
     state.reset();
   return state;

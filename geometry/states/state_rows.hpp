@@ -28,7 +28,7 @@ class StateRows {
   StateRows(sqlite3* database, const std::string& where, bool checksums);
   bool next();  // false after the last
   std::optional<State>
-  read();  // none where the checksum is wrong; without a checksum InputError for what is no state
+  read();  // none if the checksum is wrong; InputError for an invalid row without a checksum
   std::int64_t id();
 
  private:

@@ -1,5 +1,5 @@
-// States as a VTU point cloud: inline binary data (base64, UInt64 headers, little-endian). What no state has is left
-// out; where only some have it, the others have NaN.
+// States as a VTU point cloud: inline binary data (base64, UInt64 headers, little-endian). Values that no state has are
+// left out. If only some states have a value, the others get NaN.
 
 #include <fmt/format.h>
 
@@ -52,7 +52,7 @@ class VtuWriter {
  public:
   explicit VtuWriter(const std::filesystem::path& file) : output_(file) {}
 
-  // value(state, k) is component k of what the array holds.
+  // value(state, k): component k of the array's value for that state.
   template <class T, class Value>
   void array(std::string_view type, std::string_view name, int width, std::span<const State> states,
              Value&& value) {

@@ -12,7 +12,7 @@ struct StateWriter::Impl {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds patience{20};
 
-  StateFile file;  // used by the thread alone
+  StateFile file;  // used by the background thread only
   std::mutex mutex;
   std::condition_variable wake, done;
   std::vector<State> waiting;
@@ -74,7 +74,7 @@ void StateWriter::push(State state) {
     impl_->waiting.push_back(std::move(state));
     ++impl_->pushed;
   }
-  if (first) impl_->wake.notify_one();  // the thread finds further states by itself
+  if (first) impl_->wake.notify_one();  // the thread sees further states without a signal
 }
 
 void StateWriter::flush() {

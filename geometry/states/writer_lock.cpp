@@ -58,8 +58,8 @@ void WriterLock::lock_name() {
       ::close(descriptor_);
       refuse(file_, error, owner);
     }
-    // The last owner may have removed the name between open and flock. Then this file is one that no other
-    // process finds.
+    // The last owner may have removed the name between open and flock. No other process can then find this file, so the
+    // lock is useless.
     struct stat ours {
     }, named{};
     if (::fstat(descriptor_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&

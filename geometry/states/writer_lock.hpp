@@ -1,12 +1,12 @@
 #pragma once
 // One writer at a time: the lock of a state file that is open for appending. It holds under every name of the
 // file.
-//   NAME-lock   a file of its own beside the database, NAME with its symbolic links followed. It also covers
-//               the moment in which the database is made.
-//   the file    the database itself (device and inode), by flock(2), for mounts that show one file in two
-//               places. Network file systems turn flock into SQLite's own kind of lock; there it is left out.
-//   hard links  SQLite keeps what is newest in NAME-wal, which goes by name. A file with several names is
-//               therefore never written.
+//   NAME-lock   a separate lock file beside the database, NAME with its symbolic links followed. It also protects
+//               the database while it is being created.
+//   the file    the database itself (device and inode), locked by flock(2), for mounts that show one file in two
+//               places. Network file systems turn flock into the kind of lock that SQLite uses; it is not taken there.
+//   hard links  SQLite keeps the newest states in NAME-wal, which belongs to one name. A file with several names
+//               is therefore never written.
 // The operating system releases the locks when the process ends, however it ends.
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #pragma once
-// What does a label say about the error on this body? Several subsets of a lattice (known sets) are taken, so
-// that every label occurs. At positions that are not states, the relative error of the model |f~ - f| /
-// max(|f|, f0), f the true force there, is related to four quantities: the label, the distance delta to the
+// Measures how well a label predicts the error on a given body. Several subsets of a lattice (known sets) are used,
+// so that every label occurs. At positions that are not states, the relative error of the model |f~ - f| /
+// max(|f|, f0), with f the true force there, is related to four quantities: the label, the distance delta to the
 // nearest state, the spread sqrt(R^2 - d^2) (Waldron's factor of the linear interpolation error), and the
 // power function P (approx/judge/power_function.hpp) of the states in the model.
 //   table   per kernel, data and label: P(error > tolerance | label) with its 95 % interval (Wilson 1927),
@@ -73,9 +73,9 @@ struct Calibration {
 // Random positions in the box for the truth [m]. The same seed gives the same positions.
 std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed);
 
-// Where nothing may be solved, the truth is a part of the states: whole groups of neighbouring positions
-// (approx/judge/position_groups.hpp; single positions of more than 20,000 states), a fifth of the states and
-// at most `most`. The rest is the pool. The same seed leaves out the same ones.
+// If nothing may be solved, a part of the states serves as truth: a fifth of them, at most `most`, in whole groups of
+// neighbouring positions (approx/judge/position_groups.hpp; with more than 20,000 states, single positions). The rest
+// is the pool. The same seed leaves out the same states.
 struct HeldOut {
   std::vector<State> pool, truth;
 };

@@ -18,7 +18,7 @@ namespace {
 constexpr auto pause = std::chrono::microseconds(300);
 constexpr auto tick_pause = std::chrono::milliseconds(100);
 
-// Worker 0.
+// Worker 0: the solving thread of rank 0.
 class OwnThread {
  public:
   struct Result {
@@ -132,7 +132,7 @@ class Farm {
   }
 
  private:
-  // Takes what has come; false: nothing.
+  // Handles results, questions and events that have arrived, and passes answers on. False if nothing has arrived.
   bool look() {
     bool news = false;
     for (OwnThread::Result& result : own_.take_results()) {
@@ -190,7 +190,7 @@ class Farm {
     }
   }
 
-  // A piece that was given out twice counts when it comes first.
+  // If a piece was given out twice, the result that arrives first counts.
   void take(int worker, std::uint64_t id, Bytes content) {
     std::erase(held_[static_cast<std::size_t>(worker)], id);
     if (!open_.contains(id)) return;
@@ -204,7 +204,7 @@ class Farm {
     }
   }
 
-  // First one piece for each, then, where they may hold more, the next.
+  // First gives one piece to each worker, then a second one to workers that may hold more.
   void give_out() {
     for (int depth = 1; depth <= options_.queue; ++depth)
       for (int worker = 0; worker <= pool_.ranks(); ++worker) {

@@ -78,7 +78,7 @@ class MpiTransport final : public Transport {
     sending_.push_back(std::move(transfer));
   }
 
-  // A long message whose sender hangs in the middle of it waits here, and the others pass.
+  // If a sender hangs in the middle of a long message, that message waits here while others are received.
   std::optional<Message> receive() override {
     sends();
     while (match_next()) {
@@ -165,12 +165,12 @@ Transport& MpiGroup::transport() {
 }
 
 void MpiGroup::abandon() {
-  impl_.release();  // MPI would wait for them
+  impl_.release();  // its destructor would wait for them
 }
 
 void MpiGroup::end_all(int exit_code) {
-  // After MPI_Abort, mpirun (Open MPI 4.1, PMIx 4.2) now and then deadlocks or crashes in its own end, when all ranks
-  // are gone. It ends well where a process simply leaves.
+  // After MPI_Abort, mpirun (Open MPI 4.1, PMIx 4.2) sometimes deadlocks or crashes at its own end, when all ranks are
+  // gone. It ends properly if a process simply exits.
   std::_Exit(exit_code);
 }
 

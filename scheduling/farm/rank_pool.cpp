@@ -13,7 +13,7 @@ namespace forefeel {
 namespace {
 
 constexpr auto pause = std::chrono::microseconds(300);
-constexpr double longest_step = 0.1;  // [s] between two polls; what is longer, rank 0 stood still
+constexpr double longest_step = 0.1;  // [s] counted between two polls; rank 0 was stopped in any longer time
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -209,7 +209,7 @@ void RankPool::listen_for_silence(double passed, std::vector<RankEvent>& events)
   }
 }
 
-// So that a rank notices when rank 0 is gone.
+// Lets the ranks notice when rank 0 is gone.
 void RankPool::beat(double now) {
   if (now - beaten_ < beat_seconds) return;
   beaten_ = now;

@@ -1,6 +1,6 @@
 #pragma once
-// The other ranks of a run, as rank 0 sees them: which take jobs, what they return, which hang. A rank that
-// sends a message that cannot be read counts as failed; the message is dropped.
+// The other ranks of a run, as rank 0 sees them: which ranks take jobs, what they return, and which hang. A rank that
+// sends an unreadable message counts as failed; the message is dropped.
 
 #include <chrono>
 #include <cstdint>
@@ -29,8 +29,8 @@ class RankPool {
   // time counts. clock: empty for the steady clock.
   explicit RankPool(Transport& transport, double patience = 10, Clock clock = {});
 
-  // Tells the other ranks to load. identity: of build and input; a rank with another one gets no work.
-  // said: what only rank 0 knows, as a spacing that it measured (RankContext::begun()).
+  // Tells the other ranks to load. identity: of build and input; a rank with a different identity gets no work.
+  // said: data that only rank 0 has, such as a spacing that it measured (RankContext::begun()).
   void begin(std::string identity, const Bytes& said = {});
   int ranks() const;                // without rank 0
   bool takes_jobs(int rank) const;  // has loaded its input, and answers
@@ -52,7 +52,7 @@ class RankPool {
   // Ranks that were lost and have not come back, and what else a person should know, one line each.
   int lost() const;
   const std::vector<std::string>& notes() const { return notes_; }
-  void distrust(int rank);  // a result of it cannot be read
+  void distrust(int rank);  // its result could not be read: the rank counts as failed
 
  private:
   enum class Life { waiting, loading, working, failed, left };

@@ -3,9 +3,9 @@
 //   rank 0 -> r   begin (load the input) · job (number, content) · cancel · answer · beat · stop
 //   r -> rank 0   ready (identity) · result (number of the job, content) · question · failure (text) · beat · left, the
 //                 last one
-// Every rank sends a beat each half second, also while it loads or solves: rank 0 takes a rank that is silent for
-// longer than its patience as hanging and gives its work to others. A rank whose rank 0 is silent for `orphaned`
-// seconds ends.
+// Every rank sends a beat each half second, also while it loads or solves. If a rank is silent for longer than rank 0's
+// patience, it counts as hanging, and its work goes to others. If rank 0 is silent for orphaned_seconds, the other ranks
+// end.
 
 namespace forefeel {
 

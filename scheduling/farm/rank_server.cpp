@@ -17,19 +17,19 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 constexpr auto pause = std::chrono::microseconds(300);
 constexpr auto patience_with_thread = std::chrono::seconds(3);
-constexpr double longest_step = 0.1;  // [s] between two polls; what is longer, this process stood still
+constexpr double longest_step = 0.1;  // [s] counted between two polls; longer times mean a stopped process
 
 struct Outgoing {
   RankTag tag;
   Bytes bytes;
 };
 
-// The thread that loads and solves. It keeps this object alive, and is left behind if it does not end.
+// The thread that loads and solves. The thread keeps this object alive. If it does not end, it is not joined.
 class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
  public:
   explicit SolvingThread(LoadHand load) : load_(std::move(load)) {}
 
-  // What rank 0 says when the work begins.
+  // Receives the data that rank 0 sends when the work begins.
   void hear_begin(Bytes said) {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(heard_begin_, true)) said_at_begin_ = std::move(said);
@@ -44,7 +44,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     jobs_.push_back({std::move(job), {}});
     wake_.notify_one();
   }
-  // The running job and those that wait for it.
+  // Cancels the running job and the jobs queued behind it.
   void cancel() {
     const std::lock_guard lock(mutex_);
     running_.request_stop();

@@ -139,7 +139,7 @@ void SessionJudge::frame(const PassedFrame& frame) {
                      .fresh = Vec3::Zero()};
   if (result.choice.sampled || result.choice.first_visit) {
     my.references.request(frame.at);
-    my.model.forget();  // no set of an earlier moment has a say
+    my.model.forget();  // earlier neighbour sets must not affect this model
     result.fresh = my.model.model_at(frame.at).force(frame.at);
   }
   my.found.push_back(result);

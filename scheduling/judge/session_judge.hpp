@@ -7,8 +7,8 @@
 //     switch         |F - f~|
 //     staleness      |f~ - f~*|   f~* the force of a model made from all states known at that moment
 //   each over max(|f|, f0), f0 = error_floor
-// Of a viscous body: f and F of `error` are the forces after the relaxation filter (viscous_reference.hpp), the three
-// parts compare elastic forces before it.
+// Viscous body: in `error`, F and f are the forces after the relaxation filter (viscous_reference.hpp). The three parts
+// compare elastic forces, before the filter.
 // Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell. The
 // judge is a stage that follows the run: it computes labels, samples and f~* frame by frame. finish() writes
 // them to the result, waits for the references and adds the errors.

@@ -1,8 +1,8 @@
 #pragma once
-// The reference force of a viscous body, in each frame of a run. Tight solves are known at the samples only; the
-// filter (approx/relaxation/relaxation.hpp) needs the elastic force in all frames. Between two samples a and b it is
-// the cubic Hermite interpolant of their forces and stiffnesses along the chord, and for the distance d from the
-// chord the mean stiffness:
+// The reference force of a viscous body in each frame of a run. Tight solves exist only at the samples, but the filter
+// (approx/relaxation/relaxation.hpp) needs the elastic force f [N] in all frames. Between two samples a and b, f is
+// interpolated by a cubic Hermite polynomial H of forces and stiffnesses along the chord. The offset d [m] of the HIP
+// from the chord is taken into account by the interpolated stiffness:
 //   f = H(s) - ((1 - s) K_a + s K_b) d,   H(0) = f_a, H(1) = f_b, H'(0) = -K_a (x_b - x_a), H'(1) = -K_b (x_b - x_a)
 // s in [0, 1]: the share of the travel from a to b. Before the first sample and after the last one it is the tangent
 // of that sample. Without stiffness: linear between forces. The error is of the fourth order in the distance of the

@@ -1,5 +1,5 @@
 #pragma once
-// What the passivity control of a session did (render/passivity.hpp). All zero where it only observes.
+// Interventions of the passivity control of a session (render/passivity.hpp). Not filled if passivity is only observed.
 
 #include <cstddef>
 
@@ -11,10 +11,10 @@ struct PassivityReport {
   std::size_t coupled = 0;     // frames in which the coupling was softer than the body
   std::size_t drained = 0;     // frames in which the tank held force back
   std::size_t controlled = 0;  // frames in which the controller damped
-  double least_gain = 1;       // of coupling and tank together
-  double lowest = 0;      // least energy in the tank, dead zone included [J]; below zero: could not be held
-  double refused = 0;     // sum over switches of what they would have generated [J]
-  double dissipated = 0;  // by the controller [J]
+  double least_gain = 1;       // least factor s g of coupling and tank together [1]
+  double lowest = 0;  // least energy E + q of the tank [J]; below zero: the limits did not allow more damping
+  double refused = 0;     // sum over switches of the energy that they would have generated [J]
+  double dissipated = 0;  // energy taken by the controller [J]
 };
 
 }  // namespace forefeel

@@ -31,8 +31,8 @@ struct Judgement {
   double error = unknown, approximation = unknown, switching = unknown, staleness = unknown;  // [1]
 };
 
-// Half-widths around the rendered force that hold the reference with 90, 95 and 99 %, and the scale of the
-// newest model's error that they are made of (render/bar_link.hpp). Infinite while no model has states.
+// Error bars: half-widths around the rendered force that contain the reference with a probability of 90, 95 and 99 %,
+// and the error scale of the newest model (render/bar_link.hpp). Infinite while no model has states.
 struct ForceBar {
   double scale = unknown;                                       // [N]
   std::array<double, 3> half_width{unknown, unknown, unknown};  // [N]
@@ -75,7 +75,7 @@ struct DispatchRecord {
   Vec3 at = Vec3::Zero();  // [m]
   Label label = Label::blank;
   double priority = 0;
-  bool audit = false;  // not the policy's: where the HIP was, to calibrate the error bars
+  bool audit = false;  // not chosen by the policy: solved where the HIP was, to calibrate the error bars
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;  // [s]
   double known = unknown;  // when the planner received the state: finished + a message [s]
   DispatchStatus status = DispatchStatus::running;

@@ -22,11 +22,11 @@ struct SafetyReport {
   double generated = 0;  // largest energy returned beyond that received [J]
   double work = 0;       // sum of |F . dx| [J]
   PassivityReport passivity = {};
-  // By frame, under passivity control: what the rules would have sent there without it [N].
+  // By frame, under passivity control: the force that the other rules alone would have sent [N].
   std::vector<Vec3> uncontrolled = {};
 };
 
-// How the frames came, and how the force ended (render/frame_pacer.hpp, render/render_loop.hpp).
+// Timing of the frames, and the end of the force (render/frame_pacer.hpp, render/render_loop.hpp).
 struct LoopReport {
   std::size_t skipped = 0;        // frames that were late by a frame or more; they have no record
   double longest_pause = 0;       // between the starts of two frames [s]; virtual clock: 0
@@ -65,7 +65,7 @@ struct SessionResult {
   ProcessReport process;
   double guess_softness = unknown;  // of the plan (session/session_plan.hpp)
   bool viscous = false;             // the elastic force passed a relaxation function
-  double wall_seconds = 0;          // session, labels and references; without file access
+  double wall_seconds = 0;          // session, labels and references; without file access [s]
   RunEnd end = RunEnd::whole;
   std::vector<std::string> notes;     // what the system refused, what failed
   std::vector<std::string> warnings;  // about input files and the cache, one line each

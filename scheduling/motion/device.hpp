@@ -45,7 +45,7 @@ namespace forefeel {
 struct DeviceLimits {
   double force = std::numeric_limits<double>::infinity();      // largest force the session sends [N]
   double stiffness = std::numeric_limits<double>::infinity();  // highest the device can render [N/m]
-  // Of the device and the hand that holds it, where known: bounds what is rendered under passivity control.
+  // The device and the hand that holds it, where known. Limits the rendered stiffness under passivity control.
   LoopPlant plant = {};
 };
 

@@ -23,8 +23,8 @@ double friction_limit(const LoopPlant& plant) {
   return plant.resolution > 0 ? 2 * plant.friction / plant.resolution : infinite;
 }
 
-// One frame takes y = (x, v) to A y + (I - A) (F / k, 0) with A = exp([0 1; -k/m -b/m] T). With F = -K x its
-// determinant is |A| + K (|A| - A_22) / k and its trace tr A - K (1 - A_11) / k.
+// One frame maps y = (x, v) to A y + (I - A) (F / k, 0) with A = exp([0 1; -k/m -b/m] T). With F = -K x the
+// determinant of the map is |A| + K (|A| - A_22) / k and its trace is tr A - K (1 - A_11) / k.
 double sampled_limit(const LoopPlant& plant, double frame) {
   const double m = plant.mass, b = plant.damping, k = plant.stiffness;
   if (!(m > 0 && b >= 0 && k > 0)) return std::numeric_limits<double>::quiet_NaN();

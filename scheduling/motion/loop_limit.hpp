@@ -1,14 +1,14 @@
 #pragma once
-// Up to which stiffness K [N/m] a loop of virtual spring, device and hand is stable, from published results.
-//   m x'' + b x' + k x = F + (what the hand means),   F = -K x - B x', sampled and held for a frame T [s]
-// m [kg], b [N s/m], k [N/m] of device and hand together, B [N s/m] virtual damping, d [s] further delay, r [m]
-// resolution of positions, c [N] Coulomb friction.
+// The largest stiffness K [N/m] at which a loop of virtual spring, device and hand is stable, from published results.
+//   m x'' + b x' + k x = F + F_h,   F = -K x - B x', sampled and held for a frame T [s]
+// m [kg], b [N s/m], k [N/m]: mass, damping and stiffness of device and hand together; F_h [N]: intended force of the
+// hand; B [N s/m]: virtual damping; d [s]: additional delay; r [m]: resolution of positions; c [N]: Coulomb friction.
 //   Colgate and Schenkel 1997     b > K T / 2 + |B|      sufficient for every operator, if b is the device's alone
 //   Hulin et al. 2006, 2014       b + B > K (T / 2 + d)  linear condition for small K T^2 / m
-//   Abbott and Okamura 2005;      c >= K r / 2           no energy from rounded positions; with c = 0 there is none
-//   Diolaiti et al. 2006                                 such K, and limit cycles of some steps r remain
-//   Jury                          the exact boundary of the linear loop at d = 0, B = 0: both eigenvalues of one
-//                                 frame are inside the unit circle
+//   Abbott and Okamura 2005;      c >= K r / 2           rounded positions generate no energy; with c = 0 no K
+//   Diolaiti et al. 2006                                 satisfies this, and limit cycles of a few steps r remain
+//   Jury                          the exact limit of the linear loop at d = 0, B = 0: both eigenvalues of the map over
+//                                 one frame lie inside the unit circle
 // J. E. Colgate, G. Schenkel, J. Robotic Systems 14(1), 37-47, 1997. T. Hulin, C. Preusche, G. Hirzinger, IROS 2006;
 // T. Hulin, A. Albu-Schaeffer, G. Hirzinger, IEEE Trans. Control Systems Technology 22(4), 1297-1309, 2014.
 // J. J. Abbott, A. M. Okamura, IEEE Trans. Robotics 21(5), 952-964, 2005. N. Diolaiti, G. Niemeyer, F. Barbagli,
@@ -18,7 +18,7 @@
 
 namespace forefeel {
 
-// Of a device and the hand that holds it. NaN: not known.
+// A device together with the hand that holds it. NaN: not known.
 struct LoopPlant {
   double mass = std::numeric_limits<double>::quiet_NaN();       // m [kg]
   double damping = std::numeric_limits<double>::quiet_NaN();    // b [N s/m]
@@ -27,10 +27,11 @@ struct LoopPlant {
   double friction = 0;                                          // c [N]
 };
 
+// K [N/m] of the results above; frame: T [s], delay: d [s], virtual_damping: B [N s/m].
 double colgate_limit(const LoopPlant& plant, double frame, double virtual_damping = 0);
 double hulin_limit(const LoopPlant& plant, double frame, double delay = 0, double virtual_damping = 0);
 double friction_limit(const LoopPlant& plant);  // infinite at r = 0
-// The exact boundary; NaN where mass, damping or stiffness is not known.
+// The exact limit (Jury); NaN if mass, damping or stiffness is not known.
 double sampled_limit(const LoopPlant& plant, double frame);
 
 }  // namespace forefeel

@@ -18,7 +18,7 @@ struct BuiltIn {
 
 constexpr BuiltIn built_in[] = {
     {"kalman", make_kalman,
-     "position, velocity and a fading acceleration; learns how long the hand keeps its way"},
+     "position, velocity and a fading acceleration; learns how long the hand keeps its direction"},
     {"constant-velocity", make_constant_velocity, "the hand keeps its velocity"}};
 
 Registry<PredictorFactory>& registry() {

@@ -23,10 +23,10 @@ struct Trace {
 // rows, values that are not finite, times that do not increase, a file without rows. whole_lines: also for a
 // last line without a line break, as in frames.csv of a run whose disk was full.
 Trace read_trace(const std::filesystem::path& file, bool whole_lines = false);
-// The same of a table of another form (trace_file.hpp). In the usual form, t,x,y,z in SI units, each row needs a
-// position; in others those without one are left out.
+// The same for a table of another form (trace_file.hpp). In the usual form (t,x,y,z in SI units) each row needs a
+// position. In other forms, rows without a position are left out.
 Trace read_trace(const std::filesystem::path& file, const TraceFormat& format);
-// Rows in their order as a motion; `file` is named where their times do not increase.
+// Makes a motion of the rows in their order. InputError naming `file` if the times do not increase.
 Trace trace_of(TraceRows rows, const std::filesystem::path& file);
 std::unique_ptr<Device> make_trace_device(Trace trace);
 

@@ -49,7 +49,7 @@ std::vector<std::pair<std::size_t, std::string_view>> lines_of(std::string_view 
   return lines;
 }
 
-// The separator by which most lines among some hold most numbers; commas where several do.
+// The separator that yields the most numbers on a sample of the lines; in a tie, the first one below.
 char separator_of(const std::vector<std::pair<std::size_t, std::string_view>>& lines) {
   char best = ',';
   std::size_t most = 0;

@@ -1,7 +1,7 @@
 #pragma once
-// The cells of a table that anybody has written, for trace_file.hpp. Cells are separated by commas, semicolons,
-// tabs or white space, whichever gives most numbers. Quotes around a cell are dropped, as are blank lines, and
-// lines behind # unless they hold names.
+// Splits a table from any source into cells, for trace_file.hpp. Cells are separated by commas, semicolons, tabs or
+// white space: the separator that yields the most numbers is used. Quotes around a cell are dropped. Blank lines are
+// skipped, and so are lines that begin with #, unless they hold column names.
 
 #include <cstddef>
 #include <string>

@@ -1,10 +1,10 @@
 #pragma once
-// What a recorded motion is like, before a session is spent on it, and its changes: shifted to the contact,
-// cut to a window, resampled.
+// Checks a recorded motion before a session uses it: times, speeds, extent, rests. Also cuts a motion to a window and
+// resamples it.
 //
 // Speeds are |x_{i+1} - x_i| / (t_{i+1} - t_i). A gap is a step in time longer than three times the median
-// one. A rest is a stretch of rows that stay within rest_radius of its first row for at least rest_seconds.
-// Rows at a time that was already there, or before it, take part in no step.
+// one. A rest is a run of rows that stay within rest_radius of its first row for at least rest_seconds. Rows whose time
+// repeats or goes back are left out of steps.
 
 #include <cstddef>
 #include <optional>
@@ -19,7 +19,7 @@ namespace forefeel {
 constexpr double rest_radius = 1e-4;   // [m]
 constexpr double rest_seconds = 1;     // [s]
 constexpr double pressed_in = 5e-4;    // a motion that starts farther from rest starts pressed in [m]
-constexpr double outside_much = 0.05;  // a share of time outside the box above which it is said
+constexpr double outside_much = 0.05;  // share of rows outside the box above which sayings() mentions it
 
 struct TraceCheck {
   struct Times {
@@ -37,7 +37,7 @@ struct TraceCheck {
     double longest = 0, longest_from = 0;  // [s]
   };
   std::size_t rows = 0;
-  double seconds = 0;
+  double seconds = 0;  // duration [s]
   Times times = {};
   Speed speed = {};
   Box box = {};
@@ -50,10 +50,10 @@ struct TraceCheck {
 
 // rows: at least one. space: the scene's box of states.
 TraceCheck check_trace(const TraceRows& rows, const std::optional<Box>& space);
-// What a session with this motion should know: starts pressed in, leaves the box, rests. One line each, empty
-// if there is nothing to say.
+// Warnings for a session with this motion: it starts pressed in, leaves the box, or rests. One line each; empty if
+// there are none.
 std::vector<std::string> sayings(const TraceCheck& check);
-// Rows left out and columns not read: "orientation is not used …". Empty if there is nothing to say.
+// Notes on rows left out and columns not read: "orientation is not used …". Empty if there are none.
 std::vector<std::string> sayings(const TraceRows& rows);
 
 // The first row of each time; rows that go back are left out.

@@ -18,7 +18,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t nowhere = static_cast<std::size_t>(-1);  // the place of a column that is not there: "-"
+constexpr std::size_t nowhere = static_cast<std::size_t>(-1);  // place of a column that the file lacks: "-"
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 using Cells = TraceCells;
 using Row = TraceRow;
@@ -175,7 +175,7 @@ class Reader {
     });
   }
 
-  // Past what stands before the data: more rows of names, units.
+  // Skips further rows before the data, such as names and units.
   void skip_to_data() {
     std::size_t row = layout_.first;
     if (row == rows_.size())
@@ -185,7 +185,7 @@ class Reader {
     if (row == rows_.size())
       throw InputError({.file = name_},
                        "no row has a number in each of the columns t, x, y and z, expected some");
-    // Rows that only lack a position are samples too; those without a time are none.
+    // Rows without a position also count as samples; rows without a time do not.
     double value = 0;
     while (row > layout_.first && timed() && layout_.at[0] < rows_[row - 1].cells.size() &&
            trace_number(rows_[row - 1].cells[layout_.at[0]], value) &&
@@ -231,8 +231,8 @@ class Reader {
     return fmt::format("column {}", column + 1);
   }
 
-  // The column that names several tools: by its title, or because its values part rows whose times do not
-  // grow together.
+  // The column of tool names. It is found by its title, or because times grow within the rows of each value but not over
+  // all rows.
   std::optional<std::size_t> column_of_tools() const {
     const bool mixed = timed() && !separates(nowhere);
     const std::size_t width = rows_[layout_.first].cells.size();
@@ -242,7 +242,7 @@ class Reader {
         if (by_title ? !called_tool(column) : !mixed) continue;
         const auto values = values_in(column, 64);
         if (values.size() < 2 || values.size() > 64) continue;
-        if (2 * values.size() > rows_.size() - layout_.first) continue;  // a count of rows
+        if (2 * values.size() > rows_.size() - layout_.first) continue;  // too many values: a row counter
         if (by_title || separates(column)) return column;
       }
     return {};

@@ -1,16 +1,16 @@
 #pragma once
-// A motion as people have recorded it: a table of numbers, separated by commas, semicolons, tabs or white
-// space, with or without a header, with more columns than are needed. Nothing in the file has to be edited.
+// Reads a recorded motion from a table of numbers, separated by commas, semicolons, tabs or white space, with or
+// without a header. Additional columns are allowed. The file does not have to be edited.
 //
 //   columns   t, x, y and z: names of a header, or numbers of columns counted from 1. Lines before the header
-//             and lines of units below it are skipped. A dash stands for a coordinate that the file does
-//             not have and that is zero, as the third one of a pen. Without `columns`: t,x,y,z (x,y,z with a rate).
-//   rate      samples in a second [Hz], for a file without a time column; every row then is a sample
+//             and lines of units below it are skipped. A dash stands for a coordinate that the file lacks; it is
+//             zero, like z of a pen on a tablet. Without `columns`: t,x,y,z (x,y,z with a rate).
+//   rate      samples per second [Hz], for a file without a time column; every row is then a sample
 //   unit      of the positions and of the time: m, cm, mm, s, ms, us, or one of each, as mm/ms
-//   tool      one of several tools in a file: the name or number in the column of names, or, where each tool
-//             has columns of its own, what comes before x, y and z in their names
+//   tool      selects one of several tools in a file: its name or number in the column of tool names. If each tool
+//             has its own columns: the text before x, y and z in their names
 //
-// Recorded orientation is not read, as the HIP is a point; `ignored` says how many columns were not.
+// Recorded orientation is not read, because the HIP is a point. `ignored` counts the columns that were not read.
 
 #include <cstddef>
 #include <filesystem>
@@ -28,16 +28,16 @@ struct TraceFormat {
   double second = 1;                      // length of the unit of time [s]
   std::string tool = {};                  // empty: the file holds one
 
-  // Whether nothing is said: CSV t,x,y,z in SI units.
+  // True if everything has its default: CSV t,x,y,z in SI units.
   bool is_usual() const { return columns.empty() && rate == 0 && metre == 1 && second == 1 && tool.empty(); }
 };
 
-// A row whose position is empty or not a number, as where a marker is out of sight.
+// What to do with a row whose position is empty or not a number, as when a marker is out of sight.
 enum class MissingPositions { refuse, leave_out };
 
 // "mm", "ms", "mm/ms" … into format. Returns false for another word.
 bool parse_trace_unit(const std::string& text, TraceFormat& format);
-// InputError with file and line: a column that is missing, a time that is no number, no rows, several tools
+// InputError with file and line: a missing column, a time that is not a number, no rows, several tools
 // of which none is chosen (the message lists them).
 TraceRows read_trace_rows(const std::filesystem::path& file, const TraceFormat& format,
                           MissingPositions missing);

@@ -12,12 +12,12 @@ namespace forefeel {
 struct TraceRows {
   std::vector<double> times;       // the first is 0 [s]
   std::vector<Vec3> positions;     // [m]
-  std::vector<std::size_t> lines;  // in the file, from 1
-  std::size_t missing = 0;         // rows left out: a position that is empty or not a number
+  std::vector<std::size_t> lines;  // number of each row's line in the file, from 1
+  std::size_t missing = 0;         // rows left out: position empty or not a number
   std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_flaws.hpp)
-  bool lost_left_out = false;      // where the format says where columns, units or a rate are
+  bool lost_left_out = false;      // true if the format gives columns, a rate, units or a tool
   std::size_t ignored = 0;         // columns that are not read
-  bool orientation = false;        // some of these look like an orientation
+  bool orientation = false;        // some of the ignored columns look like an orientation
 };
 
 }  // namespace forefeel

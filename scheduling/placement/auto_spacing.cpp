@@ -18,7 +18,7 @@ namespace {
 
 constexpr int divisions[] = {2, 3, 4, 6, 8, 12, 16, 24};
 constexpr double reference_steps = 24;  // of the continuation, over the longest side
-constexpr std::size_t at_a_time = 40;   // positions, before it is asked whether the spacing can still hold
+constexpr std::size_t at_a_time = 40;   // positions in a batch, before a spacing may be rejected
 constexpr std::size_t most_draws = 20;  // of positions in the box, for each safe one that is wanted
 
 std::vector<Vec3> draws(const Box& box, std::size_t n) {
@@ -31,7 +31,7 @@ std::vector<Vec3> draws(const Box& box, std::size_t n) {
   return points;
 }
 
-// Most positions above the tolerance with which n of them still bound the share: -1 where none do.
+// Largest number of positions, of n, that may exceed the tolerance while the share stays bounded; -1 if n is too small.
 int most_above(std::size_t n, const AutoSpacingOptions& options) {
   int most = -1;
   while (static_cast<std::size_t>(most + 1) < n &&
@@ -60,7 +60,7 @@ class References {
   const State& operator[](std::size_t i) const { return *states_[i]; }
   std::size_t solved() const { return solved_; }
 
-  // told(done, total) as they are solved.
+  // Calls told(done, total) as positions are solved.
   void solve(std::span<const std::size_t> wanted, const std::function<void(std::size_t, std::size_t)>& told) {
     std::vector<std::size_t> missing;
     for (const std::size_t i : wanted)
@@ -93,7 +93,7 @@ class References {
 
 using Tell = std::function<void(std::size_t done, std::size_t total)>;
 
-// The solved lattice of spacing h, in the order of positions; an unfinished one if the user wants to end.
+// The solved lattice of spacing h, in the order of positions; incomplete if the user interrupts.
 std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
                                   double h, std::size_t& solves, const Tell& tell) {
   GenerateOptions lattice;

@@ -57,8 +57,8 @@ struct AutoSpacingReport {
   double spacing = 0;  // [m]; the finest tried if none holds
   bool holds = false;
   bool interrupted = false;
-  std::size_t solves = 0;  // states and references
-  double seconds = 0;
+  std::size_t solves = 0;                // states and references
+  double seconds = 0;                    // wall time [s]
   std::vector<AutoSpacingTrial> trials;  // the last one is that of `spacing`
 };
 

@@ -48,7 +48,7 @@ ErrorQuantiles quantiles_of(std::span<const double> values, std::size_t uniform)
   return result;
 }
 
-// A tight solve; cancelled as soon as the stop comes, which is asked after each step on the way.
+// A tight solve. The stop token is checked after each continuation step.
 State solve_unless_stopped(Solver& solver, const Vec3& x, const PlacementOptions& options) {
   struct Stopped {};
   solver.watch([&](double) {
@@ -127,7 +127,7 @@ class Placement {
     }
     report_.failed = failed_.size();
     report_.linear = is_linear(*body_);
-    // Near a position without an equilibrium, within half a grid cell or a spacing, no other is tried.
+    // No position is tried within half a grid cell, or a spacing, of a position without an equilibrium.
     reach_failed_ = std::min(options.space.spacing, options.space.box.size().maxCoeff() / 12);
   }
 
@@ -193,7 +193,7 @@ class Placement {
       refresh_estimate();
       if (report_.estimate_holds) {
         if (options_.stop.stop_requested() || truth_holds()) break;
-        if (report_.truth_samples == 0) break;  // no truth to be had
+        if (report_.truth_samples == 0) break;  // there is no truth to compare with
       }
       if (!open()) break;
       const std::optional<State> worst = report_.estimate_holds ? worst_truth() : std::nullopt;
@@ -243,8 +243,8 @@ class Placement {
     progress_({.states = space_.size(), .most_states = limit_, .estimate = report_.estimate.held()});
   }
 
-  // Random positions in the box, then its corners and random ones on its edges and faces, where a model that
-  // was made within extrapolates; those that are states already are left out there.
+  // Random positions in the box, then its corners and random positions on its edges and faces, where the model
+  // extrapolates. Corners, edges and faces leave out positions that are states already.
   std::vector<Vec3> truth_positions(std::size_t round) const {
     const Box& box = options_.space.box;
     const std::uint64_t seed = random::mix(options_.seed, round);
@@ -310,7 +310,7 @@ class Placement {
                                [&](const State& state) { return space_.find(state.at).valid(); });
   }
 
-  // The sampled position with the largest error that is no state yet.
+  // Of the sampled positions that are not states yet, the one with the largest error.
   std::optional<State> worst_truth() {
     const State* worst = nullptr;
     double largest = 0;

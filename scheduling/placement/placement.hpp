@@ -71,7 +71,7 @@ struct PlacementReport {
   std::size_t truth_samples = 0;     // random positions behind `truth`
   std::size_t truth_on_surface = 0;  // more positions on the surface, for its maximum
   bool truth_is_fresh = true;        // none of these positions influenced the placement
-  double seconds = 0;
+  double seconds = 0;                // wall time [s]
   int threads = 1;
 };
 

@@ -44,7 +44,7 @@ Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
   start_limit_ = std::clamp<std::size_t>((std::size_t{1} << 29) / (setup_.nodes * 96 + 1), 16, 65536);
 }
 
-// Measures all of the first states, later one in eight, when the estimate changes little.
+// Measures all of the first states. Later the estimate changes little, and one state in eight is measured.
 void Planner::note_surprise(const State& state) {
   constexpr std::size_t all = 64, every = 8;
   if (!judge_ || space_.empty() || space_.find(state.at).valid()) return;
@@ -153,7 +153,7 @@ void Planner::observe(const HipSample& sample) {
   setup_.predictor->observe(sample);
 }
 
-// The time of the state at rest says nothing about other states.
+// The time of the state at rest is not typical of other states, so it is left out.
 void Planner::note_cost(double seconds, bool at_rest) {
   if (at_rest) return;
   costs_.push_back(seconds);

@@ -1,5 +1,6 @@
-// Which solves are audits. A share of the jobs is drawn, and solved where the HIP is now instead of where the
-// policy would: the score of the frame rendered there is the hand's (render/bar_keeper.hpp).
+// Chooses which solves are audits. A random share of the jobs is solved at the present position of the HIP instead of
+// the position chosen by the policy. The score of the frame rendered there is typical of what the hand feels
+// (render/bar_keeper.hpp).
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +12,8 @@
 namespace forefeel {
 namespace {
 
-// Nearer to another state the fit becomes ill-conditioned, and there is nothing to learn [spacings].
+// Least distance to another state [spacings]. Nearer, the fit becomes ill-conditioned and the audit gives no
+// information.
 constexpr double least_distance = 0.1;
 constexpr std::uint64_t stream = 0xa0d17;  // of the seed
 

@@ -1,5 +1,5 @@
-// Which open candidate is worth most now. With many idle workers only the best are ranked again after each
-// dispatch.
+// Finds the open candidate with the highest priority now. With many idle workers, only the best candidates are ranked
+// again after each dispatch.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ double finite(double priority) {
 
 }  // namespace
 
-// A priority that is no number counts as the lowest; how often is said at the end.
+// A NaN priority counts as the lowest; the number of such priorities is reported at the end.
 double Planner::ranked_by(double priority) {
   not_numbers_ += std::isnan(priority);
   return finite(priority);
@@ -38,7 +38,7 @@ void Planner::predict(double now) {
   }
 }
 
-// A prediction that is no number counts as the hand staying where it is; how often is said at the end.
+// A NaN prediction is replaced by the present position of the hand; the number of such cases is reported at the end.
 Prediction Planner::checked(Prediction p) {
   const bool somewhere = p.at.allFinite(), spread = p.deviation >= 0;
   if (!somewhere) p.at = hip_.at;

@@ -28,7 +28,7 @@ double lack(Label label, int scale) {
     case Label::gap:
       return 0.25;
     case Label::sparse:
-      return scale == 0 ? 0.0 : 0.1;  // at 4 h the finer spacings tell more
+      return scale == 0 ? 0.0 : 0.1;  // none at 4 h, where the finer spacings give more information
     case Label::safe:
       return 0;
   }

@@ -9,7 +9,7 @@
 namespace forefeel {
 namespace {
 
-// Shorter lists of states are multiplied again; from longer ones states are removed by division.
+// For shorter lists of states the products are computed again; from longer lists, states are removed by division.
 constexpr std::size_t few = 32;
 
 // Smaller values count as zero. The threshold is far above denormal numbers, which are slow. It is also small

@@ -71,8 +71,8 @@ class Policy {
   virtual std::string_view name() const = 0;
   // Called once per planning step, before the candidates are ranked. Do work shared by all candidates here.
   virtual void look(const PlannerView&) {}
-  // Called when only `pending` has changed: more states are being solved, or one is removed for a moment, to
-  // ask what its job is still worth.
+  // Called when only `pending` has changed: more states are being solved, or one was removed temporarily to compute
+  // the present priority of its job.
   virtual void pend(const PlannerView&) {}
   // Whether Candidate::region is used. Updating the labels of all candidates costs more than ranking them.
   virtual bool reads_regions() const { return true; }

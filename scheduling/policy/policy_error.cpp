@@ -31,7 +31,7 @@ class ErrorPolicy final : public Policy {
     for (const Vec3& p : view.pending) delta = std::min(delta, (candidate.at - p).norm());
     const double reach = std::min(delta / h, 4.0);
     const double far =
-        1e-6 * h / (h + (candidate.at - view.hip.at).norm());  // puts in order what no prediction reaches
+        1e-6 * h / (h + (candidate.at - view.hip.at).norm());  // orders candidates that no prediction reaches
     return reach * reach * reach * chance + far;
   }
 };

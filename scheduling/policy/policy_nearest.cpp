@@ -14,7 +14,7 @@ class Nearest final : public Policy {
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     const double h = view.space.options().spacing;
     const double near = h / (h + (candidate.at - view.hip.at).norm());
-    return near * near;  // squared: preemption compares ratios, and what is far is to be worth little
+    return near * near;  // squared, so that far candidates have small ratios in the test for preemption
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-// Who solves which reference state: rank 0 keeps one directory for all ranks, so that each state is solved once.
+// Decides which rank solves which reference state. Rank 0 keeps one directory for all ranks, so that each state is
+// solved once.
 //   hand -> rank 0   ask (body, x) · told (body, state)
 //   rank 0 -> hand   state (body, state) · grant (body, x): solve it · put off (body, x): another rank solves it
 
@@ -22,7 +23,7 @@ class ReferenceDirectory {
  public:
   ReferenceDirectory(std::size_t bodies, ServiceOfBody services);
   void asked(int worker, Unpacker question);  // MalformedMessage
-  void lost(int worker);                      // what it was to solve is granted to others
+  void lost(int worker);                      // its states are granted to others
   std::vector<FarmWork::Answer> answers();    // since the last call
 
  private:

@@ -67,7 +67,7 @@ class CellWork final : public FarmWork {
     while (!open_.empty()) {
       const std::uint64_t cell = open_.front();
       open_.pop_front();
-      if (!left_.contains(cell)) continue;  // offered again, and meanwhile its first worker was done with it
+      if (!left_.contains(cell)) continue;  // was offered again, but its first worker has finished it since
       Packer message;
       message.add(cell);
       return Piece{cell, message.take()};
@@ -114,7 +114,7 @@ class CellHand final : public RankHand {
   }
 
  private:
-  // Nobody answers any more, so what the running cell waits for is solved here.
+  // Rank 0 answers no more, so the reference states that the running cell waits for are solved here.
   struct End {
     CellRunner& runner;
     std::atomic<bool>& interrupted;

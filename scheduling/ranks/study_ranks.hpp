@@ -1,6 +1,6 @@
 #pragma once
-// The cells of a study, run by all ranks of a run as they become free: the same results as run_study() has with
-// threads.
+// Runs the cells of a study on all ranks of an MPI run; each free rank gets the next cell. The results are the same as
+// those of run_study() with threads.
 
 #include <atomic>
 #include <functional>

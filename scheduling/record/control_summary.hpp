@@ -1,7 +1,7 @@
 #pragma once
-// What passivity control did in a session, and its price: the force error that it added. Per frame
-//   e = |F - F'| / max(|F'|, f0)
-// F [N]: force sent, F' [N]: what the other safety rules alone would have sent at the same positions, f0 [N]: the
+// Summarises the passivity control of a session, and the force error that it added in each frame:
+//   e = |F - F'| / max(|F'|, f0)     [1]
+// F [N]: force sent, F' [N]: force that the other safety rules alone would have sent at the same positions, f0 [N]: the
 // error floor of the session. The ramp at the end is left out.
 
 #include <span>

@@ -4,8 +4,8 @@
 //   F = g before t0,   F = f + e after it,   e = g(x) - f(x) at t0, shrinking by the rule `smooth`
 // where f is the exact force [N] and g the first guess, or zero. t0 is the least time [s] of any solve with
 // its two messages: of the state at rest if sessions begin with it, else at a lattice point. This loss does
-// not depend on policy, predictor, placement, number of workers or model. It bounds exact models only; a
-// wrong model may do better: one softer than the body leaves a smaller step to fade in at first.
+// not depend on policy, predictor, placement, number of workers or model. It bounds exact models only. An inexact
+// model can do better: if it is softer than the body, the first step to fade in is smaller.
 
 #include <functional>
 #include <span>

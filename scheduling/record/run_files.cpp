@@ -181,7 +181,7 @@ Text rows_of(std::span<const Record> records, std::span<const RunColumn<Record>>
   return out;
 }
 
-// Parts of a long table are made side by side.
+// The parts of a long table are formatted in parallel.
 template <class Record>
 void write(const std::filesystem::path& file, std::span<const Record> records,
            std::span<const RunColumn<Record>> columns, const Circumstances& of) {
@@ -212,7 +212,7 @@ std::vector<Declared> declared(std::span<const RunColumn<Record>> columns) {
   return rows;
 }
 
-// What an attempt to write failed with, and "; "; empty if it succeeded.
+// Tries to write a file. Returns the error followed by "; ", or an empty text on success.
 template <class Write>
 std::string problem_of(Write write) {
   try {

@@ -26,7 +26,7 @@ bool is_shape_file(const std::string& name) {
   return name.starts_with("shape_") && name.ends_with(".vtu");
 }
 
-// Without a sync of each file to the disk: the .pvd, which names them, appears when all are written.
+// Does not sync the file to the disk. The .pvd lists all files and is written after them.
 void write_file(const fs::path& file, const std::string& content) {
   errno = 0;
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
@@ -48,14 +48,14 @@ const Declared columns[] = {
      "largest error of a node against a tight solve, relative to the largest displacement; empty: not "
      "compared"}};
 
-// Files of the series; somebody's own stay.
+// Removes the files of the series. Other files in the folder stay.
 void clear_series(const fs::path& run) {
   std::error_code error;
   fs::remove(run / "shape.pvd", error);
   if (!fs::is_directory(run / "shape", error)) return;
   for (const auto& entry : fs::directory_iterator(run / "shape", error))
     if (is_shape_file(entry.path().filename().string())) fs::remove(entry.path(), error);
-  fs::remove(run / "shape", error);  // unless it is not empty
+  fs::remove(run / "shape", error);  // only if it is empty
 }
 
 bool is_ours(const fs::path& pvd) {

@@ -3,7 +3,8 @@
 //   RUN/shape.pvd                    the times of the series
 //   RUN/shape/shape_000000.vtu …     the moved nodes of each shape (geometry/mesh/vtu_series.hpp)
 //   RUN/shape.csv                    a row for each shape
-// They are written from the records, after the run. shape.pvd appears last: where it is, all others are.
+// They are written from the records, after the run. shape.pvd is written after all .vtu files: if it exists, the
+// series is complete.
 
 #include <filesystem>
 #include <span>
@@ -14,7 +15,7 @@
 
 namespace forefeel {
 
-// Of an earlier run in this folder: removed, so that no shape stands beside frames of another run.
+// Removes the shapes of an earlier run in this folder, so that they are not mistaken for those of the new run.
 void remove_shape_files(const std::filesystem::path& run);
 
 // The series without its table. Throws InputError if a file cannot be written; nothing of it is left then.

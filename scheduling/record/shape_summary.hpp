@@ -1,5 +1,5 @@
 #pragma once
-// The shapes of a run in numbers: `shape` in summary.json. Errors as in shape/shape_check.hpp.
+// Summarises the shapes of a run: `shape` in summary.json. Errors are defined in shape/shape_check.hpp.
 
 #include <array>
 #include <span>
@@ -20,10 +20,10 @@ struct ShapeSummary {
   bool surface = true;
   std::size_t nodes = 0, shapes = 0, missed = 0;
   std::array<std::size_t, 3> orders{};  // shapes of each ShapeOrder
-  double largest = 0;                   // displacement of a node [m]
+  double largest = 0;                   // largest displacement of a node [m]
   SessionSummary::Timing cost_us;       // of a shape; real clock
-  Errors error;                         // the worst node of each compared shape
-  Errors nodes_p95;                     // the 95th percentile of the nodes of each
+  Errors error;                         // of the worst node of each compared shape
+  Errors nodes_p95;                     // of the 95th percentile over the nodes of each compared shape
   ByLabel<Errors> by_label;             // of error
 };
 

@@ -11,7 +11,7 @@ namespace {
 using Frames = std::span<const FrameRecord>;
 
 constexpr double rounding = 1e-12;  // of sums of energies [J], [1]
-constexpr double slowest = 5;       // frequency that is none of the motion [Hz]
+constexpr double slowest = 5;       // lowest frequency that does not belong to the prescribed motion [Hz]
 constexpr double smoothing = 0.1;   // [s]
 constexpr std::size_t extrema = 7;  // of three periods
 constexpr double pair_growth = 1.05, whole_growth = 1.5;
@@ -140,7 +140,7 @@ void observe_growth(Frames frames, const std::vector<double>& values, double flo
   const std::vector<Extremum> all = extrema_of(values);
   for (std::size_t i = 0; i + extrema <= all.size(); ++i) {
     const auto run = std::span(all).subspan(i, extrema);
-    // Near the ends the smoothing is one of fewer frames.
+    // Near the ends the smoothing uses fewer frames, so extrema there are not judged.
     if (run.front().at < edge || run.back().at + edge >= values.size() || !swings_up(run, floor)) continue;
     note(report, frames[run.back().at].t);
     const double growth = std::cbrt(run.back().size / run.front().size);
@@ -196,7 +196,7 @@ StabilityReport judge_stability(Frames frames, const HandNumbers& hand, double f
   const auto second = static_cast<std::size_t>(std::max(1.0, std::round(1 / frame)));
   observe_energy(frames, Quantum(frames, hand.resolution), second, report);
   observe_switches(frames, report);
-  // Beats of tremor and noise, and a few steps of the encoder, are no swing of the loop.
+  // Beats of tremor and noise, and a few steps of the encoder, do not count as an oscillation of the loop.
   const double floor =
       std::max(8 * (std::isfinite(hand.resolution) ? hand.resolution : 0), 5 * hand.tremor) + 1e-6;
   std::array<std::vector<double>, 3> axes;

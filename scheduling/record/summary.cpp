@@ -64,7 +64,7 @@ SessionSummary::Bars bars_of(const SessionResult& result, Choose choose) {
   for (const FrameRecord& f : result.frames) {
     if (!f.judged.sampled || !std::isfinite(f.judged.error) || !choose(f)) continue;
     if (!std::isfinite(f.bar.half_width[1])) continue;
-    const bool viscous = std::isfinite(f.judged.elastic_reference.x());  // bars are of the elastic force
+    const bool viscous = std::isfinite(f.judged.elastic_reference.x());  // bars refer to the elastic force
     const double error =
         viscous ? (f.elastic - f.judged.elastic_reference).norm() : (f.force - f.judged.reference).norm();
     for (std::size_t i = 0; i < inside.size(); ++i) inside[i] += error <= f.bar.half_width[i];
@@ -207,7 +207,7 @@ ByLabel<double> time_in_labels(const SessionResult& result) {
   return shares;
 }
 
-// Parts given as objects are named for what they are; those that the options name did not run.
+// A part given as an object is named after the object, because it ran instead of the part named in the options.
 std::string policy_that_ran(const SessionInput& input, const SessionOptions& options) {
   return input.parts.policy ? std::string(input.parts.policy->name()) : to_text(options.planning.policy);
 }

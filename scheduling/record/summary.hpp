@@ -10,9 +10,10 @@
 //   SessionSummary summary = summarise(result, plan);
 //   summary.motion.prediction = scores.report();
 //
-// `rendered` is one thing everywhere, in errors, plots and the columns rendered_x … of frames.csv: the force
-// of the model after the switch, before the safety rules. `sent`, the columns fx, fy, fz, is what is left of
-// it after them (start-up ramp, force limit, slew limit …; render/safety.hpp). Energy counts what is sent.
+// `rendered` has the same meaning in errors, plots and the columns rendered_x … of frames.csv: the force after the
+// switch (and, for a viscous body, the relaxation filter), before the safety rules. `sent`, the columns fx, fy, fz, is
+// the force after the safety rules (start-up ramp, force limit, slew limit …; render/safety.hpp). Energies are those of
+// the sent force.
 
 #include <array>
 #include <cstddef>
@@ -55,7 +56,7 @@ struct SessionSummary {
     std::size_t start = 0, solved = 0, used = 0, wasted = 0, preempted = 0, failed = 0, inverted = 0;
     // From the end of the solve to its first use [ms].
     double age_at_use_ms_p50 = unknown, age_at_use_ms_p99 = unknown;
-    bool foreign = false;  // those at the start are of another body; nothing was solved
+    bool foreign = false;  // the states at the start are of another body; nothing was solved
   };
   // Effect of changing models. max_jump: largest |dF| in one frame. drift: largest |sum of dF| in any window
   // of 50, 100 or 300 ms.
@@ -108,26 +109,26 @@ struct SessionSummary {
   struct Safety {
     std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;
     double clamped_share = 0, slewed_share = 0;
-    // What `clamped` cuts at: the lower limit of options and device [N]. Known where the plan is given.
+    // The limit behind `clamped`: the lower one of options and device [N]. Known only if the plan is given.
     double force_limit = unknown;
   };
-  // Where the motion went. The first frame: the force of a tight solve there, what was rendered, and the time
-  // of the first sample whose error is below the just noticeable difference [s]; unknown: none is.
+  // The motion. start_…: force of a tight solve at the first frame, force rendered there, and time of the first sample
+  // whose error is below the just noticeable difference [s] (unknown: there is none).
   struct Motion {
     double outside = 0;  // share of the frames outside the box of states
     double start_reference = unknown, start_rendered = unknown, start_within_jnd = unknown;
     bool starts_wrong = false;  // the first frame's error is above the JND, at a reference above error_floor
-    // How well each registered predictor foresaw it, where the caller measured that (PredictorScores).
+    // Error of each registered predictor on this motion, if the caller measured it (PredictorScores).
     std::vector<PredictorErrors> prediction = {};
   };
-  // How the frames came, and how the force ended (LoopReport of log/session_result.hpp).
+  // Timing of the frames, and the end of the force (LoopReport of log/session_result.hpp).
   struct Loop {
     std::size_t skipped = 0;
     double longest_pause = 0, planner_stall = 0;  // [s]; unknown under the virtual clock
     std::size_t ending_frames = 0;                // of the ramp at the end
     double last_force = 0;                        // |F| sent in the last frame [N]
   };
-  // What was asked for. A policy given as an object has the name that it says itself.
+  // The settings of the session. A policy given as an object appears with the name that it returns.
   struct Settings {
     Clock clock = Clock::real;
     int workers = 0;
@@ -143,7 +144,7 @@ struct SessionSummary {
     std::size_t frames = 0, frames_asked = 0;
     bool interrupted = false;         // ended early, or samples have no reference (RunEnd)
     bool first_guess = false;         // began with a guessed stiffness
-    double guess_softness = unknown;  // of the body against it (solver/body/contact_softness.hpp)
+    double guess_softness = unknown;  // of the body relative to the guess (solver/body/contact_softness.hpp)
     double wall_seconds = 0;
     bool realtime_priority = false, memory_locked = false;
     std::vector<std::string> notes;     // what the system refused, what failed
@@ -165,7 +166,7 @@ struct SessionSummary {
 };
 
 SessionSummary summarise(const SessionResult& result, const SessionPlan& plan);
-// The same from what the plan was made of. safety.force_limit is then unknown, and frames_asked counts
+// The same from the input and options of the plan. safety.force_limit is then unknown, and frames_asked follows from
 // options.clock.seconds, whatever the length of the motion.
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,
                          const SessionOptions& options);

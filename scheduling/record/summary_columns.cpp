@@ -154,7 +154,7 @@ void add_settings(std::vector<Column>& columns, const SessionSummary::Settings& 
       .count("seed", settings.seed, "seed of everything random")
       .text("device", settings.device, "device as written; replay:RUN for a replay")
       .flag("first_guess", run.first_guess, "true: began with a guessed stiffness")
-      .number("first_guess_softness", run.guess_softness, "1", "of the body against that guess")
+      .number("first_guess_softness", run.guess_softness, "1", "softness of the body relative to that guess")
       .number("wall_seconds", run.wall_seconds, "s", "time that the run took")
       .flag("realtime_priority", run.realtime_priority, "true: the system gave real-time priority")
       .flag("memory_locked", run.memory_locked, "true: the system locked the memory");
@@ -166,20 +166,20 @@ void add_stability(std::vector<Column>& columns, const SessionSummary& summary) 
   const auto known = [&](double value) { return found ? value : unknown; };
   const StabilityReport s = found.value_or(StabilityReport{});
   columns.push_back({"stability.stable", found ? ColumnValue(s.stable) : ColumnValue(), "",
-                     "true: the hand and the loop stay calm; this and all of stability: hand only"});
+                     "true: no instability was found; stability.* is known for a simulated hand only"});
   Group group(columns, "stability");
   group.number("since", s.since, "s", "first moment that is not stable; empty: none")
       .number("generated_J", known(s.generated), "J",
               "most energy that the loop generated in any second, beyond the encoder's quantum")
-      .number("frequency_hz", s.frequency, "Hz", "dominant frequency of what motion does not explain")
+      .number("frequency_hz", s.frequency, "Hz", "dominant frequency of the vibration, above 5 Hz")
       .number("clamped_share", known(summary.safety.clamped_share), "1", "frames cut at the force limit")
-      .number("amplitude", known(s.amplitude), "m", "RMS of what motion does not explain, worst second")
-      .number("growth", s.growth, "1", "of that per period, where it grew over three periods")
+      .number("amplitude", known(s.amplitude), "m", "RMS of the vibration in the worst second")
+      .number("growth", s.growth, "1", "growth of the vibration per period, if it grew over three")
       .number("put_in_J", known(s.put_in), "J", "energy that the hand put in")
       .number("given_back_J", known(s.given_back), "J", "energy that the hand got back")
       .number("hold_J", known(s.hold), "J", "energy added because a force is held for a frame")
       .number("switches_J", known(s.by_switches), "J", "work of the switches: rendered less newest model")
-      .number("switch_max_J", known(s.by_a_switch), "J", "the most of one switch");
+      .number("switch_max_J", known(s.by_a_switch), "J", "largest work of one switch");
   for (const Label label : all_labels)
     group.number("generated_in." + std::string(name(label)),
                  known(s.generated_in[static_cast<std::size_t>(label)]), "J",

@@ -25,7 +25,7 @@ struct Column {
 ColumnValue column_value(double value);  // unknown if it is not finite
 
 std::vector<Column> summary_columns(const SessionSummary& summary);
-// The last of these, which tables of studies keep behind their own columns.
+// The last of these columns. In cells.csv of a study they follow the study's own columns.
 std::vector<Column> later_columns(const SessionSummary& summary);
 
 // The same for `forefeel help`: units and meanings. The four labels share a row, "error.by_label.LABEL.p50".

@@ -7,7 +7,8 @@ namespace forefeel {
 ToleranceShare tolerance_share(const SessionResult& result, const Tolerance& tolerance) {
   ToleranceShare share;
   for (const FrameRecord& f : result.frames) {
-    const bool viscous = std::isfinite(f.judged.elastic_reference.x());  // bars are of the elastic force
+    const bool viscous =
+        std::isfinite(f.judged.elastic_reference.x());  // the bars belong to the elastic force
     const Vec3& rendered = viscous ? f.elastic : f.force;
     const bool known = f.bar.half_width[1] <= tolerance.limit(rendered.norm());
     ++share.frames;

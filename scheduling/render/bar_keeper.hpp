@@ -1,13 +1,13 @@
 #pragma once
-// Makes the estimates from which the loop computes its error bars (bar_link.hpp), and calibrates them: each
-// state that arrives is first predicted, then compared.
-//   audit     a state at a position that the loop rendered within the last seconds: the score of what the
-//             hand felt there. It counts 1.
-//   other     within 1.5 spacings of the HIP: the score of the model in use, at that position. Such states
-//             are solved where ignorance is largest, not where the hand is: they count 0.05, and nothing
-//             once their label has 20 audits.
-// Until there are scores, those of other bodies and motions stand in for them (approx/bar/prior_scores.hpp).
-// The error of a first model, of no states, is unknown: its bar is infinite.
+// Makes the estimates from which the loop computes its error bars (bar_link.hpp), and calibrates them with each new
+// state, by comparing its force with the force rendered or predicted there:
+//   audit     a state at a position that the loop rendered in the last seconds. The rendered force is scored, with
+//             weight 1
+//   other     a state within 1.5 spacings of the HIP. The model in use is scored at the position of the state. Such
+//             states are solved where least is known, not where the hand is. Their weight is therefore 0.05, and 0
+//             once their label has 20 audits
+// Until a session has scores of its own, scores of other bodies and motions are used (approx/bar/prior_scores.hpp).
+// The error of a first guess, a model without states, is unknown: its bar is infinite.
 
 #include <array>
 #include <vector>

@@ -1,11 +1,12 @@
 #pragma once
-// What planner and loop tell each other about error bars. For the rendered force F of a frame at x, with f~ the
-// force of the newest model there, the half-width of level p is
-//   e_p = sqrt((q_p s(x))^2 + r^2),   r = ||F - f~||
-// s: the scale of the model's error (approx/bar/error_scale.hpp), q_p: its factor (conformal_factors.hpp), r:
-// what the switch holds back, known exactly; its direction is independent of the model's error. The score of
-// a frame whose truth f becomes known is then sqrt(max(0, ||F - f||^2 - r^2)) / s: it is at most q_p exactly
-// where the bar holds f.
+// The messages between planner and loop about error bars. For the rendered force F [N] of a frame at x, with f~ the
+// force of the newest model there, the half-width of the bar of level p is
+//   e_p = sqrt((q_p s(x))^2 + r^2),   r = ||F - f~||     [N]
+// s [N]: scale of the model's error (approx/bar/error_scale.hpp), q_p [1]: factor of the level (conformal_factors.hpp),
+// r [N]: the difference that the switch still holds back. r is known exactly, and its direction is assumed independent
+// of the model's error. When the true force f of a frame becomes known, its score is
+//   sqrt(max(0, ||F - f||^2 - r^2)) / s
+// The score is at most q_p if and only if the bar contains f.
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-// Which frame a late loop renders next. Frame k is due at k * frame after the start. A loop that wakes late
+// Chooses the frame that a late loop renders next. Frame k is due at k * frame after the start. A loop that wakes late
 // renders the newest frame that is due; the frames before it are skipped and counted, never rendered in a
 // burst. Frame 0 is never skipped. No frame is skipped to beyond the session's last one, which therefore
 // is always rendered; frames after it belong to the ramp at the end (render/render_loop.hpp).

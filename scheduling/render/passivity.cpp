@@ -14,13 +14,13 @@ namespace {
 
 constexpr double lagging = 0.95;  // factor of s in a frame that the slew limit holds back
 
-// Falls at once, rises by a share of what is left.
+// The gain falls to `wanted` at once and rises by a share of the difference.
 double followed(double gain, double wanted, double rise) {
   return wanted < gain ? wanted : gain + rise * (wanted - gain);
 }
 
-// Largest eigenvalue of the symmetric part of -jacobian [N/m]; 0 where the Frobenius norm, which is never smaller,
-// does not exceed `enough`.
+// Largest eigenvalue of the symmetric part of -jacobian [N/m]. Returns 0 if the Frobenius norm, an upper bound of the
+// eigenvalue, does not exceed `enough`.
 double largest_stiffness(const Mat3& jacobian, double enough) noexcept {
   const double bound = jacobian.norm();
   if (!(bound > enough) || !std::isfinite(bound)) return 0;
@@ -65,7 +65,7 @@ Vec3 PassivityControl::shape(const Vec3& force, const Vec3& x) noexcept {
   most_ = std::max(most_, std::min(size, limit));
   const double work = begun_ ? -coupled.dot(x - last_x_) : 0, room = energy_ + quantum();
   const double g = 2 * room >= potential_ ? 1 : std::max(0.0, 2 * room / potential_);
-  if (work > 0)  // the hand presses in and pays for what it is given
+  if (work > 0)  // the hand presses in: its work fills the tank
     gain_ += (1 - gain_) * std::min(1.0, 4 * work / (potential_ + quantum()));
   else if (work < 0)
     gain_ = followed(gain_, g, rise_);

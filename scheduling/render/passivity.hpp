@@ -1,21 +1,23 @@
 #pragma once
-// Keeps the loop passive while models change. It stands among the safety rules: what it sees is what is sent, after
-// force limit and slew limit. With f [N] the force that they ask for, x [m] the measured tip, F [N] the force sent:
-//   coupling   f <- s f,  s = min(1, K_c / K),  K [N/m] largest stiffness of the newest model at x. For a linear body
-//              this is a virtual coupling of a spring K_vc in series, 1 / K_vc = 1 / K_c - 1 / K, with the proxy at
-//              the place where both forces agree; K_c is below the boundary of stability (motion/loop_limit.hpp).
-//              s falls at once, by 5 % also where the slew limit acts (lag generates), and rises within `recovery`.
-//   tank       E [J]: what the hand put in and did not get back, by the trapezoid rule, as the verdict counts it
-//                E <- min(E - (F + F_before) . dx / 2, |f|max |x|)         (record/stability.hpp)
-//              U [J]: what the model gives back on a straight way to rest, - integral of f . dx by Simpson's rule. A
-//              switch that raises U above E is one that would generate energy: the model gives more than it was given.
-//              f <- g f,  g = min(1, 2 (E + q) / U), falls at once, rises with `recovery`: the force fades on the
-//              way out, so that E + q stays above zero, instead of being taken away at rest.
+// Keeps the loop passive while models change. It is part of the safety rules, so it counts the energy of the force that
+// is sent, after force limit and slew limit. f [N]: force before these limits, x [m]: measured tip, F [N]: force sent.
+//   coupling   f <- s f,  s = min(1, K_c / K),  K [N/m]: largest stiffness of the newest model at x. For a linear body
+//              this is a virtual coupling by a spring K_vc in series, 1 / K_vc = 1 / K_c - 1 / K, with the proxy at
+//              the place where both forces agree. K_c is below the stability limit (motion/loop_limit.hpp). s falls at
+//              once and rises with the time constant `recovery`. It also falls by 5 % in each frame in which the slew
+//              limit acts, because a force that lags generates energy.
+//   tank       E [J]: energy that the hand has put in and not got back, by the trapezoid rule (record/stability.hpp)
+//                E <- min(E - (F + F_before) . dx / 2, |f|max |x|)
+//              U [J]: energy that the model gives back on the straight path from x to rest, by Simpson's rule. A switch
+//              that raises U above E would generate energy.
+//              f <- g f. While the tip moves out, g follows min(1, 2 (E + q) / U): it falls at once and rises with
+//              `recovery`. So the force fades on the way out, and E + q stays above zero; the force need not be
+//              removed at rest. While the hand presses in, g rises towards 1 with the work of the hand.
 //   controller F <- F - a dx with the smallest a that keeps E + q >= 0, as far as force and slew limit allow
-//              (Hannaford and Ryu 2002, Eqs. 4 and 5).
-// q [J]: dead zone, one quantum of the encoder, sqrt(3) r |F|max: rounded positions are no energy. Energy tanks:
-// F. Ferraguti, C. Secchi, C. Fantuzzi, ICRA 2013. Virtual coupling: J. E. Colgate, M. C. Stanley, J. M. Brown,
-// IROS 1995. Nothing here allocates, locks or throws.
+//              (Hannaford and Ryu 2002).
+// q [J]: dead zone of one quantum of the encoder, sqrt(3) r |f|max, because the rounding of positions is not energy of
+// the loop. Energy tanks: F. Ferraguti, C. Secchi, C. Fantuzzi, ICRA 2013. Virtual coupling: J. E. Colgate, M. C.
+// Stanley, J. M. Brown, IROS 1995. Nothing here allocates, locks or throws.
 
 #include <limits>
 #include <string_view>
@@ -52,16 +54,15 @@ class PassivityControl {
  public:
   PassivityControl(const PassivityOptions& options, double frame);  // frame [s]
 
-  // What the newest model says at x, and whether it was taken in this frame. To be called when it is taken, and
-  // every few frames.
+  // The newest model at x; taken: it is new in this frame. Call this when a model is taken, and every few frames.
   void note_model(const Vec3& x, const ModelView& model, bool taken) noexcept;
   // f: after guard, watchdog and ramp, before the force limit. Returns s g f.
   Vec3 shape(const Vec3& force, const Vec3& x) noexcept;
-  // force: within the limits. Returns F, within them.
+  // force: within the limits of `room`. Returns F, also within them.
   Vec3 settle(const Vec3& force, const Vec3& x, const ForceRoom& room) noexcept;
-  // Instead of settle() where the force is fixed: the ramp at the end.
+  // Replaces settle() while the force is prescribed: during the ramp at the end.
   void account(const Vec3& sent, const Vec3& x, const Vec3& before) noexcept;
-  // Whether note_model() is due.
+  // Called in each frame. True if note_model() is due: from the eighth frame after its last call.
   bool wants_model() noexcept { return ++since_ >= 8; }
 
   const PassivityReport& report() const { return report_; }
@@ -71,10 +72,10 @@ class PassivityControl {
   Vec3 step_to(const Vec3& x) noexcept;
 
   PassivityOptions options_;
-  double rise_;                                   // of a gain in a frame
+  double rise_;                                   // share of the missing gain that is regained in a frame
   double coupling_ = 1, gain_ = 1;                // s, g
-  double stiffness_ = 0, share_ = 0.5;            // K; U / (-f . x)
-  double energy_ = 0, potential_ = 0, most_ = 0;  // E, U, |F|max
+  double stiffness_ = 0, share_ = 0.5;            // K [N/m]; U / (-f . x) [1]
+  double energy_ = 0, potential_ = 0, most_ = 0;  // E [J], U [J], |f|max [N]
   Vec3 last_x_ = Vec3::Zero();
   bool begun_ = false;
   int since_ = 1 << 20;

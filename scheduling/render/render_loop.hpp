@@ -1,19 +1,19 @@
 #pragma once
 // One frame of the haptic loop, the same under both clocks:
 //   device -> HIP -> newest model -> switch -> relaxation -> safety with passivity -> device (+ log)
-// relaxation: of a viscous body (approx/relaxation/relaxation.hpp), with the time from frame to frame, frames that
-// were left out included; of an elastic body there is none.
+// relaxation: the filter of a viscous body (approx/relaxation/relaxation.hpp). Its time step is the time since the last
+// rendered frame, skipped frames included. An elastic body has no filter.
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
 //
 // The end. The force that is sent is zero when the loop ends, and it gets there within the slew limit:
-//   a session that runs to its end   its last frames are a ramp to zero, no more of them than the force needs
-//                                    (and a quarter more, because real frames are not equally long). The run
-//                                    keeps its number of frames.
+//   a session that runs to its end   its last frames are a ramp to zero: as many as the force needs, and a quarter
+//                                    more because real frames are not equally long. The number of frames stays the
+//                                    same.
 //   a session that is ended early    end() begins the ramp; the frames that follow are recorded as usual
 // This holds under both clocks: they share the loop, and a simulated run records what a real one would send.
-// Frames of the ramp render, record and are judged like all others; only `sent` differs. Under the real clock
-// frames that come late may leave a rest of the force at the last frame: further frames follow until it is
-// zero, and are recorded as far as `spare` reaches.
+// Frames of the ramp are rendered, recorded and judged like all others; only `sent` differs. Under the real clock late
+// frames may leave some force at the last frame. Further frames then follow until it is zero; up to `spare` of them are
+// recorded.
 
 #include <atomic>
 #include <cmath>
@@ -99,7 +99,7 @@ class RenderLoop {
   const Vec3& sent() const { return sent_; }  // in the last frame [N]
   const std::vector<FrameRecord>& log() const { return log_; }
   std::vector<FrameRecord> take_log();  // the frames done so far
-  // Of these frames: what would have been sent without passivity control [N]; empty where there is none.
+  // The force that would have been sent in these frames without passivity control [N]; empty if it is off.
   std::vector<Vec3> take_uncontrolled();
   const Safety& safety() const { return safety_; }
   PassivityReport passivity() const { return control_ ? control_->report() : PassivityReport{}; }
@@ -118,7 +118,8 @@ class RenderLoop {
   BarEstimate bar_;
   Safety safety_;
   std::optional<PassivityControl> control_;  // none: passivity is observed only
-  std::optional<Safety> without_;  // the same rules at the same positions without control: its price
+  std::optional<Safety>
+      without_;  // the same rules at the same positions without control, to measure the added error
   const Model* newest_model_ = nullptr;
   bool took_model_ = false;
   double frame_;

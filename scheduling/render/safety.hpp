@@ -30,7 +30,8 @@ struct SafetyOptions {
   double ramp_seconds = 0.1;   // start-up [s]
   double stale_seconds = 0.5;  // watchdog [s]
   Passivity passivity = Passivity::observe;
-  std::optional<double> coupling = {};  // control: largest stiffness rendered [N/m]; unset: by the device
+  std::optional<double> coupling =
+      {};  // control: largest stiffness rendered [N/m]; unset: that of the device
 };
 
 // Throws InputError with the key of an invalid value.
@@ -47,7 +48,7 @@ struct SafetyMoment {
   // Wall time since the last force [s]; more than a frame counts as one.
   double passed = std::numeric_limits<double>::infinity();
   bool ending = false;                  // the session ends: the force goes to zero
-  PassivityControl* control = nullptr;  // none: passivity is observed only
+  PassivityControl* control = nullptr;  // null: passivity is observed only
 };
 
 class Safety {

@@ -10,13 +10,12 @@
 namespace forefeel {
 
 namespace {
-// With so few states their distance cannot be estimated from the set. The first states are requested 2 to 4 h
-// apart. A tangent whose force is held constant beyond 4 h, as for states h apart, renders only half the
-// force at the far end of a box.
+// With up to `few` states, their spacing cannot be estimated from the set. The first states are requested 2 to 4 h
+// apart, so a spacing of 2 h is assumed. With a spacing of h, the force of a tangent would be held constant beyond 4 h,
+// and only half the force would be rendered at the far end of a box.
 constexpr std::size_t few = 3;
 constexpr double apart_at_first = 2;  // spacings
-constexpr double around =
-    4;  // spacings around the HIP whose states a lattice model holds: it is replaced before
+constexpr double around = 4;          // [spacings] radius around the HIP of the states in a lattice model
 }  // namespace
 
 void check(const SessionModelOptions& options) {

@@ -1,11 +1,11 @@
 #pragma once
 // Makes the models of a session from the states known so far, by one of three methods:
-//   rbf                    radial basis functions on a neighbour set that follows the HIP
-//                          (approx/select/updater.hpp). With stiffness the first three states reach twice as
-//                          far as states of the lattice do.
-//   trilinear, tricubic    interpolation in the lattice cell around the HIP, as before RBF models
-//                          (approx/model/lattice_field.hpp). Where a corner of the cell is not known: the
-//                          force of the nearest state.
+//   rbf                    radial basis functions on a neighbour set that follows the HIP (approx/select/updater.hpp).
+//                          With stiffness, models of at most three states assume a spacing of 2 h, because the first
+//                          states lie farther apart than the lattice.
+//   trilinear, tricubic    interpolation in the lattice cell around the HIP, the method before RBF models
+//                          (approx/model/lattice_field.hpp). If a corner of the cell is unknown: the value at the
+//                          nearest point of a complete cell, or the force of the nearest state if that is nearer.
 // While no state is known, the model is the linear force of the first guess, if there is one.
 
 #include <memory>

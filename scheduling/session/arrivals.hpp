@@ -19,8 +19,8 @@ struct Arrival {
 // [m] from rest.
 std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest);
 
-// "is 20 m from rest, expected at most 0.4 m, twice the body's length". Asks about the unit where it is much
-// farther.
+// "is 20 m from rest, expected at most 0.4 m, twice the body's length". If it is much farther, the text also asks
+// about the unit.
 std::string too_far(double distance, double farthest);
 
 struct Replay {

@@ -17,7 +17,7 @@ enum class RunLength {
 
 struct ClockOptions {
   Clock kind = Clock::real;
-  double seconds = 20;
+  double seconds = 20;  // [s]
   RunLength length = RunLength::seconds;
   double frame = 1e-3;  // time from frame to frame [s]
 };

@@ -14,7 +14,7 @@ double FollowingRenderer::Motion::duration() const {
 
 void FollowingRenderer::frame(const PassedFrame& frame) {
   const double now = frame_time(frame.k, frame_);
-  models_.update(now, motion_.at);  // for where the HIP was seen last
+  models_.update(now, motion_.at);  // for the last known position of the HIP
   motion_.at = frame.at;
   link_.known.store(frame.known, std::memory_order_relaxed);
   link_.planner_beat.store(now, std::memory_order_relaxed);

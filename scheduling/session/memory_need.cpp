@@ -19,7 +19,7 @@ namespace {
 // which is made in memory.
 constexpr double bytes_per_frame = sizeof(FrameRecord) + 160 + 400;
 constexpr double bytes_per_thread = 256e3;  // stack as far as it is used, buffers of the allocator
-constexpr int few = 8;                      // so many solvers are never asked about
+constexpr int few = 8;                      // up to this number of solvers, no memory check is made
 constexpr int most_threads = 4096;
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// How much memory a session will take, estimated before anything of it is allocated.
+// Estimates the memory of a session before anything is allocated.
 
 #include <cstddef>
 #include <memory>
@@ -8,13 +8,13 @@
 
 namespace forefeel {
 
-// What a session asks for.
+// The quantities that determine the memory of a session.
 struct MemoryRequest {
   std::shared_ptr<const Body> body;
   std::size_t frames = 0;
-  double seconds = 0;
-  int workers = 0;  // threads that solve under the real clock; simulated workers take nothing
-  int threads = 0;  // of reference solves, as given (workers/reference_service.hpp)
+  double seconds = 0;  // length of the session [s]
+  int workers = 0;     // threads that solve under the real clock; simulated workers take nothing
+  int threads = 0;     // of reference solves, as given (workers/reference_service.hpp)
 };
 
 // Bytes, at most.
@@ -26,9 +26,9 @@ struct MemoryNeed {
 };
 MemoryNeed memory_need(const MemoryRequest& asked);
 
-// Throws InputError if the session needs more than `available` [bytes]: what it would take, what there is,
-// and the key that takes the most (session.seconds, session.workers, session.threads). Also refuses more
-// worker threads than a process can well have.
+// Throws InputError if the session needs more than `available` [bytes]. The error names the need, the available memory
+// and the key with the largest share (session.seconds, session.workers, session.threads). Also throws for more worker
+// threads than a process can reasonably run.
 void check_memory(const MemoryRequest& asked, double available);
 
 }  // namespace forefeel

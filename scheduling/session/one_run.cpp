@@ -159,7 +159,7 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
 std::shared_ptr<ReferenceService> references_of(const SessionPlan& plan) {
   if (plan.input.references) return plan.input.references;
   ReferenceOptions options = reference_options(plan.input);
-  if (plan.input.foreign) options.cache_folder.clear();  // it is asked for nothing
+  if (plan.input.foreign) options.cache_folder.clear();  // nothing is solved, so no cache is needed
   return std::make_shared<ReferenceService>(options, plan.options.workers.threads);
 }
 

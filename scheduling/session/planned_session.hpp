@@ -23,10 +23,11 @@ struct PlannedArrivals {
   bool of_replay = false;     // the replayed run had given arrivals
 };
 
+// The first guess of the stiffness (SessionModelOptions::first_guess).
 struct PlannedGuess {
-  // Of the body against the first guess (solver/body/contact_softness.hpp); unknown: none was wanted.
+  // Softness of the body relative to the guess (solver/body/contact_softness.hpp); unknown: no guess was wanted.
   double softness = unknown;
-  std::string left_out;  // why the first guess is; empty: it is rendered, or none was wanted
+  std::string left_out;  // why there is no first guess; empty: it is rendered, or none was wanted
 };
 
 // Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share one device.

@@ -42,13 +42,13 @@ void sleep_until(Nanoseconds t) {
   }
 }
 
-// Locked pages for the time of a session; says so where the system does not permit it. Pages are locked when
-// they are touched: locking whole mappings would make the stacks of all threads resident, 8 MB for each
-// worker. What the loop reads is touched before it begins.
+// Locks pages in memory during a session; a note reports if the system does not permit it. Pages are locked when they are
+// first touched, because locking whole mappings would make the stacks of all threads resident, 8 MB for each worker. The
+// data of the loop are touched before it begins.
 class LockedMemory {
  public:
   explicit LockedMemory(SessionResult& result) {
-    // Under a limit, later allocations would fail once it is reached: lock only what is there.
+    // With a limit on locked memory, later allocations would fail once it is reached. So only present pages are locked.
     rlimit limit{};
     const bool unlimited =
         geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
@@ -67,7 +67,7 @@ class LockedMemory {
   bool locked_ = false;
 };
 
-// What the loop's thread and the planner's tell each other, and what the loop reports when it ends.
+// Messages between the loop's thread and the planner's, and the loop's report when it ends.
 struct LoopEnd {
   std::atomic<bool> done{false};
   std::atomic<bool> wanted{false};  // by a failing planner or worker
@@ -75,7 +75,7 @@ struct LoopEnd {
   std::string note;
 };
 
-// The stack of this thread, so that the loop meets no page of it for the first time.
+// Touches the stack of this thread, so that the loop causes no page fault there.
 void touch_stack() {
   volatile char pages[1 << 16];
   for (std::size_t i = 0; i < sizeof pages; i += 1024) pages[i] = 0;
@@ -115,7 +115,7 @@ void report(const FramePacer& pacer, double stall, const SessionPlan& plan, Sess
         plan.options.safety.stale_seconds));
 }
 
-// Solves what --arrivals and --replay will deliver, before the first frame.
+// Solves the states of --arrivals and --replay before the first frame.
 std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& references,
                                   const ShowProgress& show) {
   for (const Arrival& arrival : plan.arrivals.list) references.request(arrival.at);
@@ -187,7 +187,7 @@ struct PlannerRun {
     }
   }
 
-  // What was solved meanwhile is kept.
+  // Keeps the states that were solved after the last frame.
   void keep_rest() {
     std::vector<JobResult> results;
     workers.collect(results, 0);

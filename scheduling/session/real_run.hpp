@@ -14,7 +14,7 @@ class ShapeLog;
 
 // Fills the result, except for labels, errors and other values of the judge. Solves the states of --arrivals
 // and --replay before the first frame. If the planner or a worker fails, the loop takes the force to zero and
-// ends; result.failures says why, and the result holds what was done until then.
+// ends. result.failures then names the reason, and the result holds everything up to then.
 //
 // The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped
 // and counted (render/frame_pacer.hpp). The planner's beat and the watchdog use the same clock. Stops of the

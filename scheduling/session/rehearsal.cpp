@@ -68,7 +68,7 @@ Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
   const std::vector<std::string> schedules = schedules_to_try();
   Rehearsals found{.best = schedules.front(), .of = schedules.size(), .cut = {}};
   double most = -2;
-  for (; found.tried < schedules.size() && most < 1; ++found.tried) {  // nothing is better than all
+  for (; found.tried < schedules.size() && most < 1; ++found.tried) {  // a share of 1 cannot be exceeded
     const std::string& name = schedules[found.tried];
     SessionResult result = run_once(with_policy(plan, name),
                                     {.progress = as_rehearsal(show, found.tried + 1, schedules.size())});

@@ -16,7 +16,7 @@ class CostModel;
 // The file that new states are appended to; null: none. InputError where it cannot be opened.
 std::unique_ptr<StateWriter> open_state_file(const SessionInput& input);
 
-// The states' file during a run. When the disk fails, the run goes on without it, and failure() says so.
+// The state file during a run. If the disk fails, the run continues without it, and failure() returns the error.
 class StateLog {
  public:
   explicit StateLog(const SessionInput& input);  // InputError where the file cannot be opened

@@ -19,7 +19,7 @@
 namespace forefeel {
 namespace {
 
-// Nothing of the body can be farther from rest [m].
+// Upper bound of the distance from rest of any state of the body [m].
 double farthest(const Body& body) {
   return 2 * bounding_box(body.mesh).size().maxCoeff();
 }
@@ -41,8 +41,8 @@ void check_known(const std::vector<State>& known) {
       throw InputError("states", "a known state is not finite, expected finite positions and forces");
 }
 
-// Refuses motions in units other than metres: they lead too far from rest, and their references would take
-// for ever. The farthest position is named, as it shows the unit best.
+// Refuses motions that go too far from rest, usually because their unit is not metres; their references would take
+// forever. The error names the farthest position, because it shows the unit best.
 void check_motion(const SessionPlan& plan) {
   const double most = farthest(*plan.input.touched.body);
   const InputPlace place{.key = "device",
@@ -58,7 +58,7 @@ void check_motion(const SessionPlan& plan) {
   if (!(greatest <= most)) throw InputError(place, "leads to a position that " + too_far(greatest, most));
 }
 
-// What is to be said of a recorded motion: of its file, and as far as the session reaches.
+// Collects notes on a recorded motion: on its file, and on the part that the session uses.
 void note_motion(SessionPlan& plan) {
   const auto* motion = std::get_if<TraceMotion>(&plan.options.motion.device.motion());
   if (!motion || plan.input.parts.device || plan.options.motion.replay) return;
@@ -100,7 +100,7 @@ void take_device(SessionPlan& plan) {
   plan.arrivals.given = true;
 }
 
-// Nothing is dispatched, as where states arrive at given times, and none arrive.
+// Sets the plan up so that nothing is dispatched: as for states that arrive at given times, but none arrive.
 void take_foreign(SessionPlan& plan) {
   if (!plan.input.foreign) return;
   if (!plan.arrivals.list.empty())
@@ -147,7 +147,7 @@ void settle_length(double duration, ClockOptions& clock) {
   check(clock);
 }
 
-// What depends on the states that are known.
+// Chooses the settings that depend on the known states.
 void choose_model(SessionPlan& plan) {
   const SessionModelOptions& model = plan.options.model;
   const bool others_states = plan.input.foreign || plan.options.planning.arrivals ||

@@ -31,7 +31,7 @@ bool is_rehearsed(const SessionPlan& plan);
 std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references);
 
 // The costs at a coarse grid of positions, whose median is the planner's first estimate of a solve [s].
-// InputError for a cost that is no time.
+// InputError for a cost that is negative or NaN.
 std::vector<double> coarse_costs(const CostModel& cost, const Box& box);
 
 // The plan's settings for the planner and the judge.

@@ -1,5 +1,5 @@
 #pragma once
-// The shapes of a session: what is asked for, and what came of it (shaped_session.hpp).
+// The shapes of a session: input and result of run_session() with shapes (shaped_session.hpp).
 
 #include <memory>
 #include <vector>

@@ -101,8 +101,8 @@ class VirtualRun {
     states_.flush();
   }
 
-  // Frames of a session that ends before its time, in which the force goes to zero. Nothing is planned any
-  // more. As many as the largest force may need, because a renderer that follows behind has not told it yet.
+  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are as
+  // many frames as the largest force may need, because a following renderer has not yet reported the actual force.
   void end_early() {
     const SafetyOptions& limits = plan_.render.safety;
     const double needed = std::ceil(limits.force_limit / (limits.slew_limit * plan_.render.frame));
@@ -132,7 +132,7 @@ class VirtualRun {
   }
 
  private:
-  // The workers' come before others of the same time.
+  // Events of the workers come before other events of the same time.
   std::optional<Event> next_event() {
     const std::optional<VirtualWorkers::Time> due = workers_->next_event();
     if (due && (events_.empty() || due->count() <= events_.next()))
@@ -148,8 +148,8 @@ class VirtualRun {
     if (!results_.empty()) events_.push(event.t, Kind::plan, 0);
   }
 
-  // Whether another one follows. Without a renderer behind the planner a model made now is rendered now:
-  // states and motion up to this instant, at most one update a frame.
+  // Returns whether another frame follows. Without a following renderer, a model is made and rendered in this frame, from
+  // the states and the motion up to now; at most one update per frame.
   bool frame(std::size_t k, double now) {
     const auto known = static_cast<std::uint32_t>(planner_.space().size());
     if (loop_) {
@@ -196,7 +196,7 @@ class VirtualRun {
   Planner planner_;
   HipSample hip_;
   std::size_t next_ = 0;  // frame
-  // Where the motion answers the force, and rendering cannot follow behind.
+  // Used if the motion depends on the force: then a following renderer is impossible.
   LoopLink link_;
   std::optional<ModelKeeper> models_;
   std::optional<RenderLoop> loop_;

@@ -11,7 +11,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double least_displacement = 1e-4;  // that errors are relative to [m]
+constexpr double least_displacement = 1e-4;  // least denominator of relative errors [m]
 
 std::vector<std::size_t> chosen(std::size_t shapes, std::size_t checks) {
   std::vector<std::size_t> records;
@@ -25,7 +25,7 @@ Label label_at(double t, const std::vector<FrameRecord>& frames) {
   return found != frames.end() ? found->label : frames.empty() ? Label::blank : frames.back().label;
 }
 
-// nullopt once an interrupted session is hurried or out of patience.
+// nullopt if the session was interrupted and is hurried or out of patience.
 std::optional<State> wait_for(const Vec3& at, ReferenceService& references, const StopOptions& stop) {
   const auto begin = std::chrono::steady_clock::now();
   for (;;) {

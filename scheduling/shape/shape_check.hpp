@@ -1,7 +1,7 @@
 #pragma once
-// Shapes compared with tight solves at the same HIP positions, after the run:
+// Compares shapes with tight solves at the same HIP positions, after the run:
 //   error of a shape = max over its nodes |u~ - u| / max over its nodes |u|     [1]
-// u~ the shape, u [m] the displacements of the solve. The largest displacement counts as at least 0.1 mm.
+// u~ [m]: displacements of the shape, u [m]: displacements of the solve. The denominator is at least 0.1 mm.
 
 #include <cstddef>
 #include <vector>
@@ -21,9 +21,9 @@ struct CheckedShape {
   double node_p95 = 0;         // 95th percentile over the nodes, relative to the same displacement [1]
 };
 
-// Compares options().checks shapes at even distances in time, by rising record; fewer where solves fail or the
-// session was interrupted. The references must hold displacements. Adds a note to the result where shapes are
-// left out.
+// Compares log.options().checks shapes, evenly spaced in time. The result is sorted by record. A shape is left out
+// if its solve fails or if the interrupted session does not wait for it; a note in `result` then tells how many.
+// The references must hold displacements.
 std::vector<CheckedShape> check_shapes(const ShapeLog& log, ReferenceService& references,
                                        const StopOptions& stop, SessionResult& result,
                                        const ShowProgress& show);

@@ -12,7 +12,7 @@
 namespace forefeel {
 namespace {
 
-// V of the given nodes: du_i/dx_c, row by row.
+// V of the given nodes: du_i/dx_c [1], row by row.
 std::vector<float> slope_at_rest(const std::shared_ptr<const Body>& body,
                                  const std::vector<NodeIndex>& nodes) {
   Solver solver(body);
@@ -52,7 +52,7 @@ void ShapeLog::learn(const State& state) {
   moved_.push_back(state.displacements);
 }
 
-// The nearest states, without those at rest, whose shape and slope are known anyway.
+// Chooses the nearest states. States at rest are skipped, because every shape contains rest and its slope.
 void ShapeLog::choose_near(const Vec3& at) {
   near_.resize(at_.size());
   std::iota(near_.begin(), near_.end(), 0u);

@@ -1,8 +1,8 @@
 #pragma once
-// The shapes of a run, on request. A shape is kept as ids and weights of the states that it is made of
+// Records the shapes of a run, if they are requested. A shape is kept as the ids and weights of its states:
 //   u(x) = sum_i w_i u_i + V g      (approx/shape/shape_weights.hpp)
-// u_i [m]: displacements of state i; V = du/dx at rest. Displacements are made from the record when they are
-// wanted: by the thread that makes shapes, and again when files are written.
+// x [m]: position of the HIP; u_i [m]: displacements of state i; V = du/dx at rest [1]. The displacements u are
+// computed from a record twice: when the shape is made, and when the files are written.
 //
 //   ShapeLog log(body, {.rate = 30});
 //   log.learn(state);                   // each state as it becomes known
@@ -44,16 +44,16 @@ class ShapeLog {
   // Solves for V: one factorisation. Throws InputError if the body has no stable rest.
   ShapeLog(std::shared_ptr<const Body> body, const ShapeOptions& options, EachShape each = {});
 
-  // States are numbered from 0 in the order of these calls. InputError if it holds no displacements of this
-  // body's nodes.
+  // States are numbered from 0 in the order of these calls. InputError if the state holds no displacements, or
+  // those of another mesh.
   void learn(const State& state);
   void take(double t, const Vec3& at);
-  void miss(std::size_t shapes) { missed_ += shapes; }  // there was no time for them
+  void miss(std::size_t shapes) { missed_ += shapes; }  // counts shapes that were not made for lack of time
   void note_cost(double us) { cost_us_.push_back(static_cast<float>(us)); }
 
   const ShapeOptions& options() const { return options_; }
   const Body& body() const { return *body_; }
-  // Nodes of the mesh that a shape has, rising: the surface, or all.
+  // The nodes of a shape in ascending order: those of the surface, or all nodes of the mesh.
   const std::vector<NodeIndex>& nodes() const { return nodes_; }
   std::size_t known() const { return at_.size(); }
   std::span<const ShapeRecord> records() const { return records_; }
@@ -74,7 +74,7 @@ class ShapeLog {
   std::vector<ShapeRecord> records_;
   std::vector<float> cost_us_;
   std::size_t missed_ = 0;
-  std::vector<std::uint32_t> near_;  // of the shape in work
+  std::vector<std::uint32_t> near_;  // ids of the states used for the present shape
   std::vector<Vec3> places_;
   std::vector<float> u_;
 };
@@ -82,7 +82,8 @@ class ShapeLog {
 // "shapes ended after 2.1 s: PROBLEM".
 std::string shapes_ended(const ShapeLog& log, const std::exception& problem);
 
-// InputError "NAME: 3 of 40 states hold no displacements …" if states cannot be shaped. name: of their file.
+// Throws InputError "NAME: 3 of 40 states hold no displacements …" if shapes cannot be made from the states. name:
+// their file.
 void check_shapeable(std::span<const State> states, const Body& body, const std::string& name);
 
 }  // namespace forefeel

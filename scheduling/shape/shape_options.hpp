@@ -1,12 +1,12 @@
 #pragma once
-// What is asked of the shape of the body: displacements u [m] at a rate, beside the force that the loop renders.
+// Options of the body's shape: displacements u [m] at a given rate, in addition to the force that the loop renders.
 
 #include <cstddef>
 
 namespace forefeel {
 
 struct ShapeOptions {
-  double rate = 0;              // shapes per second [Hz]; 0: none, and nothing is paid for them
+  double rate = 0;              // shapes per second [Hz]; 0: none, at no cost
   bool surface = true;          // nodes of the surface alone; false: of the whole body
   std::size_t checks = 20;      // shapes compared with tight solves after the run
   std::size_t neighbours = 32;  // states that a shape is interpolated from

@@ -1,6 +1,6 @@
 #pragma once
-// Shapes under the virtual clock: a stage that follows the run (judge/frame_pipeline.hpp) and takes a shape at
-// the first frame of each instant k / rate. The same bytes each time.
+// Makes shapes under the virtual clock: a stage of the frame pipeline (judge/frame_pipeline.hpp) that takes a shape at
+// the first frame at or after each instant k / rate. Repeated runs give the same bytes.
 
 #include <optional>
 #include <string>
@@ -15,7 +15,7 @@ class ShapeStage final : public FrameStage {
   // known: FramePipeline::known(); frame: time of a frame [s]. Log and space must outlive the stage.
   ShapeStage(ShapeLog& log, const StateSpace& known, double frame);
   void frame(const PassedFrame& frame) override;
-  // One line if it failed, since when it made no shapes.
+  // One line if it failed; it makes no shapes after that.
   const std::optional<std::string>& failure() const { return failure_; }
 
  private:

@@ -43,7 +43,7 @@ void ShapeThread::take_states() {
 void ShapeThread::work(const std::stop_token& stop) {
   using Seconds = std::chrono::duration<double>;
   const double rate = log_.options().rate;
-  double next = 0;  // number of the instant
+  double next = 0;  // k of the next instant
   for (;;) {
     {
       std::unique_lock lock(mutex_);
@@ -51,7 +51,7 @@ void ShapeThread::work(const std::stop_token& stop) {
     }
     if (stop.stop_requested()) return;
     const std::optional<HipSample> hip = hip_.take();
-    if (!hip) {  // the session has not begun, or stands still
+    if (!hip) {  // no new HIP since the last shape
       if (now_() > (next + 1) / rate)
         ++next, log_.miss(1);
       else

@@ -1,9 +1,9 @@
 #pragma once
-// Shapes under the real clock, in a thread of its own:
+// Makes shapes under the real clock, in a separate thread:
 //   planner  --(newest HIP: triple buffer; new states: a list under a mutex)-->  shape thread  -->  ShapeLog
-// The 1 kHz loop has no part in it: the planner passes on what it has from the loop anyway. The thread has no
-// real-time priority. At each instant k / rate it takes the newest HIP; instants for which it comes too late are
-// left out and counted. It never waits for a disk: files are written from the records after the run.
+// The 1 kHz loop does nothing for the shapes: the planner receives the HIP from the loop in any case and passes it on.
+// The thread has no real-time priority. At each instant k / rate it takes the newest HIP. Instants that it misses are
+// counted. It never waits for a disk: the files are written from the records after the run.
 
 #include <condition_variable>
 #include <cstdint>
@@ -34,7 +34,7 @@ class ShapeThread {
   // By one thread, the owner of the space. Takes the mutex only when states have come.
   void pass(const HipSample& hip, const StateSpace& space);
   void end();  // returns when the thread has ended
-  // After end(): one line if it failed, since when it made no shapes.
+  // After end(): one line if it failed; it made no shapes after that.
   const std::optional<std::string>& failure() const { return failure_; }
 
  private:

@@ -29,7 +29,7 @@ void add_parts(const SessionResult& result, StudyCellResult& row) {
   }
 }
 
-// What still runs at the end counts as busy, not as wasted.
+// Solves still running at the end count as busy, not as wasted.
 void add_solver_time(const SessionResult& result, double end, StudyCellResult& row) {
   double busy = 0, preempted = 0, wasted = 0;
   std::size_t solved = 0, used = 0;
@@ -111,8 +111,7 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options) {
   const SessionSummary summary = summarise(result, input, options);
-  const std::vector<Column> later =
-      later_columns(summary);  // the last ones; here they stand behind the study's
+  const std::vector<Column> later = later_columns(summary);  // the last columns; they follow the study's own
   std::vector<Column> columns = summary_columns(summary);
   columns.resize(columns.size() - later.size());
   StudyCellResult row(std::move(columns));

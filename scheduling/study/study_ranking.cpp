@@ -23,8 +23,8 @@ bool in_slices(std::span<const std::size_t> choice, const std::vector<StudySlice
 double value_of(const Study& study, const StudyCellResult& cell, const StudyMetric& metric) {
   const double value = cell.number(metric.key);
   if (!metric.ratio) return value;
-  // Where not even the lowest speed tried holds, the speed is zero. It counts as the lowest, which favours
-  // it.
+  // If even the lowest speed tried fails, the speed is zero. It is counted as the lowest speed, which favours that
+  // value.
   const bool speed = metric.key == "sustained.speed" && study.sustained;
   return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
 }

@@ -64,7 +64,7 @@ struct SessionFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A session that failed is no result of a study.
+// Throws if the session failed: its result must not enter a study.
 SessionResult unfailed(SessionResult result) {
   if (!result.failures.empty()) throw SessionFailed(result.failures.front());
   return result;
@@ -229,7 +229,7 @@ StudyCellResult CellRunner::run(std::size_t number, const std::function<void(dou
 StudyCell with_load_found(const StudyCell& cell, const SessionInput& input) {
   if (!(cell.load_to_find > 0)) return cell;
   constexpr int tries = 12;
-  constexpr int corrected = 3;  // from then on halfway between what is too much and what is too little
+  constexpr int corrected = 3;  // tries before bisecting between too much and too little
   constexpr double near = 0.025;
   StudyCell trial = cell, best = cell;
   trial.options.judging.reference_step =

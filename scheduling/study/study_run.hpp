@@ -47,7 +47,7 @@ struct StudyResult {
   std::vector<StudyCellResult> cells;  // as StudyPlan::cells; empty for cells not done
   std::size_t ran = 0, resumed = 0;
   bool interrupted = false;
-  double seconds = 0;  // wall
+  double seconds = 0;  // wall time [s]
 };
 
 // Runs cells of a plan one by one. Cells of one body share their reference solves. Any thread.
@@ -58,7 +58,8 @@ class CellRunner {
     const std::atomic<bool>*interrupted = nullptr, *hurried = nullptr;
     std::function<void(const std::string&)> warn = {};
     bool read_only_cache = false;
-    // For the reference solves of a body, by its number: that of the first input that has it. Null: they are not shared.
+    // Shares the reference solves of a body between processes. body: number of the first input with that body. Null:
+    // they are not shared.
     std::function<std::shared_ptr<ReferenceExchange>(std::size_t body)> exchange = {};
   };
   CellRunner(const StudyPlan& plan, Options options);
@@ -67,7 +68,7 @@ class CellRunner {
                       const std::function<void(double)>& show = {});  // show: the share done
   std::size_t body_of(std::size_t input) const;
   std::shared_ptr<ReferenceService> references(std::size_t body);
-  void share_no_more();  // reference solves that others should do are done here
+  void share_no_more();  // from now on, all reference solves are done in this process
 
  private:
   struct Impl;

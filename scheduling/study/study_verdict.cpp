@@ -73,7 +73,7 @@ bool is_shown(const Comparison& d, const StudyMetric& metric) {
   return (metric.larger_is_better ? d.verdict() : -d.verdict()) > 0;
 }
 
-// What the best is compared with.
+// Compares the best value with the next one, in words.
 std::string against_next(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
                          const std::vector<Contender>& all) {
   const Comparison next = compare_levels(seen, all[0].level, all[1].level);
@@ -112,7 +112,7 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
       bounds.empty() ? "" : fmt::format(" Not compared, because it knows the motion: {}.", bounds));
 }
 
-// ---- what to do next
+// ---- advice
 
 namespace {
 

@@ -1,5 +1,5 @@
 #pragma once
-// The result of a study in a sentence, and what its figures rest on, device by device.
+// The result of a study in one sentence, advice for the next study, and a table of its devices.
 
 #include <cstddef>
 #include <optional>
@@ -17,13 +17,14 @@ namespace forefeel {
 // intervals exclude zero.
 std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells);
 
-// What to do next, one line each: how many more motions would show the difference that the verdict does not
-// show, whether a ceiling or a floor hides it, and at which load to look. Empty if no axis has two values.
+// Advice for the next study, one line each: how many more motions would make the difference significant, whether it
+// is hidden because nearly all values are at their maximum or minimum, and at which load to repeat the study. Empty if
+// no axis has two values.
 std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells);
 
-// Motions (groups) for which both ends of Student's 95 % interval of this difference lie on one side of zero
-// with a chance of 80 %, if mean and spread stay as they are; nothing if one group gives no spread, or the
-// mean is zero, or a thousand are not enough.
+// Number of motions (groups) with which Student's 95 % interval of this difference excludes zero with a probability of
+// 80 % (power), if mean and standard deviation stay the same. nullopt if there is only one group, if the mean is zero,
+// or if a thousand motions are not enough.
 std::optional<std::size_t> motions_needed(const Comparison& difference);
 
 // One device (a value of the axis `device`, or the device of all cells): means over its cells. Shares in [0,
@@ -40,8 +41,8 @@ struct StudyDevice {
 };
 std::vector<StudyDevice> study_devices(const StudyPlan& plan, const std::vector<StudyCellResult>& cells);
 
-// What must be said before the figures: devices of which more than 5 % of the frames are clamped or outside
-// the box, or whose first visits are too few for a percentage.
+// Warnings to print before the figures: devices with more than 5 % of the frames clamped or outside the box, or with
+// too few first visits for a percentage.
 std::vector<std::string> attention(const std::vector<StudyDevice>& devices);
 
 }  // namespace forefeel

@@ -16,13 +16,14 @@ auto place(const State& s) {
   return std::tuple(s.at.squaredNorm(), s.at.x(), s.at.y(), s.at.z());
 }
 
-// One state of each eighth by distance from rest: the one farthest from those chosen before.
+// Divides the states into eight parts by distance from rest. Chooses one state of each part: the one farthest from those
+// chosen before.
 std::vector<const State*> choose(std::span<const State> states) {
   std::vector<const State*> all;
   for (const State& s : states)
     if (s.usable() && !s.multivalued && s.at.allFinite() && s.force.allFinite()) all.push_back(&s);
   const auto pressed = [](const State* s) { return !s->at.isZero(0); };
-  if (std::ranges::any_of(all, pressed)) std::erase_if(all, std::not_fn(pressed));  // rest tells little
+  if (std::ranges::any_of(all, pressed)) std::erase_if(all, std::not_fn(pressed));  // rest fits any body
   std::ranges::sort(all, [](const State* a, const State* b) { return place(*a) < place(*b); });
   std::vector<const State*> chosen;
   const std::size_t n = all.size(), parts = std::min(n, most_asked);

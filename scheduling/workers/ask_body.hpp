@@ -1,8 +1,8 @@
 #pragma once
-// Whether states that name no body are those of this one: tight solves at a few of their positions.
+// Checks whether states without an identity belong to a body, by tight solves at a few of their positions.
 //   fits   |f - g| <= 1 % of max(|f|, |g|, F / 10)
-// f: force of the state; g: of the body at the same position; F: largest force of the states [N]. Solves of
-// one body on two computers differ far less; another stiffness, clamp or contact differs more.
+// f: force of the state; g: force of the body at the same position; F: largest force of the states [N]. Solves of the
+// same body on two computers differ by far less than 1 %; a change of stiffness, clamp or contact differs by more.
 
 #include <cstddef>
 #include <optional>

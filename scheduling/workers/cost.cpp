@@ -31,7 +31,7 @@ double checked(double seconds, const std::string& of) {
 
 double checked_seconds(const CostModel& cost, const Vec3& at) {
   const double seconds = cost.seconds(at);
-  if (seconds >= 0) return seconds;  // the text below is made only where it is needed
+  if (seconds >= 0) return seconds;  // the text below is made only for an error
   return checked(seconds, fmt::format("a state at {:.4g}, {:.4g}, {:.4g} m", at.x(), at.y(), at.z()));
 }
 

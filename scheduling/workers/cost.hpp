@@ -43,9 +43,8 @@ class CostModel {
   virtual double rest_seconds() const;               // of the state at rest, requested as such
 };
 
-// cost.seconds(at), or cost.rest_seconds() for the state at rest. InputError for an answer that is no time:
-// not a number, or negative. Sessions ask through these; the planning of a session that has begun then ends
-// early.
+// cost.seconds(at), or cost.rest_seconds() for the state at rest. InputError if the result is NaN or negative.
+// Sessions call the model through these functions; a running session then ends early.
 double checked_seconds(const CostModel& cost, const Vec3& at);
 double checked_rest_seconds(const CostModel& cost);
 

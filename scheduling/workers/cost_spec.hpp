@@ -14,7 +14,7 @@
 namespace forefeel {
 
 struct ConstantCost {
-  double seconds = 0.01;  // above 0, at most 1e6
+  double seconds = 0.01;  // [s], above 0, at most 1e6
 };
 // exp(ln median + sigma n), n standard normal.
 struct LogNormalCost {

@@ -1,7 +1,7 @@
 #pragma once
 // Workers of a session under the real clock in other processes: worker w is rank w + 1. `mpirun -n 5 forefeel
-// session --mpi …` plans and renders in rank 0 and solves in ranks 1 to 4, one job at a time in each. The states
-// that a lost rank was given come back as cancelled, so the planner gives them to others.
+// session --mpi …` plans and renders in rank 0 and solves in ranks 1 to 4, one job at a time in each. States given to a
+// rank that is lost come back as cancelled, so the planner can give them to others.
 
 #include <memory>
 

@@ -75,7 +75,7 @@ ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
   } catch (const std::exception& problem) {
     entries_.clear();
     note_ = fmt::format("no cache of reference solves: {}", problem.what());
-    try {  // another run writes it; its states serve this run too
+    try {  // another run writes the file; its states are used here, too
       const StateFile cache = StateFile::open_read_only(file);
       if (cache.header().identity != options.identity) return;
       take(cache);

@@ -80,8 +80,8 @@ class ReferenceService {
   // replaced.
   const std::optional<std::string>& damage() const { return damage_; }
 
-  // Waits until the cache is on the disk. Set if it could not be written any more (a full disk): one line.
-  // What is solved later is not kept.
+  // Waits until the cache is on the disk. Returns one line if the cache could no longer be written (a full disk); states
+  // solved after that are not kept.
   std::optional<std::string> cache_failure();
 
   // Times of a fixed sample of solves from a neighbour, and of the state at rest. They are measured once per
@@ -127,7 +127,7 @@ class ReferenceService {
   std::condition_variable wake_, ready_;
   std::unordered_map<Key, Entry, Hash> entries_;
   std::deque<Vec3> queue_;
-  // With an exchange: positions of the queue are asked for a little ahead of the threads.
+  // With an exchange: permission for queued positions is asked a little before the threads need them.
   std::shared_ptr<ReferenceExchange> exchange_;
   std::deque<Vec3> granted_;
   std::unordered_map<Key, Vec3, Hash> asked_, put_off_;

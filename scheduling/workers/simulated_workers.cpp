@@ -129,7 +129,7 @@ class SimulatedWorkers final : public VirtualWorkers {
   double share_;
   Time latency_, now_{};
   std::vector<std::vector<Solve>> running_;
-  std::map<Vec3, Time, ByPlace> done_;  // work on states whose solve was broken off
+  std::map<Vec3, Time, ByPlace> done_;  // time already spent on states whose solve was cancelled
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::uint64_t sequence_ = 0;
 };

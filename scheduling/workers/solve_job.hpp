@@ -9,7 +9,7 @@
 
 namespace forefeel {
 
-// Gives each result as soon as it is there; JobResult::worker is left to the caller. now(): session time [s].
+// Calls give() with each result as soon as it is ready; the caller sets JobResult::worker. now(): session time [s].
 void solve_job(StateSolver& solver, const Job& job, const std::stop_token& stop,
                const std::function<double()>& now, const std::function<void(JobResult)>& give);
 

@@ -39,7 +39,7 @@ SolveOptions StateSolver::quick() const {
 void StateSolver::settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop) {
   if (outcome.state.usable()) return;
   if (stop.stop_requested())
-    outcome.state.status = SolveStatus::cancelled;  // however it ended: it proves nothing
+    outcome.state.status = SolveStatus::cancelled;  // a solve that was stopped has not failed
   if (outcome.state.status != SolveStatus::cancelled) outcome = reference(x);
 }
 

@@ -1,9 +1,10 @@
 #pragma once
-// The plain way to solve a state, for comparison: full Newton with a general sparse Cholesky factorisation.
-//   H(u) d = -r(u),   u <- u + d     until |r| / |f| is small enough; H is factorised in every iteration
-// It starts from a neighbour's equilibrium and includes the contact's move in the first step. It returns
-// force [N], condensed stiffness [N/m] and energy [J] as Solver does. Both sides use the same element kernels
-// and the same instruction set; the Eigen version is compiled once for each.
+// The textbook way to solve a state, for comparison: full Newton with a general sparse Cholesky factorisation,
+//   H(u) d = -r(u),   u <- u + d     until |r| / |f| is small enough
+// r [N] residual, H [N/m] its tangent, factorised in every iteration, u [m] displacements, f [N] force. It starts
+// from a neighbour's equilibrium and includes the contact's move in the first step. Like Solver, it returns force
+// [N], condensed stiffness [N/m] and energy [J]. Both use the same element kernels and the same instruction set; the
+// Eigen version is compiled once for each instruction set.
 
 #include <cstdint>
 #include <memory>
@@ -31,8 +32,8 @@ std::unique_ptr<SparseSolver> make_eigen_ldlt(
     const SparsePattern& pattern);  // of this processor's instruction set
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
 std::string cholmod_blas();  // the BLAS it runs on, its kernels and threads
-// The value of OPENBLAS_CORETYPE that would give OpenBLAS kernels for this processor's instruction set. Null
-// if it uses such kernels already.
+// The value of OPENBLAS_CORETYPE that makes OpenBLAS use kernels for this processor's instruction set. Null if it
+// uses such kernels already.
 const char* cholmod_blas_wanted();
 
 enum class Baseline { eigen_ldlt, cholmod };

@@ -92,7 +92,7 @@ std::vector<std::string> element_names() {
 }
 
 namespace {
-// If all held nodes lie on one line, the body can turn about it and its equilibrium is not unique.
+// Rejects held nodes that all lie on one line: the body could rotate about it, and its equilibrium is not unique.
 void check_held(const Body& body, const std::string& file) {
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})

@@ -67,7 +67,7 @@ struct Section {
   Mat3 second = Mat3::Zero();     // int x x^T dV
   Vec3 direction = Vec3::Zero();  // int grad s dV
 
-  // The least variance of its points, not along the mean direction of s [m^2].
+  // The least variance of its points across the mean direction of s [m^2].
   double least_variance() const {
     const Vec3 mean = first / volume, g = direction / volume;
     Mat3 variance = second / volume - mean * mean.transpose();
@@ -91,7 +91,7 @@ std::vector<double> relative_young(const Body& body, double young_at_patch) {
   return relative;
 }
 
-// Each tetrahedron is spread evenly over the distances of its nodes.
+// Distributes each tetrahedron evenly over the range of its nodes' distances.
 Sections sections(const Body& body, const std::vector<double>& distance, double end, double young_at_patch) {
   constexpr std::size_t count = 48;
   Sections cut{.bins = std::vector<Section>(count), .width = end / count};
@@ -171,7 +171,7 @@ double softness(const Body& body, const Mat3& disc, const Reach& reach) {
   if (disc.isZero(0)) return 0;
   if (!reach.reached()) return infinite;
   const double stiffest = Eigen::SelfAdjointEigenSolver<Mat3>(disc, Eigen::EigenvaluesOnly).eigenvalues()[2];
-  const double young = patch_material(body)->young;  // one, or the disc's stiffness were zero
+  const double young = patch_material(body)->young;  // exists: without it, the disc's stiffness is zero
   return stiffest * compliance(sections(body, reach.distance, reach.clamp, young)) / young;
 }
 
@@ -201,7 +201,7 @@ double breadth(const Body& body, const Reach& reach) {
   const Vec3 u = line.normalized();
   const Mat3 across = Mat3::Identity() - u * u.transpose();
   Mat3 variance = across * (second / area - centre * centre.transpose()) * across;
-  variance += variance.trace() * u * u.transpose();  // along the line: not the least
+  variance += variance.trace() * u * u.transpose();  // so that the line itself is not the least
   const double least = Eigen::SelfAdjointEigenSolver<Mat3>(variance, Eigen::EigenvaluesOnly).eigenvalues()[0];
   return std::sqrt(std::max(least, 0.0)) / line.norm();
 }

@@ -1,10 +1,10 @@
 #pragma once
-// Estimate of the contact stiffness at rest, without a solve: the contact patch is taken for a rigid disc of
-// the same area A [m^2], bonded to an elastic half-space of the material at the patch,
+// Estimates the contact stiffness at rest without a solve. The contact patch is modelled as a rigid disc of the same
+// area A [m^2], bonded to an elastic half-space of the material at the patch:
 //   a = sqrt(A / pi)   k_n = 4 G a ln(3 - 4 nu) / (1 - 2 nu)   k_t = 8 G a / (2 - nu)   G = E / (2 (1 + nu))
 //   K = k_t I + (k_n - k_t) n n^T
 // E [Pa], nu: elastic constants; a [m]: radius; k_n, k_t, K [N/m]; n: mean outward normal of the patch.
-// k_n is exact for the bonded disc (Muskhelishvili; K. L. Johnson, Contact Mechanics, 1985, eq. 3.105). k_t
+// k_n is exact for the bonded disc (Muskhelishvili; K. L. Johnson, Contact Mechanics, 1985, ch. 3). k_t
 // is that of R. D. Mindlin, J. Appl. Mech. 16, 1949, which neglects the small coupling of shift and tilt. A
 // real body is stiffer where it is thin above its clamp and softer where it is slender, so this is a first
 // guess only.
@@ -20,8 +20,8 @@ namespace forefeel {
 // two.
 double contact_area(const Body& body);
 
-// The material of all tetrahedra within 2 a of the patch, from where most of the disc's compliance comes.
-// Nothing if there are several.
+// The material of all tetrahedra within 2 a of the patch, where most of the disc's compliance arises. nullopt if
+// there are several materials.
 std::optional<Material> patch_material(const Body& body);
 
 // K [N/m], symmetric, positive definite. Zero if no contact node belongs to a triangle of the surface, or if

@@ -1,5 +1,5 @@
 #pragma once
-// The laws of solver/laws by their number: which there are, their names, and what each law's file defines.
+// The table of the material laws in solver/laws: their names and the functions that each law's file defines.
 
 #include <string_view>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// What a material may be. Softer than a foam of air, stiffer than a thousand diamonds: there, forces leave the
-// range in which residuals can be judged, and a number in the wrong unit is more likely.
+// Accepted range of Young's modulus. Outside it, forces leave the range in which residuals can be judged, and a value
+// in the wrong unit is the likely cause. (The limits are far beyond any foam and a thousand times diamond.)
 
 namespace forefeel {
 

@@ -35,8 +35,7 @@ void Continuation::begin_at_rest() {
 }
 
 void Continuation::begin_at(const Vec3& at, const LocalField& field) {
-  has_factor_ =
-      has_factor_ && at_ == at && field_.u == field.u;  // it serves if this is where the last solve ended
+  has_factor_ = has_factor_ && at_ == at && field_.u == field.u;  // reused if the last solve ended here
   field_.u = field.u;
   has_tangent_ = !field.tangent.empty();
   if (has_tangent_) field_.tangent = field.tangent;

@@ -23,9 +23,9 @@ class Continuation {
   void begin_at_rest();
   void begin_at(const Vec3& at, const LocalField& field);  // an empty tangent is computed when needed
 
-  // Moves to x in equal steps of at most max_step [m] (0: one step). Ends at x, or at the last position that
-  // was reached. With between > 0, the steps before the last are solved to that tolerance only, and a factor
-  // is reused while the iteration with it contracts.
+  // Moves to x in equal steps of at most max_step [m] (0: one step). Ends at x, or at the last position that it
+  // reached. With between > 0, all steps but the last are solved to that tolerance only, and a factor is reused
+  // while the iteration with it contracts.
   NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
                        const std::stop_token& stop, double between = 0);
 

@@ -5,8 +5,8 @@
 // Then V = du/dx is corrected once or more by M^{-1}. With rho = -(H [V; I])_f and delta = M^{-1} rho,
 //   K = [V; I]^T H [V; I] - sym(rho^T delta)   [N/m], error of second order in that of V, times M's misfit
 //   f = -(g_c + V^T r_f)                       [N], error of second order in that of u
-// r_f: residual of the free nodes, g_c: its row of the contact. A state whose iteration does not contract, or
-// whose stiffness does not settle, is left to the caller.
+// r_f: residual of the free nodes, g_c: row of the contact in dW/du. If the iteration of a state does not contract,
+// or its stiffness does not settle, the caller must solve that state in another way.
 
 #include <array>
 #include <memory>
@@ -27,9 +27,9 @@ struct LaneResult {
   bool stiffness_settled = false;  // false: M fits too badly; K and V are not valid
   double contraction = 0;          // largest ratio of the residuals after and before a step; 0: no step
   int iterations = 0;
-  double residual = 0, energy = 0, min_jacobian = 0;
-  Vec3 force = Vec3::Zero();
-  Mat3 stiffness = Mat3::Zero();
+  double residual = 0, energy = 0, min_jacobian = 0;  // relative, [J], least det F
+  Vec3 force = Vec3::Zero();                          // [N]
+  Mat3 stiffness = Mat3::Zero();                      // [N/m]
 };
 
 class NewtonSolver;

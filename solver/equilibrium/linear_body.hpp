@@ -2,8 +2,7 @@
 // A linear body: with the contact held at x,
 //   u(x) = V x [m]     f(x) = -K x [N]     W(x) = x^T K x / 2 [J]
 //   V = -H_ff^{-1} H_fc     K = H_cc + H_cf V [N/m]
-// so that one factorisation gives every state (H = d2W/du2; f the free nodes, c the contact:
-// factorisation.hpp).
+// so one factorisation gives every state (H = d2W/du2; f: free nodes, c: contact; see factorisation.hpp).
 
 #include <memory>
 #include <mutex>
@@ -15,7 +14,7 @@
 
 namespace forefeel {
 
-// For one thread. Each state's residual is evaluated.
+// For one thread. The residual of each state is evaluated.
 class LinearBody {
  public:
   LinearBody(const Discretisation& d, NewtonSolver& newton);  // d must outlive this
@@ -30,8 +29,8 @@ class LinearBody {
   bool solvable_ = false;
 };
 
-// For several threads: the LinearBody's states at h along each axis, made by the thread that asks first, give
-// every other state by superposition. K is their stiffness, made symmetric.
+// For several threads. The thread that asks first solves three states, at distance h along each axis. Superposition
+// gives every other state. K is the stiffness of the three states, made symmetric.
 class LinearBasis {
  public:
   LinearBasis(std::shared_ptr<const Body> body, double spacing);  // h [m], > 0

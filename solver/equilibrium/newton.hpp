@@ -29,9 +29,9 @@ class NewtonSolver {
  public:
   explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
 
-  // u: a local vector with the contact at x; out: the equilibrium. On success factor() belongs to H(u)
-  // itself. With keep_factor it may belong to an earlier iterate; the last step with it then reduced the
-  // residual at least fivefold.
+  // u: in, a local vector with the contact at x; out, the equilibrium. On success factor() belongs to H(u). With
+  // keep_factor it may belong to an earlier iterate; then the last step with it reduced the residual at least
+  // fivefold.
   NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations,
                      const std::stop_token& stop, bool keep_factor = false);
   // V = du/dx and K at u from the factor, which belongs to H(u) (left = 0) or to a tangent nearby (left: the

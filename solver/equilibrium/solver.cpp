@@ -152,7 +152,7 @@ std::shared_ptr<const Discretisation> SolverBasis::discretisation() {
   return discretisation_;
 }
 
-// The factor; the blocks of H now and at rest; vectors of Newton and of the continuation; vectors in lanes.
+// Sums up the factor, the blocks of H now and at rest, the vectors of Newton and continuation, and vectors in lanes.
 std::size_t SolverBasis::bytes_per_solver() {
   const std::shared_ptr<const Discretisation> d = discretisation();
   const FactorCost factor = cost_of_factor(*d);

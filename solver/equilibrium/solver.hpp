@@ -21,7 +21,7 @@ namespace forefeel {
 
 // A converged solution that later solves can start from; immutable, shared between threads.
 struct Equilibrium {
-  Vec3 at = Vec3::Zero();
+  Vec3 at = Vec3::Zero();             // [m]
   std::vector<double> displacements;  // #V x 3 row by row [m]
   std::vector<double> tangent;        // du/dx, (#V x 3) x 3 row by row; may be empty
 };
@@ -52,7 +52,7 @@ class SolverBasis {
   explicit SolverBasis(std::shared_ptr<const Body> body);
   const std::shared_ptr<const Body>& body() const { return body_; }
   std::shared_ptr<const Discretisation> discretisation();
-  std::size_t bytes_per_solver();  // that a Solver of this basis holds beside it, at most
+  std::size_t bytes_per_solver();  // upper bound of the memory of one Solver of this basis, without the basis
 
  private:
   std::shared_ptr<const Body> body_;
@@ -80,10 +80,10 @@ class Solver {
   // From a known equilibrium in one step, or smaller ones if that fails. Checks `stop` between iterations.
   SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
                     std::stop_token stop = {});
-  // Solves states near a known equilibrium, eight at a time, with one factor computed there. If the last solve
-  // ended there, its factor is used. This is much faster than single solves. A state is solved by from() if its iteration does not contract, if its K
-  // does not settle, or if its force differs from the one that the stiffnesses predict. Outcomes in the order
-  // of xs; states that were not solved because of `stop` are cancelled.
+  // Solves states near a known equilibrium, eight at a time, with one factor computed there (or with that of the
+  // last solve, if it ended there). This is much faster than single solves. A state is solved by from() instead if
+  // its iteration does not contract, if its K does not settle, or if its force differs from the one that the
+  // stiffnesses predict. Outcomes are in the order of xs; states not solved because of `stop` are cancelled.
   std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs,
                                    const SolveOptions& options, std::stop_token stop = {});
 
@@ -92,9 +92,8 @@ class Solver {
   std::unique_ptr<Impl> impl_;
 };
 
-// True if a second path, along the axes one after the other, ends in another stable equilibrium at state.at:
-// its force differs by more than 1e-4 (relative). Nothing if the state is not solved or the second path does
-// not arrive.
+// True if a second path, along the axes one after the other, ends in another stable equilibrium at state.at: its
+// force differs by more than 1e-4 (relative). nullopt if the state is not solved or the second path fails on its way.
 std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
                                const SolveOptions& options = {});
 // The same; false if it is not known.

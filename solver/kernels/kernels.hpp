@@ -27,7 +27,7 @@ struct ElementView {
   const double* gradient = nullptr;    // groups x 12 x 8: gradients of the four barycentric coordinates [1/m]
   const double* volume = nullptr;      // groups x 8 [m^3]
   const std::int32_t* block = nullptr;  // groups x pairs x 8: block of the pair (a <= b), or the dummy block
-  const std::int8_t* block_kind = nullptr;  // 0 as it is, 1 transposed, 2 both (a pair within the contact)
+  const std::int8_t* block_kind = nullptr;  // 0 plain, 1 transposed, 2 both (a pair within the contact)
   LawConstants constants;
 };
 

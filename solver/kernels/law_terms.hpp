@@ -5,7 +5,7 @@
 //   dP = 2 d1 dF + 4 d11 (F:dF) F + 2 d2 (2 (F:dF) F + I1 dF - dF C - F dF^T F - F F^T dF)
 //        + djj (cof F:dF) cof F + dj dcof
 // F deformation gradient, J = det F, C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2)/2. T is double or Lanes
-// (lanes.hpp). A law that is no function of the invariants gives energy, stress and stress_change itself
+// (lanes.hpp). A law that is not a function of the invariants defines energy, stress and stress_change itself
 // (laws/linear.cpp). Include in kernel files only (see lanes.hpp).
 
 #include "solver/kernels/lanes.hpp"
@@ -19,7 +19,7 @@ struct Terms {
   T psi{}, d1{}, d2{}, dj{}, d11{}, djj{};
 };
 
-// What a law states about itself; a law derives from this and restates what differs.
+// Properties of a law. A law derives from this struct and redefines those that differ.
 struct LawDefaults {
   static constexpr bool linear = false;        // f = -K x exactly
   static constexpr bool of_invariants = true;  // gives terms(); false: energy(), stress(), stress_change()

@@ -29,9 +29,9 @@ struct CachedLatticeCalls {
   std::function<void(const std::string& message)> damaged = {};  // rows of the file that must be solved again
 };
 
-// Usable states in the box (and within 1e-6 h of it), by growing distance from rest, ties by (x, y, z). An
-// interrupted run leaves what it has solved, and the next one solves the rest. If the file is in use or
-// unreadable, all is solved anew and nothing is kept.
+// Returns the usable states in the box (and within 1e-6 h of it), by increasing distance from rest, ties by (x, y,
+// z). An interrupted run keeps the states it has solved, and the next run solves the rest. If the file is in use or
+// unreadable, all states are solved again and nothing is kept.
 std::vector<State> cached_lattice_states(const std::shared_ptr<const Body>& body,
                                          const BodyIdentity& identity, const CachedLatticeOptions& options,
                                          const CachedLatticeCalls& calls = {});

@@ -74,7 +74,7 @@ struct LatticePieces::Impl {
     std::vector<std::size_t> before = {};  // pieces that wait for it
     bool is_done = false;
   };
-  // Coarse nodes first, for others depend on them; both outward from rest.
+  // Coarse nodes come first, because other pieces depend on them; both kinds are ordered outward from rest.
   using Ready = std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>>;
 
   Impl(const GenerateOptions& options, const std::vector<State>& known,
@@ -191,8 +191,7 @@ std::optional<LatticePieces::Piece> LatticePieces::next(int worker) {
   while (!impl_->ready.empty()) {
     const std::size_t id = impl_->ready.top();
     impl_->ready.pop();
-    if (impl_->pieces[id].is_done)
-      continue;  // offered again, and meanwhile its first worker was done with it
+    if (impl_->pieces[id].is_done) continue;  // was offered again, but its first worker has finished it since
     return Piece{id, impl_->content(impl_->pieces[id], worker)};
   }
   return {};
@@ -247,7 +246,8 @@ struct LatticeHand::Impl {
   GenerateOptions options;
   std::shared_ptr<CoarseNodes> nodes;
   std::vector<LatticeIndex> looked_at;  // by the piece under way; sorted
-  // A node outside of what nodes_looked_at() foretold was perhaps not sent: the value would depend on who solves.
+  // Only nodes of nodes_looked_at() may be used. Others may not have been sent here, and the values would then depend on
+  // which process solves.
   const SolvedNodes solved = [this](const LatticeIndex& c) {
     if (!std::ranges::binary_search(looked_at, c))
       throw std::logic_error("a piece of the lattice looks at a node that it was not sent");

@@ -1,8 +1,8 @@
 #pragma once
-// The sweep of generate_lattice() in pieces that several processes solve: the same states, bit by bit. One process
-// keeps the plan (LatticePieces) and hands out coarse nodes and cells as soon as what they depend on is solved; each
-// process solves pieces with a LatticeHand of its own. A piece carries the solved coarse nodes that it looks at and
-// that its process was not sent before.
+// Splits the sweep of generate_lattice() into pieces that several processes solve. The states are the same, bit by
+// bit. One process keeps the plan (LatticePieces). It hands out a coarse node or a cell as soon as the nodes on which
+// it depends are solved. Each process solves pieces with its own LatticeHand. A piece carries the solved coarse nodes
+// that it needs and that its process does not have yet.
 
 #include <cstdint>
 #include <functional>
@@ -17,11 +17,11 @@
 
 namespace forefeel {
 
-// The solved coarse nodes that a process holds. Any thread; what find() gives stays valid.
+// The solved coarse nodes that a process holds. Any thread; pointers returned by find() stay valid.
 class CoarseNodes;
 std::shared_ptr<CoarseNodes> make_coarse_nodes();
 
-// Worker 0 shares the process, and the coarse nodes, of this object; the others have their own.
+// Worker 0 runs in the process of this object and shares its coarse nodes; the other workers have their own.
 class LatticePieces {
  public:
   struct Piece {
@@ -38,7 +38,7 @@ class LatticePieces {
   std::optional<Piece> next(int worker);  // nullopt: none until another is done
   // MalformedMessage, without effect: the result does not belong to the piece.
   void done(std::uint64_t id, int worker, Unpacker result);
-  void again(std::uint64_t id);  // it was given out and is not done
+  void again(std::uint64_t id);  // the piece was given out but not done: next() offers it again
   void forget(int worker);       // that process is lost, with the nodes that it was sent
   bool finished() const;
   const GenerateReport& report() const;  // without seconds and threads

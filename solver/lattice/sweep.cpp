@@ -53,8 +53,8 @@ void SweepWorker::correct_alone(SweepNode& node) {
   if (report.status == SolveStatus::converged) take(node, report);
 }
 
-// If the straight path does not arrive: continuation from the first of the given nodes. It finds some
-// equilibrium, not necessarily that of the reference branch.
+// Used if the straight path does not arrive: continuation from the first of the given nodes. It finds some equilibrium,
+// not necessarily the one on the reference branch.
 void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
   State& s = node.state;
   node.field = {};

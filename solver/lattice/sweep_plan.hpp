@@ -1,7 +1,7 @@
 #pragma once
-// What a sweep has to solve, and what each piece of it needs (the method: sweep.hpp). A piece is a coarse node or a
-// cell, named by the coarse index of the node or of the cell's lowest corner. All coarse nodes that a piece looks at
-// are nearer to rest, or corners of the cell.
+// Plans a sweep (sweep.hpp): which pieces must be solved, and which solved nodes each piece needs. A piece is a coarse
+// node or a cell, identified by the coarse index of the node or of the cell's lowest corner. A coarse node needs only
+// coarse nodes nearer to rest; a cell may also need its corners.
 
 #include <functional>
 #include <map>
@@ -22,7 +22,7 @@ std::vector<LatticeIndex> towards_rest(const LatticeIndex& k);
 
 class SweepPlan {
  public:
-  // Everything in the box but what `known` holds.
+  // Plans all lattice positions in the box that `known` does not hold.
   SweepPlan(const GenerateOptions& options, const std::vector<State>& known);
 
   std::size_t positions() const { return all_.size(); }  // of the lattice in the box
@@ -34,7 +34,8 @@ class SweepPlan {
   const std::vector<LatticeIndex>& cells() const {
     return cells_;
   }  // with missing fine states, outward from rest
-  // The fine positions of a cell in the box, all of them: values do not depend on what a resumed file holds.
+  // All fine positions of a cell in the box, also those already known: so the values do not depend on what a resumed
+  // file holds.
   std::vector<LatticeIndex> fine_of(const LatticeIndex& cell) const;
 
  private:
@@ -55,8 +56,8 @@ std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const Lat
                                         double spacing, const SolvedNodes& solved);
 // The node's state, with the displacements of all nodes of the body if they are wanted.
 State state_of(const SweepNode& node, const Discretisation& d, const Body& body, bool want_displacements);
-// Every coarse node that solving these fine positions may look at, and possibly more; without the positions
-// themselves. Sorted.
+// The coarse nodes that solving these fine positions may need, and possibly some more. The positions themselves are
+// not included. Sorted.
 std::vector<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing);
 
 }  // namespace forefeel

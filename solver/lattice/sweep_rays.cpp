@@ -2,9 +2,9 @@
 // to x in n equal steps of at most h. Such a path runs through cells of the coarse lattice, whose corners are
 // already solved. At the point x m/n the prediction
 //   u = sum over the corners c of w_c (u_c + V_c (x m/n - x_c)/2),  w_c trilinear
-// is exact to second order. If the iteration on a common factor changes it only a little to reach an
-// equilibrium, this equilibrium and the corners lie on one branch: the point is an anchor. Continuation
-// starts from the outermost anchor of the path, or from rest if there is none.
+// is exact to second order. If the iteration with a common factor reaches an equilibrium close to the prediction, that
+// equilibrium and the corners lie on one branch, and the point is called an anchor. Continuation starts from the
+// outermost anchor of the path, or from rest if there is none.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,7 +19,7 @@ constexpr double arrival_tolerance = 1e-7;
 constexpr int most_iterations = 60;
 constexpr double other_branch = 1e-4;    // values on two branches differ by more than this share
 constexpr double sheet_thickness = 0.2;  // [h] largest distance of an anchor from its prediction
-constexpr double smooth_move = 0.08;     // [h] largest distance of a node from where a smooth step leads it
+constexpr double smooth_move = 0.08;     // [h] largest distance of a node from the end of a smooth step
 constexpr double snap = 0.3;  // a kink above this: an element has snapped through, two equilibria are near
 constexpr int last_steps = 4;
 

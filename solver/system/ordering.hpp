@@ -1,7 +1,6 @@
 #pragma once
-// The order in which a sparse Cholesky factorisation eliminates the nodes of a graph, so that little fill
-// arises:
-// nested dissection of the positions, minimum degree within small parts.
+// The order in which a sparse Cholesky factorisation eliminates the nodes of a graph, chosen for little fill: nested
+// dissection of the positions, minimum degree within small parts.
 
 #include <cstdint>
 #include <vector>

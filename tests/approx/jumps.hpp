@@ -35,7 +35,8 @@ struct Jump {
   bool finite = true;  // all forces on the way
 };
 
-// Over the `count` steepest steps outside safe regions, at whose border sets change at once.
+// The largest jump over the `count` steepest steps. Safe regions are left out, because sets change abruptly at their
+// border.
 Jump largest_jump(const StateSpace& space, const auto& force, const Vec3& from, const Vec3& to, double step,
                   std::size_t count) {
   const int steps = std::max(1, static_cast<int>((to - from).norm() / step));

@@ -79,7 +79,7 @@ Case scattered(unsigned seed, int known, double noise, double dense = 0) {
   return result;
 }
 
-// The same with the sensor's noise on the forces to compare with.
+// The same case, but the forces to compare with also have the noise of the sensor.
 Case measured(Case given, unsigned seed, double noise) {
   std::mt19937 random(seed + 1000);
   std::normal_distribution<double> sensor(0, noise);
@@ -246,7 +246,7 @@ TEST_CASE(
   for (const Vec3& x : at) force.push_back(-100 * x);
   const std::vector<State> once = measured_states(at, force);
   std::vector<State> repeated = once;
-  for (const double error : {0.3, -0.1, -0.2}) {  // with the first, their mean is the first
+  for (const double error : {0.3, -0.1, -0.2}) {  // their sum is 0, so the mean of all four is the first
     repeated.push_back(once[5]);
     repeated.back().force.x() += error;
   }

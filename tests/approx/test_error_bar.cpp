@@ -40,7 +40,7 @@ TEST_CASE("Scores that do not change: the factors are the quantiles of their dis
   const std::array<double, 3> oracle{3 * 1.6449, 3 * 1.9600, 3 * 2.5758};
   for (std::size_t level = 0; level < 3; ++level)  // 6 %: three standard errors at 99 %, of 4000 scores
     CHECK(factors.factors(Label::sparse)[level] == Approx(oracle[level]).epsilon(0.06));
-  CHECK(std::isinf(factors.factors(Label::safe)[0]));  // labels are apart
+  CHECK(std::isinf(factors.factors(Label::safe)[0]));  // labels are independent
 }
 
 TEST_CASE("Scores that drift by a factor of twenty stay within two points of every level") {

@@ -1,5 +1,5 @@
-// Out of a flat front of a liver's states, against tight solves: the one of ../shared where that folder is, with
-// the errors that were measured on it before this library was written; else the phantom.
+// Extrapolation beyond a flat front of states of a liver, against tight solves. If ../shared exists, its liver is used,
+// with the errors that were measured on it before this library was written; else the phantom.
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -87,7 +87,7 @@ TEST_CASE("The power function is the worst error over fields of unit norm") {
     CAPTURE(name(kernel));
     const ModelOptions options{.kernel = kernel, .data = Data::force};
     const double p = power_function(states, options, x);
-    // P^2 is the norm of the functional f(x) - sum u_i f(x_i): by its own definition, in long double.
+    // P^2 is the squared norm of the functional f(x) - sum u_i f(x_i), computed here by definition in long double.
     const auto n = static_cast<Eigen::Index>(points.size());
     const int terms = power == 5 ? 10 : 4;
     RealMatrix system = RealMatrix::Zero(n + terms, n + terms), right = RealMatrix::Zero(n + terms, 1);

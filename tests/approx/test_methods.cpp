@@ -49,7 +49,7 @@ TEST_CASE("Lattice methods are exact on the polynomials they hold and converge a
   CHECK(error(Method::trilinear, h, 4) / error(Method::trilinear, h / 2, 8) > 3.3);
   CHECK(error(Method::tricubic, h, 4) / error(Method::tricubic, h / 2, 8) > 6);
   CHECK(error(Method::tricubic, h, 4) < 0.2 * error(Method::trilinear, h, 4));
-  // On the nodes and faces, the far ones included; outside what it is at the nearest place of the lattice.
+  // Positions on nodes and faces, including the last ones. Outside, the value is that of the nearest place of the lattice.
   const auto states = with(field, h, 2);
   for (const Method method : {Method::trilinear, Method::tricubic}) {
     const Approximation lattice(method, states, {.spacing = h});
@@ -69,7 +69,7 @@ TEST_CASE("Deflection curves are exact for a linear body and linear in depth") {
   auto states = states_at(lattice_points(3, 0.006));
   for (auto& s : states) s.force = -k * s.at;
   const Approximation curves(Method::deflection, states, {});
-  // Exact where three directions are told apart; near everywhere.
+  // Exact where three directions are distinguished; close to exact everywhere.
   std::size_t exact = 0;
   for (const Vec3& x : inside(200, 0.017, 5)) {
     const double error = (curves.force(x) + k * x).norm();
@@ -95,13 +95,13 @@ TEST_CASE("A deflection curve goes through its states, is straight between them 
   CHECK(along(0.004) == Approx(0.4 * stiffening(0.01)).epsilon(1e-12));
   CHECK(along(0.0125) == Approx(0.75 * stiffening(0.01) + 0.25 * stiffening(0.02)).epsilon(1e-12));
   CHECK(along(0.04) == Approx(2 * stiffening(0.03) - stiffening(0.02)).epsilon(1e-12));
-  // Between directions: at the depth of x, each by its share of the direction.
+  // Between directions: the forces at the depth of x, weighted by the share of each direction.
   const Vec3 x = 0.02 * Vec3(1, 2, 2) / 3;
   CHECK((curves.force(x) - stiffening(0.02) * Vec3(1, 2, 2) / 3).norm() < 1e-12);
   CHECK((curves.force(Vec3(0, -0.01, 0)) + curves.force(Vec3(0, 0.01, 0))).norm() < 1e-12);
 }
 
-// Least squares: what is left is orthogonal to every centre's function and to the polynomial.
+// Least squares: the residual is orthogonal to the function of every centre and to the polynomial.
 TEST_CASE("A network with fewer centres than states leaves what no change of its weights can mend") {
   const auto states = states_at(inside(120, 0.03, 9));
   const Approximation network(Method::rbf_network, states, {.centres = 25});
@@ -176,7 +176,7 @@ TEST_CASE("A network does not depend on the order of states, the unit of length 
     }
 }
 
-// |f| <= max |F_i| + 2 S d, S recomputed here over all pairs, which can only be more.
+// |f| <= max |F_i| + 2 S d, with S recomputed here over all pairs, which can only make it larger.
 TEST_CASE("No older method passes its bound, however far out and however few states it has") {
   std::vector<std::vector<State>> sets = {states_at(lattice_points(1, 0.01)), states_at(inside(40, 0.02, 3))};
   for (const std::size_t few : {1u, 2u, 3u, 4u}) {

@@ -26,7 +26,7 @@ Sample sample_of(const std::vector<State>& states, std::size_t i) {
   return {{static_cast<std::uint32_t>(i)}, states[i].at, states[i].force, states[i].stiffness};
 }
 
-// A pool of 3 n states of which n are in; a replacement swaps one of each at random.
+// A pool of 3 n states, n of which are in the model. A replacement exchanges random states of the model and the rest.
 struct Churn {
   std::vector<State> states;
   std::vector<std::size_t> in, out;
@@ -193,7 +193,7 @@ TEST_CASE("Automatic choice and travel: a set that moves along stays equal to a 
   }
 }
 
-// On both sides of where a refit was measured to cost as much as an update.
+// Numbers on both sides of the one at which refit and update were measured to cost the same.
 TEST_CASE("Many of n states are replaced by a refit, few by an update") {
   struct Choice {
     Data data;
@@ -211,7 +211,7 @@ TEST_CASE("Many of n states are replaced by a refit, few by an update") {
     CAPTURE(choice.n, choice.k);
     const ModelOptions options{.kernel = Kernel::cubic, .data = choice.data, .neighbours = choice.n};
     const auto states = states_at(lattice_points(3, 0.01));
-    // Every third point of the lattice, so that what comes lies about what stays.
+    // Every third point of the lattice, so that new states lie around those that stay.
     const auto at = [&](std::size_t i) { return sample_of(states, 3 * i % states.size()); };
     std::vector<Sample> samples, added;
     std::vector<StateId> removed;

@@ -108,7 +108,7 @@ TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy
   std::vector<StateId> nearest;
   while (points.size() < 40) {
     const Vec3 x(anywhere(random), anywhere(random), anywhere(random));
-    space.nearest(x, 101, nearest);  // which 100 are nearest must not be a matter of rounding
+    space.nearest(x, 101, nearest);  // rounding must not decide which 100 are nearest
     if ((space[nearest[100]].at - x).norm() - (space[nearest[99]].at - x).norm() > 1e-9) points.push_back(x);
   }
   check_against_scipy(space, states, points);

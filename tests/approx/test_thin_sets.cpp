@@ -1,5 +1,5 @@
-// Sets by label on states that hardly determine a field: planes, a line, a lone state beside them. There a
-// single state more or less determines a polynomial term, a hull or a side.
+// Sets by label on states that hardly determine a field: planes, a line, a lone state beside them. In such sets, adding
+// or removing one state changes a polynomial term, a hull or a side.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -112,7 +112,7 @@ TEST_CASE("By label: the force is continuous beside planes, lines and lone state
       }
 }
 
-// So far from all others that nothing else counts at it.
+// The state is so far from all others that no other state counts there.
 TEST_CASE("By label: a lone state has its force, and what is beside it no other") {
   for (const double far : {0.05, 0.07, 0.12, 0.6, 6.0}) {
     StateSpace space = empty_space();
@@ -138,7 +138,7 @@ TEST_CASE("By label: a lone state has its force, and what is beside it no other"
   }
 }
 
-// A position so near to a state that it has hardly a direction, on the inner side of a corner: labels call it
+// A position on the inner side of a corner, so near to a state that the direction to it is hardly defined. Its label is
 // sparse.
 TEST_CASE("By label: a state at the HIP counts fully, however little apart they are") {
   StateSpace space = empty_space();

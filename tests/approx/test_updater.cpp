@@ -134,7 +134,7 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
   for (const int half_gap : {5, 7, 10})
     for (const ModelOptions& options : models)
       for (const double offset : {0.0, 0.013}) {
-        if (options.kernel == Kernel::linear && half_gap > 7) continue;  // sees that far with one layer only
+        if (options.kernel == Kernel::linear && half_gap > 7) continue;  // one layer only, that far
         const bool many = options.neighbours == 100 && options.kernel != Kernel::cubic;
         if (many && (offset > 0 || half_gap < 7)) continue;  // to be quick
         CAPTURE(half_gap, name(options.kernel), name(options.data), offset);
@@ -162,8 +162,8 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
       }
 }
 
-// Two blocks of 5 x 7 x 7 states. Beside the gap, above its edges and on slanted ways there is no axis that tells
-// the sides apart, and few neighbours without stiffness do not always determine the polynomial.
+// Two blocks of 5 x 7 x 7 states. Beside the gap, above its edges and on slanted paths, no coordinate axis separates the
+// sides, and few neighbours without stiffness do not always determine the polynomial.
 TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with however few neighbours") {
   const std::vector<std::pair<Vec3, Vec3>> ways = {{{0.001, 0, 0.002}, {0.001, 0.06, 0.002}},
                                                    {{0, 0, 0.002}, {0, 0.06, 0.002}},

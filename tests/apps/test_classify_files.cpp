@@ -1,4 +1,4 @@
-// What forefeel classify writes for ParaView.
+// The files that forefeel classify writes for ParaView.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -28,7 +28,7 @@ std::string setup_csv(std::string_view name) {
   return csv(make_setup(name, {.depth = 3, .half_width = 4}).states);
 }
 
-// States strewn over a cube of 10 cm, which gives many parts of every label.
+// States scattered over a cube of 10 cm, which give many components of every label.
 std::vector<Vec3> strewn() {
   std::vector<Vec3> states;
   for (int i = 1; i < 160; ++i)

@@ -1,4 +1,4 @@
-// What forefeel classify prints of many points and of few.
+// The output of forefeel classify for many and for few points.
 
 #include <fmt/format.h>
 

@@ -261,7 +261,7 @@ TEST_CASE("the time of a fit is that of models that were made, and their number 
   CHECK(same["fitted"] == 1);
   CHECK(same["updated"] == 0);
   CHECK(same["reused"] == 8);
-  // Far fewer: the sets differ, each point has a model of its own.
+  // With far fewer neighbours the sets differ, and each point has its own model.
   const nlohmann::json moving = run(shop, all + "points.csv --neighbours 12");
   CHECK(moving["fitted"].get<int>() + moving["updated"].get<int>() + moving["reused"].get<int>() == 9);
   CHECK(moving["fitted"].get<int>() > 4);

@@ -1,5 +1,5 @@
-// States that a command is given: the file is read only, states of another body are refused or taken as
-// foreign, and never mixed with solves of the scene's body.
+// States given to a command: the file is only read. States of another body are refused or taken as foreign, and never
+// mixed with solves of the scene's body.
 
 #include <fmt/format.h>
 
@@ -93,7 +93,7 @@ TEST_CASE("states without a body that do not fit the scene's are refused, with t
                                        "classify " + file + " --scene beam.toml"})
       check_refused(shop, command, {file, "names no body", "the forces differ at", "those of the body"});
   CHECK(shop.forefeel("classify other.csv --scene beam.toml --foreign --quiet").code == 0);
-  // In millimetres: nothing is solved so far out.
+  // A file in millimetres: positions so far out are not solved.
   shop.write("mm.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n4,0,0,-1,0,0\n0,4,0,0,-1,0\n0,0,4,0,0,-1\n");
   check_refused(shop, session + "--states mm.csv -o run", {"mm.csv", "from rest"});
   CHECK(run(shop, "evaluate same.csv --scene beam.toml --points points.csv")["belonging"] == "asked");
@@ -149,7 +149,7 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
       CHECK(shop.files().find(out + "/session.states") == std::string::npos);
       CHECK(shop.shell("tail -n +2 " + out + "/states.csv | wc -l").out == "27\n");
     }
-  // What is rendered is the given field, three times the body's.
+  // The rendered force is that of the given states, three times the body's.
   const std::string force = "awk -F, 'END {print sqrt($5^2+$6^2+$7^2)}' ";
   const std::string slow =
       at_rest + "--clock virtual --device path:circle,speed=0.02,amplitude=0.003 --states ";

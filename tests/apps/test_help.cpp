@@ -1,5 +1,4 @@
-// The reference of `forefeel help`: it says what the readers accept and the writers write, no more and no
-// less.
+// The reference of `forefeel help` lists exactly what the readers accept and the writers write.
 
 #include <algorithm>
 #include <catch2/catch.hpp>

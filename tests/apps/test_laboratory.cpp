@@ -80,7 +80,7 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
     }
   }
   CHECK(our_gap < paper_gap);
-  // The largest by either measure are those of the table.
+  // The largest values by either measure are those of the table.
   const double gap_end = found["experiments"]["extrapolation"]["gap"];
   std::istringstream csv(read(shop.path() / "out/extrapolation.csv"));
   std::map<std::string, std::array<double, 3>> most;  // by setup and method: N; in the gap N, JND
@@ -113,7 +113,7 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
           run["error_before"].get<double>() + 1e-9);  // the space is full in the end
     if (run["switch"] != "none") CHECK(run["frames_over_bound"] == 0);
   }
-  // What a switch may change in a frame of 1 ms is less than what comes undamped.
+  // The change that a switch may make in a frame of 1 ms is smaller than the undamped change.
   CHECK(runs[1]["max_frame_change"]["newton"].get<double>() <=
         runs[0]["max_frame_change"]["newton"].get<double>());
 
@@ -141,7 +141,7 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   }
   for (const auto& row : found["experiments"]["timing"]["rows"]) CHECK(row["evaluate_us"].get<double>() > 0);
 
-  // The second time nothing is solved, and the same is found.
+  // The second run solves nothing and finds the same.
   const Workshop::Outcome again =
       shop.forefeel("reproduce extrapolation beam.toml --depth 9 --json --quiet -o again");
   REQUIRE(again.code == 0);
@@ -172,7 +172,7 @@ TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
 TEST_CASE("what should vanish and does not is exit 1, with all that was found", "[laboratory]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  // A hand that feels everything: no jump is below what it can tell.
+  // With a tiny just noticeable difference, every jump can be felt.
   const Workshop::Outcome outcome = shop.forefeel(
       "reproduce extrapolation beam.toml --depth 9 --json --set session.jnd.share=1e-12 --set "
       "session.jnd.floor=1e-12 -o out");
@@ -247,8 +247,8 @@ TEST_CASE("bench switch: bounds hold and the latest model wins", "[laboratory]")
 
 TEST_CASE("bench approx: inside is inside the lattice, and what is left out is said", "[laboratory]") {
   const Workshop shop;
-  // f = -K x: trilinear cells are exact, and wrong where the force is held beyond the lattice. The box reaches
-  // 3 mm farther than the lattice of 6 mm does.
+  // f = -K x: trilinear cells are exact inside the lattice and wrong beyond it, where the force is held constant. The box
+  // extends 3 mm beyond the lattice of 6 mm.
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome = shop.forefeel(
       "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
@@ -281,7 +281,7 @@ TEST_CASE("bench approx: inside is inside the lattice, and what is left out is s
                  Catch::Contains("hermite-r3, hermite-r5 with n = 25"));
   CHECK_THAT(outcome.err, Catch::Contains("needs 120 states") && !Catch::Contains("gives another force"));
   CHECK_THAT(shop.files(), Catch::Contains("out/approx.csv"));
-  // No model can be measured on eight states: all else is there, and the answer is incomplete.
+  // Eight states are too few to measure a model. All other results are there, and the answer is incomplete.
   const Workshop::Outcome few = shop.forefeel(
       "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
       "--set 'state_space.box=[[0,0,0],[0.006,0.006,0.006]]'");
@@ -396,12 +396,12 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK(a["spacing_auto"]["share_above"].get<double>() * a["spacing_auto"]["safe"].get<double>() ==
         Approx(a["spacing_auto"]["above"].get<double>()));
   CHECK_THAT(first.err, Catch::Contains("of 200 safe positions") && Catch::Contains("95 % confidence"));
-  // Kept, whatever the threads, and the same without what was kept.
+  // The kept result does not depend on the number of threads, and equals the one computed without a cache.
   CHECK(shop.forefeel("generate beam.toml --threads 1 --json -o b.states").json()["spacing"] == a["spacing"]);
   CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" + test::executable() +
                    "' generate beam.toml --threads 1 --json -o c.states")
             .json()["spacing_auto"] == a["spacing_auto"]);
-  // What is kept is checked.
+  // The kept file is checked.
   CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
   REQUIRE(shop.shell("sed -i 's/\"spacing\": 0.0/\"spacing\": 0.1/' ../cache/forefeel/*.spacing.json").code ==
           0);
@@ -415,7 +415,7 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
       shop.forefeel("generate beam.toml --json --set state_space.tolerance=0.0005 -o d.states").json();
   CHECK(fine["spacing"].get<double>() < a["spacing"].get<double>());
   REQUIRE(fine["spacing_auto"]["holds"] == true);
-  // What is claimed, at positions of another draw: of the safe ones no more than a twentieth is above.
+  // The claim is tested at other random positions: at most a twentieth of the safe ones is above the tolerance.
   std::string points = "x,y,z\n";
   for (int i = 1; i <= 400; ++i)
     points += fmt::format("{},{},{}\n", 0.016 * std::sin(2.1 * i), 0.016 * std::sin(3.7 * i + 1),
@@ -436,7 +436,7 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   }
   CHECK(safe > 200);
   CHECK(static_cast<double>(above) <= 0.05 * static_cast<double>(safe));
-  // Below what any spacing gives: the states are written, the answer is negative.
+  // A tolerance that no spacing reaches: the states are written, and the answer is negative.
   const Workshop::Outcome never = shop.forefeel(
       "generate beam.toml --json --set state_space.tolerance=1e-9 --set "
       "'state_space.box=[[-0.016,-0.016,-0.016],[0.016,0,0]]' -o never.states");

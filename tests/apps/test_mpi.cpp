@@ -1,4 +1,4 @@
-// Commands as the ranks of an MPI run, where the build has them: what they give, and ranks that hang or die.
+// Commands on the ranks of an MPI run, if the build has MPI: their results, and ranks that hang or die.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -48,7 +48,7 @@ bool ended_by_itself(const Workshop::Outcome& outcome) {
   return outcome.code != 124 && outcome.code != 137;
 }
 
-// Why these tests cannot run; empty: they can.
+// The reason why these tests cannot run; empty if they can.
 std::string reason_to_skip(const Workshop& shop) {
   shop.write("beam.toml", beam_scene());
   const auto alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
@@ -106,7 +106,7 @@ TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs
                                     "generate beam.toml --mpi --patience 1 -o killed.states" + finer);
   INFO(killed.err);
   CHECK(states_of(shop, "killed.states") == expected);
-  // Without recovery, MPI ends all ranks with the first: what was solved is on disk, and a rerun resumes.
+  // Without recovery, MPI ends all ranks as soon as one ends. The solved states are on disk, and a rerun resumes.
   const auto ended =
       ranks_but_one(shop, "-n 2", "ended.states", "KILL", "generate beam.toml --mpi -o ended.states" + finer);
   if (states_of(shop, "ended.states") != expected) CHECK(ended.code != 0);
@@ -177,7 +177,7 @@ TEST_CASE("a session with its workers in other processes") {
   CHECK(summary["states"]["solved"] > 10);
   CHECK(summary["error"]["within_jnd"] > 0.5);
 
-  // What the ranks solved, against the tight solve of one process.
+  // The states solved by the ranks, against the tight solve of one process.
   const auto solved = shop.shell(
       "awk -F, 'NR > 1 && NR < 12 {print $1\",\"$2\",\"$3}' run/states.csv | (echo x,y,z; cat) > points.csv");
   REQUIRE(solved.code == 0);

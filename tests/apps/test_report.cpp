@@ -1,5 +1,5 @@
-// Reports that explain: the worst moments of a session and why, cards that say what is bad, a page that no
-// table leaves, figures as files.
+// Reports: the worst moments of a session with reasons, cards that mark bad values, tables that fit the page, figures as
+// files.
 
 #include <catch2/catch.hpp>
 #include <cmath>

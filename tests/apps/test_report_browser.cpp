@@ -16,7 +16,7 @@ using test::Workshop;
 
 namespace {
 
-// What a script says in this page, at this width.
+// The output of a script run in this page, at this width.
 std::string in_browser(const Workshop& shop, const std::string& page, int width, const std::string& script) {
   const std::string html = file_text(shop, page);
   shop.write("probe.html", html.substr(0, html.rfind("</body>")) +

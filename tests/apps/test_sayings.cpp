@@ -1,4 +1,4 @@
-// What commands say first: outcomes, motions that no method could answer, and the limit in the report.
+// The first lines that commands print: outcomes, motions that no method can follow, and the force limit in the report.
 
 #include <catch2/catch.hpp>
 

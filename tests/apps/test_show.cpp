@@ -1,4 +1,4 @@
-// forefeel show: what is in the page, the stills and the files for ParaView; bad input.
+// forefeel show: the content of the page, of the still pictures and of the files for ParaView; bad input.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -295,7 +295,7 @@ TEST_CASE("generate and mesh name the command that shows what they made, and it 
     REQUIRE(shown.code == 0);
     CHECK(shown.json()["body"]["elements"] > 100);
   }
-  // The states' file knows its scene.
+  // The state file names its scene.
   CHECK(shop.forefeel("generate 'my beam.toml' -o own.states --quiet").code == 0);
   const json own = shop.forefeel("show own.states -o own.svg --json").json();
   CHECK(own["states"] == 27);

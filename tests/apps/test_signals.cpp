@@ -1,5 +1,5 @@
-// Signals and failing writes: a session that is hung up, whose disk is full or whose reader is gone keeps
-// what it can, and says what it cannot.
+// Signals and failing writes. A session that gets SIGHUP, whose disk is full or whose reader is gone keeps the results
+// that it can save, and reports those that it cannot.
 
 #include <catch2/catch.hpp>
 #include <sstream>

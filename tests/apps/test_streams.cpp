@@ -1,5 +1,5 @@
-// What goes in and out beside the data: a full disk behind stdout, names that are not UTF-8, floods, links,
-// folders of others, signals before the work begins.
+// Unusual input and output: a full disk behind stdout, names that are not UTF-8, endless input, links, folders of other
+// users, signals before the work begins.
 
 #include <catch2/catch.hpp>
 
@@ -125,7 +125,7 @@ TEST_CASE("a cut frames.csv is not replayed", "[streams]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   REQUIRE(shop.forefeel("session beam.toml -o run --clock virtual --seconds 0.05 --quiet").code == 0);
-  // Within z of the last row: as many bytes stay as cannot be told from a shorter number.
+  // The file is cut within z of the last row, so that the rest could also be a shorter number.
   REQUIRE(shop.shell("n=$(head -n -1 run/frames.csv | wc -c); cp run/frames.csv whole.csv; "
                      "head -c $((n + 12)) whole.csv > run/frames.csv")
               .code == 0);

@@ -1,4 +1,4 @@
-// Studies as files: what a file means, every contradiction refused in one line that names the place.
+// Study files: their meaning; every contradiction is refused in one line that names the place.
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -72,7 +72,7 @@ struct Bad {
   std::vector<std::string> said;
 };
 
-// In one line, with every word.
+// Checks that the file is refused in one line that contains every word.
 void check_refused(const StudyFixture& folder, const Bad& bad) {
   const std::string said = refusal([&] { plan_study(read_study(folder.study(bad.text), {})); });
   INFO(bad.text << "said: " << said);
@@ -229,7 +229,7 @@ TEST_CASE("what a session of any cell would refuse is refused beforehand, with t
        {"study.toml:6: vary.state_space.box: is inverted", "[0.1, 0, 0]"}},
   };
   for (const Bad& bad : all) check_refused(folder, bad);
-  // What the scene says is said with the scene's place.
+  // An error in the scene names the place in the scene.
   folder.write("scene.toml", [&] {
     std::ifstream in(folder.path / "scene.toml");
     std::string scene((std::istreambuf_iterator<char>(in)), {});

@@ -1,4 +1,4 @@
-// Studies in a folder: cells that repeat whatever the threads and however often the work is interrupted.
+// Studies in a folder: the cells depend neither on the number of threads nor on interruptions.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -67,7 +67,7 @@ TEST_CASE("a target load is the load that the session measures") {
   for (std::size_t i = 0; i < 8; ++i) {
     StudyCell cell = plan.cells[i];
     CHECK(std::holds_alternative<LogNormalCost>(cell.options.workers.cost.cost()));
-    // A fixed cost of the same mean: what is measured is then exactly what was asked for.
+    // A fixed cost of the same mean: the measured load is then exactly the wanted one.
     const double demand = states_needed_per_second(plan.inputs[i], cell.options),
                  target = i % 2 == 0 ? 0.5 : 2.0;
     const double b = cell.options.planning.batch, share = cell.options.workers.batch_share;
@@ -94,7 +94,7 @@ TEST_CASE("cells.csv has the same bytes for 1 and 2 threads, after a break, and 
 
   run(plan, folder.path / "one", 2, &ran);
   CHECK(ran == 0);
-  // One record lost, one cut in the middle as no kill of ours leaves it, one of a foreign hand.
+  // One record is missing, one is cut in the middle (a killed run never leaves that), and one is foreign.
   const auto record = [&](std::size_t i) {
     return folder.path / "one" / "cells" / (plan.cells[i].key + ".json");
   };
@@ -123,7 +123,7 @@ TEST_CASE("cells.csv has the same bytes for 1 and 2 threads, after a break, and 
     REQUIRE(cell.find("wall_seconds"));
     CHECK(std::holds_alternative<std::monostate>(*cell.find("wall_seconds")));
   }
-  // Clairvoyant rows are the bound that regret is counted from.
+  // Regret is the difference to the clairvoyant rows.
   CHECK(first[4].number("regret.first_visit.within_jnd") == 0);
   CHECK(first[0].number("regret.within_jnd") ==
         Approx(first[4].number("error.within_jnd") - first[0].number("error.within_jnd")));

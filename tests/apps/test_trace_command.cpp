@@ -1,4 +1,4 @@
-// forefeel trace, and what sessions and studies say of a recorded motion.
+// forefeel trace, and the notes of sessions and studies on a recorded motion.
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

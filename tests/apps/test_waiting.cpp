@@ -1,4 +1,4 @@
-// Waiting: a command computes only what it needs, progress says what goes on, and the cache has a place.
+// Waiting times: a command computes only what it needs, progress lines show the current step, and results are cached.
 
 #include <catch2/catch.hpp>
 
@@ -129,7 +129,7 @@ TEST_CASE("a state file of the cache that a session writes is left there, and sa
 TEST_CASE("generate asks what its threads will take before it begins") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  // With little memory left: what so many solvers take.
+  // With little memory left, the error names the memory that this number of solvers needs.
   const auto outcome = shop.shell("ulimit -v 3000000; " + executable() +
                                   " generate beam.toml -o s.states --threads 4000 2>&1 || echo code $?");
   CHECK_THAT(outcome.out, Catch::Contains("--threads") && Catch::Contains("of memory") &&

@@ -16,7 +16,7 @@ struct Target {
   std::vector<std::string> (*seeds)();  // valid inputs, from which mutations start
 };
 
-// Runs a target on an input. std::logic_error where it breaks its promise, with what() as the reason.
+// Runs a target on an input. Throws std::logic_error, with the reason, if the target violates the rule above.
 void run_target(const Target& target, std::string_view input);
 
 // For targets that read files: a file of this name in memory where the system has such a folder. The same

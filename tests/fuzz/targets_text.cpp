@@ -1,4 +1,4 @@
-// What a person writes: scenes, studies, specs of devices and costs, and the command line.
+// Text written by users: scenes, studies, devices and costs, and the command line.
 
 #include <stdexcept>
 
@@ -40,7 +40,7 @@ jnd = { share = 0.07, floor = 0.01 }
 limits = { force = 5.0, slew = 1000.0 }
 )";
 
-// A scene of its own, whose body is the same in each: meshing is no reader.
+// The input as a scene, always with the same body, because meshing is not to be fuzzed.
 void read_scene(std::string_view input) {
   const std::filesystem::path file = file_of("scene.toml", body_sections + std::string(input));
   if (input.find("auto") != std::string_view::npos) return;  // would measure the spacing by solves

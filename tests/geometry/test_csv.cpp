@@ -1,4 +1,4 @@
-// The rows of a CSV file, and the readers of columns of numbers and of text that stand on them.
+// The rows of a CSV file, and the readers of columns of numbers and of text that use them.
 
 #include <catch2/catch.hpp>
 

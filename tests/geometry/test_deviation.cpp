@@ -1,4 +1,4 @@
-// What is said of a mesh that is not its surface.
+// Warnings about a mesh that deviates from its surface.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -15,7 +15,7 @@ TEST_CASE(
   const Deviation none = deviation_of(same, ball, 0);
   CHECK(none.volume_change == Approx(0).margin(1e-12));
   CHECK(in_words(none, {}).empty());
-  // The cube about the ball has 6 / pi of its volume.
+  // The volume of the cube around the ball is 6 / pi times that of the ball.
   Surface cube = test::unit_cube();
   const Box box = bounding_box(ball);
   for (Vec3& node : cube.nodes) node = box.low + node.cwiseProduct(box.size());

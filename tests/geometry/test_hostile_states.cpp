@@ -123,7 +123,7 @@ TEST_CASE("pages that name each other hold endless rows, and the reader gives up
   const std::string page = bytes.substr((root - 1) * size, size);
   const std::size_t leaf = number_at(page, 8, 4);
   REQUIRE(number_at(page, 3, 2) > 10);  // children
-  // 15 levels of pages, of which each has the next one as all of its children: 10^15 rows and more.
+  // 15 levels of pages; all children of a page are the page of the next level. This yields 10^15 rows and more.
   for (std::size_t level = 0; level < 15; ++level) {
     std::string more = page;
     set_children(more, level == 14 ? leaf : pages + level + 2);

@@ -171,8 +171,8 @@ TEST_CASE("a sheet and one state beside it are a thin body") {
     set.push_back(h * Vec3(0.3, 0.4, height));
     const StateSpace space = space_of(set);
     INFO("height " << height);
-    // Halfway below the single state the weights are half that of the state and half those of the triangle at
-    // its foot: pi follows by hand.
+    // Halfway below the single state, the state has the weight 1/2 and the triangle at its foot the other half; pi
+    // follows by hand.
     const Vec3 q = h * Vec3(0.3, 0.4, height / 2);
     CHECK(space.coverage(q).spread <= h * std::sqrt(0.5) * (1 + 1e-6));
     CHECK(std::isfinite(space.coverage(h * Vec3(1.1, -0.7, 0)).spread));

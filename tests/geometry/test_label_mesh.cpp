@@ -1,4 +1,4 @@
-// Tetrahedra of label volumes: volumes, conforming interfaces, what is said.
+// Tetrahedra of label volumes: volumes, conforming interfaces, warnings.
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-// Readers of label volumes: every format gives the same volume; what a header may not claim.
+// Readers of label volumes: every format gives the same volume, and false headers are refused.
 
 #include <catch2/catch.hpp>
 

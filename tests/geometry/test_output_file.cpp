@@ -1,4 +1,4 @@
-// Where results are written: links and modes stay, and somebody's own files are not replaced.
+// Output files: links and file modes are kept, and the user's own files are not replaced.
 
 #include <catch2/catch.hpp>
 

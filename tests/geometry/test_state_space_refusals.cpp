@@ -1,4 +1,4 @@
-// What a state space does not take.
+// States that a state space refuses.
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,4 @@
-// The const queries of a state space that nobody changes, from many threads at once (ThreadSanitizer runs
-// this, too).
+// Const queries of a constant state space from many threads at once (also run under ThreadSanitizer).
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-// VTK's surfaces, and what tells them from meshes.
+// VTK's surfaces, and how they are distinguished from meshes.
 #include <catch2/catch.hpp>
 
 #include <sys/wait.h>

@@ -33,7 +33,7 @@ std::vector<Include> read_includes(const std::filesystem::path& root);
 std::string room_of(const std::string& file);  // "solver/body/law.cpp" -> "solver/body"
 std::string unit_of(const std::string& file);  // -> "solver/body/law"
 
-// Each of these returns one line per fault; none where all is well.
+// Each of these returns one line per fault, and nothing if there is none.
 std::vector<std::string> faults_of_table(const Table& table, const std::vector<Include>& includes);
 std::vector<std::string> forbidden_includes(const Table& table, const std::vector<Include>& includes);
 std::vector<std::string> misplaced_heavy_headers(const Table& table, const std::vector<Include>& includes);

@@ -81,7 +81,7 @@ TEST_CASE("the recipes", "[readme]") {
   for (const char* file : {"build/tour/liver.states", "build/tour/coverage.svg", "build/tour/run/report.html",
                            "build/tour/hand/report.html", "build/tour/study/report.html"})
     CHECK_THAT(files, Catch::Contains(file));
-  // A session whose force is cut off most of the time is no example.
+  // In an example session, the force must not be clamped most of the time.
   for (const std::string run : {"run", "hand"}) {
     CAPTURE(run);
     const auto summary = nlohmann::json::parse(shop.shell("cat build/tour/" + run + "/summary.json").out);

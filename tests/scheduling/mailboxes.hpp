@@ -13,7 +13,7 @@
 
 namespace forefeel::testing {
 
-// Mailboxes in memory. A rank without a thread behind it hangs.
+// Mailboxes in memory. A rank that no thread serves appears to hang.
 struct Mail {
   explicit Mail(int count) : boxes(static_cast<std::size_t>(count)) {}
   void put(int to, Message message) {

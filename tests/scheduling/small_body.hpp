@@ -50,7 +50,7 @@ inline std::shared_ptr<const Body> small_body(Law law = Law::neo_hookean) {
   return body;
 }
 
-// A block of 6 x 6 x 4 cm on its clamp, touched by nine nodes in the middle of its top; finer there.
+// A block of 6 x 6 x 4 cm, clamped at its bottom, with nine contact nodes in the middle of its top, where it is finer.
 inline std::shared_ptr<const Body> block_body() {
   auto body = std::make_shared<Body>();
   body->mesh = beam_mesh(6, 6, 4);

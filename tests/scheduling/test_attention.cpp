@@ -1,4 +1,4 @@
-// What is said before the figures of a session, and the numbers behind it.
+// The warnings before the figures of a session, and the numbers behind them.
 
 #include <catch2/catch.hpp>
 

@@ -35,7 +35,7 @@ std::unique_ptr<RealWorkers> make_wrapped_threads(RealWorkersContext& with) {
   return std::make_unique<WorkerThreads>(with.body, with.solving);
 }
 
-// Before main(), in whatever order the linker chose.
+// Registered before main(), in the order that the linker chose.
 const bool before_main = (register_device("wrapped-path", make_wrapped_path), true);
 
 // While the program runs.

@@ -32,7 +32,7 @@ std::vector<std::size_t> all_of(const std::vector<Vec3>& motion) {
 
 // With f = -k x, x = v t and |e|' = -a (k v t - |e|), a = 7 / s, from |e| = k v T at T on:
 //   |e| = k v (t + 1 / a - exp(a (t - T)) / a)
-// whatever k and v are. It is gone at 1 + a t = exp(a (t - T)), and below 7 % of |f| from 1 + 0.93 a t =
+// for any k and v. e vanishes at 1 + a t = exp(a (t - T)), and is below 7 % of |f| from 1 + 0.93 a t =
 // exp(a (t - T)) on.
 TEST_CASE("Exact models on a spring pulled at constant speed fade in as their equation says") {
   for (const double known : {0.06, 0.1, 0.2}) {
@@ -67,7 +67,7 @@ TEST_CASE("Without a switch to wait for only what comes before the first state i
   // 511 frames.
   const ExactRendering held = render_exact(still, all_of(still), 0.1, {}, 0.07, spring);
   CHECK(static_cast<double>(held.visits - held.within) == Approx(100 + 511).margin(2));
-  // Never known: all is lost.
+  // The force never becomes known: no first visit is within the tolerance.
   const ExactRendering never = render_exact(still, all_of(still), 5, {}, 0.07, spring);
   CHECK(never.within == 0);
   CHECK(std::isinf(never.settled));

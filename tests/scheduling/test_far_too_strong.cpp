@@ -1,4 +1,4 @@
-// A worker that returns what cannot be: a force 1000 times too strong, a stiffness of another body, NaN.
+// A worker that returns impossible states: a force 1000 times too large, the stiffness of another body, NaN.
 
 #include <catch2/catch.hpp>
 

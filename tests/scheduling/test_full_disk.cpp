@@ -1,4 +1,4 @@
-// A disk that is full while a session runs: what can be written is written, the rest is said.
+// A disk that becomes full during a session: all other files are written, and the failure is reported.
 
 #include <signal.h>
 #include <sys/resource.h>

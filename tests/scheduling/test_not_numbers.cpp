@@ -1,4 +1,4 @@
-// Parts of a user that answer with what is no number, or lack a setting: said, not silently passed over.
+// User-supplied parts that return NaN or lack a setting: this is reported, not silently ignored.
 
 #include <catch2/catch.hpp>
 
@@ -25,7 +25,7 @@ struct Careless final : Policy {
   }
 };
 
-// Zero divided by zero from some distance of rest on.
+// Returns NaN (zero divided by zero) beyond some distance from rest.
 struct CarelessCost final : CostModel {
   explicit CarelessCost(double from) : from_(from) {}
   double seconds(const Vec3& at) const override {

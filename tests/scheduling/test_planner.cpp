@@ -176,7 +176,7 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
     CAPTURE(i);
     REQUIRE(given[0][i].at == given[1][i].at);
     CHECK(given[0][i].priority ==
-          Approx(given[1][i].priority).epsilon(1e-12));  // of few at once sums may round otherwise
+          Approx(given[1][i].priority).epsilon(1e-12));  // sums over few candidates may round differently
     CHECK(given[0][i].worker == given[1][i].worker);
   }
 }
@@ -330,7 +330,7 @@ TEST_CASE("planner: recycles models even if the loop never takes one") {
   }
   const auto model = b.link.models.take();
   REQUIRE(model);
-  // All states lie on one linear spring: whichever were chosen, the newest model gives it.
+  // All states lie on one linear spring, so the newest model reproduces it, whichever states were chosen.
   const Vec3 x(0.001, 0.002, -0.001);
   CHECK(((*model)->force(x) + 100 * x).norm() < 1e-9);
 }

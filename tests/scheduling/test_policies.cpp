@@ -304,7 +304,7 @@ TEST_CASE("what places still need: products kept from call to call are those mad
   expect({under_way.begin() + 30, under_way.end()});
   std::reverse(under_way.begin(), under_way.end());
   expect(under_way);
-  // Hundreds of states in one place underflow the need to zero; fewer of them give a positive need again.
+  // Hundreds of states at one place make the need underflow to zero; with fewer of them it is positive again.
   for (int i = 0; i < 400; ++i) under_way.push_back(at[5] + Vec3(0.004, 0, 0));
   expect(under_way);
   expect({under_way.begin(), under_way.end() - 3});

@@ -22,7 +22,7 @@ using testing::small_body;
 
 namespace {
 
-// A clock that each look moves on.
+// A clock that advances by a step at each call.
 RankPool::Clock clock_in_steps(double step) {
   return [now = std::make_shared<double>(0), step] { return *now += step; };
 }

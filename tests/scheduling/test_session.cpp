@@ -41,7 +41,7 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   for (std::size_t k = 1; k < r.frames.size(); ++k) {
     REQUIRE(r.frames[k].known >= r.frames[k - 1].known);
     over += r.frames[k].step.change > r.frames[k].step.bound;
-    // The change of the force is what motion and the switch make, nothing else.
+    // The change of the force is the sum of the changes by the motion and by the switch.
     REQUIRE((r.frames[k].force - r.frames[k - 1].force).norm() <=
             r.frames[k].step.change + r.frames[k].step.motion_change + 1e-12);
   }
@@ -57,7 +57,7 @@ TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything
   }
   // Rest after 2.5 ms, then four workers of 10 ms each: 400 states a second.
   CHECK(r.frames[105].known == 41);
-  // Once the box is full, what is inside it is safe and exact to well under the JND.
+  // Once the box is full, places inside it are safe, and their errors are well below the JND.
   const FrameRecord& late = r.frames.back();
   CHECK(late.known == 125);
   double worst = 0;
@@ -243,5 +243,5 @@ TEST_CASE("real clock: renders, solves and reports") {
   const SessionSummary summary = summarise(r, input, options);
   CHECK(summary.settings.clock == Clock::real);
   CHECK(std::isfinite(summary.deadline.cost_us.p50));
-  if (!r.process.realtime_priority) CHECK(!r.notes.empty());  // said so
+  if (!r.process.realtime_priority) CHECK(!r.notes.empty());  // a note reports it
 }

@@ -34,7 +34,7 @@ TEST_CASE("error bars: every frame of a model with states has them, the wider le
     const auto& [at_90, at_95, at_99] = f.bar.half_width;
     if (!std::isfinite(at_90)) continue;
     ++with;
-    const double held = (f.elastic - f.undamped).norm();  // known, so the bar holds at least that
+    const double held = (f.elastic - f.undamped).norm();  // known, so the half-width is at least this
     REQUIRE(at_90 >= held);
     REQUIRE(at_95 >= at_90);
     REQUIRE(at_99 >= at_95);

@@ -74,7 +74,7 @@ TEST_CASE("labels, first visits and positions that are worked out beside a run a
 }
 
 TEST_CASE("what is rendered beside the planner is what is rendered in turn with it") {
-  struct Answering final : Device {  // a motion that is said to depend on the force, and does not
+  struct Answering final : Device {  // claims to depend on the force, but does not
     std::unique_ptr<Device> path;
     bool answers;
     Answering(std::unique_ptr<Device> device, bool yes) : path(std::move(device)), answers(yes) {}

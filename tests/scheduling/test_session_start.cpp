@@ -104,7 +104,7 @@ TEST_CASE(
       CHECK(r.switches[1].cause == SwitchCause::first);
       CHECK(r.switches[1].jump_undamped > 0);
       CHECK(r.switches[1].t == Approx(0.1).margin(0.0011));
-      // what is known, asked for and solved is the same without it
+      // known, requested and solved states are the same without it
       options.model.first_guess = false;
       const SessionResult without = run_session(block_input(), options);
       options.model.first_guess = true;

@@ -89,7 +89,7 @@ TEST_CASE("intervals of shares stay between 0 and 1: by hand, against the plain 
     CHECK(b.low == Approx(1 - a.high).margin(1e-9));
     CHECK(b.high == Approx(1 - a.low).margin(1e-9));
   }
-  // Narrow ones are the plain ones.
+  // Narrow intervals are the same as without the logit scale.
   const GroupedValues narrow{{0.5}, {0.5001}, {0.4999}};
   CHECK(share_interval(narrow).high == Approx(student_interval(narrow).high).epsilon(1e-6));
   const ConfidenceInterval full = share_interval({{1.0}, {1.0, 1.0}}), one = share_interval({{0.4}});

@@ -77,7 +77,7 @@ TEST_CASE("rankings average settings within a trace and seed, and pair") {
   CHECK(compared[2].comparison.student.mean == Approx(0.1).margin(0.003));
   CHECK(compared[4].comparison.student.mean == Approx(0.02).margin(0.003));
   CHECK(compared[4].comparison.groups == 4);
-  // Of the error coverage has less.
+  // coverage has the smaller error.
   const std::vector<Contrast> errors = contrasts(study, cells, second_metric(study));
   CHECK(errors[0].comparison.student.mean == Approx(-0.06).margin(0.003));
   CHECK(errors[0].comparison.verdict() == -1);

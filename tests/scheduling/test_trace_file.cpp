@@ -1,4 +1,4 @@
-// Recorded motions in the forms in which people have them.
+// Recorded motions in file formats that occur in practice.
 
 #include <catch2/catch.hpp>
 

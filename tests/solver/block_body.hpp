@@ -16,7 +16,7 @@ inline TetMesh block_mesh(int nx, int ny, int nz, const Vec3& size) {
   const auto node = [&](int i, int j, int k) {
     return static_cast<NodeIndex>((k * (ny + 1) + j) * (nx + 1) + i);
   };
-  // The six paths from corner 0 to corner 7 along the axes; the sign of the path's order is that of its volume.
+  // The six paths from corner 0 to corner 7 along the axes. The parity of the order of axes is the sign of the volume.
   const int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)

@@ -32,7 +32,7 @@ std::shared_ptr<Body> body_of(TetMesh mesh, const Choose& clamped, const Choose&
   return body;
 }
 
-// How many times stiffer than the body the disc is, in the directions where that is least and most.
+// Stiffness of the disc divided by that of the body, in the directions where the ratio is least and largest.
 struct Ratio {
   double least, most;
 };

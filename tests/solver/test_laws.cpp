@@ -9,7 +9,7 @@ using namespace forefeel;
 
 namespace {
 
-// The laws whose density is written out below; all_laws() are held to their derivatives.
+// The laws whose density is written out below. The derivatives of all_laws() are tested, too.
 const Law laws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
                     Law::mooney_rivlin};
 

@@ -8,7 +8,7 @@
 
 namespace forefeel::test {
 
-// What the InputError thrown by `work` says; empty: nothing was refused.
+// The text of the InputError thrown by `work`; empty if none was thrown.
 std::string error_of(auto&& work) {
   try {
     work();

@@ -10,7 +10,7 @@
 
 namespace forefeel::test {
 
-// A fresh folder that is gone at the end; also the working directory of what is run in it.
+// A fresh folder, removed at the end. It is also the working directory of the commands that are run in it.
 class Workshop {
  public:
   Workshop();
@@ -32,7 +32,7 @@ class Workshop {
   std::filesystem::path path_ = folder_ / "work";
 };
 
-// One clear line that mentions every word, exit code 2, and no file made, changed in name or left.
+// Checks that a command is refused: one error line that contains every word, exit code 2, no file made or renamed.
 void check_refused(const Workshop& shop, const std::string& arguments,
                    const std::vector<std::string>& mentions);
 

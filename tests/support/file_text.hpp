@@ -1,6 +1,6 @@
 #pragma once
 
-// What a command wrote.
+// The text of files written by a command.
 
 #include <fstream>
 #include <iterator>

@@ -65,7 +65,7 @@ class Body:
 
     @property
     def warnings(self) -> list[str]:
-        """What may make its forces wrong, such as locking."""
+        """Reasons why its forces may be inaccurate, such as locking."""
         return self._body.warnings
 
     def keys(self) -> tuple[str, ...]:
@@ -128,7 +128,7 @@ class Scene:
 
     @property
     def spacing(self) -> float:
-        """Of states [m]."""
+        """Spacing of the lattice of states [m]."""
         return self._scene.spacing
 
     @property
@@ -142,7 +142,7 @@ class Scene:
 
     @property
     def identity(self) -> dict[str, str]:
-        """The body that its states belong to."""
+        """Identity of the body that its states belong to."""
         return self._scene.identity
 
     @property

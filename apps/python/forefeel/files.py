@@ -86,7 +86,7 @@ def read_run(folder: Any) -> dict[str, Any]:
 
 
 def read_study(folder: Any) -> dict[str, Any]:
-    """The files of a study's folder: dict with cells (a table), and by its name what each .json file holds."""
+    """The files of a study's folder: dict with cells (a table), and the content of each .json file under its name."""
     folder = pathlib.Path(folder)
     return {"cells": read_table(folder / "cells.csv"),
             **{file.stem: _read_json(file) for file in sorted(folder.glob("*.json"))}}

@@ -21,7 +21,7 @@ class Placement:
     The first positions are rest (where the box holds it) and the corners at 3/4 of the box. Then each next position
     is the candidate of the largest estimated error, relative to max(|force|, floor). With stiffness the estimate is
     that of `forefeel generate --error`. Without, it is the squared distance to the nearest state times the
-    disagreement of two models, one with half of the other's neighbours; expect little more than from a lattice then.
+    disagreement of two models, one with half of the other's neighbours; this is hardly better than a lattice.
 
     low, high  (3,): corners of the box [m]
     spacing    finest distance of states; candidates are its lattice [m]
@@ -59,7 +59,7 @@ class Placement:
         return _core.measured(np.array(self._at), np.array(self._force), stiffness)
 
     def tell(self, at: ArrayLike, force: ArrayLike, stiffness: ArrayLike | None = None) -> None:
-        """The force (3,) [N] at a position (3,) [m], and its stiffness (3, 3) [N/m] with K = -df/dx if known."""
+        """Adds a state: force (3,) [N] at a position (3,) [m], and stiffness (3, 3) [N/m], K = -df/dx, if known."""
         at, force = np.asarray(at, float).reshape(3), np.asarray(force, float).reshape(3)
         if not (np.all(np.isfinite(at)) and np.all(np.isfinite(force))):
             raise _core.InputError("Placement.tell: expected finite numbers")

@@ -1,4 +1,4 @@
-"""What is known where, and the force between and beyond states."""
+"""Labels of places (how well the force is known there), and forces between and beyond states."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class StateSpace:
 
     @property
     def spacing(self) -> float:
-        """That counts as dense [m]."""
+        """Distance of neighbouring states that counts as dense [m]."""
         return self._space.spacing
 
     @property

@@ -111,8 +111,8 @@ def known_rows(states: Any) -> NDArray[Any]:
 
 
 def rows_of(states: Any) -> NDArray[Any]:
-    """The structured array of what stands for states: States, structured array, or positions (n, 3) [m], whose forces
-    are set to zero and are not to be used."""
+    """The structured array of anything that represents states: States, structured array, or positions (n, 3) [m]. The
+    forces of positions are zero and must not be used."""
     if isinstance(states, States):
         return states.array
     states = np.asarray(states)
