@@ -10,6 +10,7 @@
 #include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/scene_declared.hpp"
+#include "apps/scene_input/scene_hand.hpp"
 #include "apps/scene_input/scene_materials.hpp"
 #include "apps/scene_input/scene_shape.hpp"
 #include "apps/scene_input/scene_tolerance.hpp"
@@ -247,8 +248,13 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   scene.model.select = session.word("select", select_words()).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
   scene.written.device = session.text("device");
+  const bool of_hand = root.has("hand");
+  if (of_hand && scene.written.device)
+    throw session.wrong("device", "only one of session.device and the table [hand]");
+  const SceneTable hand = table("hand");
+  if (of_hand) scene.written.device = device_of_hand(hand);
   scene.written.cost = session.text("cost");
-  scene.written.device_place = session.where("device");
+  scene.written.device_place = of_hand ? hand.place() : session.where("device");
   scene.written.cost_place = session.where("cost");
   scene.written.box_place = space.where("box");
   if (session.has("arrivals")) scene.written.arrivals_place = session.where("arrivals");

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/scene_input/option_names.hpp"
+#include "apps/scene_input/scene_hand.hpp"
 #include "apps/scene_input/scene_keys.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/motion/predictor.hpp"
@@ -218,6 +219,7 @@ std::vector<DeclaredTable> all_tables() {
   tables.push_back(space_table());
   tables.push_back(model_table());
   for (DeclaredTable& table : session_tables()) tables.push_back(std::move(table));
+  tables.push_back({"hand", "The same as session.device = \"hand:PROFILE,…\", in place of it.", hand_keys()});
   return tables;
 }
 

@@ -26,11 +26,26 @@ std::vector<Declared> path_settings() {
           {"noise", "m", fmt::format("{}", motion.noise), "RMS per axis of white noise"}};
 }
 
+std::vector<Declared> trait_settings() {
+  const HandTraits usual;
+  const auto shown = [](double value) { return fmt::format("{}", value); };
+  return {{"mass", "kg", shown(usual.mass), "of hand and device"},
+          {"zeta", "1", shown(usual.damping_ratio), "damping ratio of the grip, below 1"},
+          {"stiffening", "1", shown(usual.stiffening),
+           "the grip is stiffer by this share after a surprising force; 0: no reaction"},
+          {"surprise", "N", shown(usual.surprise), "change of the force within 0.1 s that is one"},
+          {"delay", "s", shown(usual.delay), "from the surprise to the reaction"},
+          {"calm", "s", shown(usual.calm), "in which the reaction falls to 37 %"},
+          {"drawn", "", "no",
+           "yes: grip (about the one given), mass, zeta, tremor and reaction are drawn from the seed"}};
+}
+
 std::vector<Declared> hand_settings() {
   std::vector<Declared> all{{"target", "", "press", "path that the hand tries to follow: a NAME of path"},
                             {"grip", "N/m", fmt::format("{}", HandMotion{}.grip),
                              "stiffness of the grip; also light, medium or firm"}};
   for (Declared& setting : path_settings()) all.push_back(std::move(setting));
+  for (Declared& setting : trait_settings()) all.push_back(std::move(setting));
   return all;
 }
 
@@ -161,6 +176,22 @@ double take_grip(Parts& parts) {
   return *parts.take_number("grip", 1);
 }
 
+HandTraits take_traits(Parts& parts) {
+  HandTraits traits;
+  traits.mass = parts.take_number("mass", 1e-3).value_or(traits.mass);
+  traits.damping_ratio = parts.take_number("zeta", 0).value_or(traits.damping_ratio);
+  traits.stiffening = parts.take_number("stiffening", 0).value_or(traits.stiffening);
+  traits.surprise = parts.take_number("surprise", 1e-3).value_or(traits.surprise);
+  traits.delay = parts.take_number("delay", 0).value_or(traits.delay);
+  traits.calm = parts.take_number("calm", 1e-3).value_or(traits.calm);
+  if (const auto drawn = parts.take("drawn")) {
+    if (*drawn != "yes" && *drawn != "no")
+      throw InputError(parts.where, fmt::format("drawn is '{}', expected yes or no", *drawn));
+    traits.drawn = *drawn == "yes";
+  }
+  return traits;
+}
+
 HandMotion hand_of(Parts parts) {
   const auto profile = find_name<HandName>(hand_names(), parts.name);
   if (!profile)
@@ -168,8 +199,10 @@ HandMotion hand_of(Parts parts) {
                                               fmt::join(hand_names(), ", ")));
   const std::string target = parts.take("target").value_or("press");
   const double grip = take_grip(parts);
-  const HandMotion motion{.profile = *profile, .target = take_path(target, parts), .grip = grip};
+  const HandMotion motion{
+      .profile = *profile, .target = take_path(target, parts), .grip = grip, .traits = take_traits(parts)};
   parts.reject_rest();
+  check(DeviceSpec(motion, *parts.where.value));
   return motion;
 }
 

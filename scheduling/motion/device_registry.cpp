@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "scheduling/common/registry.hpp"
+#include "scheduling/motion/drawn_hand.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/path_device.hpp"
 #include "scheduling/motion/trace.hpp"
@@ -29,8 +30,8 @@ std::unique_ptr<Device> make(const TraceMotion& motion, const FactoryContext& co
 }
 
 std::unique_ptr<Device> make(const HandMotion& motion, const FactoryContext& context) {
-  return make_hand_device(profile_of(motion.profile), make_path_device(motion.target, context),
-                          {.grip = motion.grip});
+  const HandMotion hand = drawn_hand(motion, context.seed);
+  return make_hand_device(profile_of(hand.profile), make_path_device(hand.target, context), options_of(hand));
 }
 
 std::unique_ptr<Device> make(const Registered& device, const FactoryContext& context) {

@@ -45,9 +45,17 @@ std::string text_of(const TraceMotion& motion) {
                      motion.scale == 1 ? "" : fmt::format(",scale={}", motion.scale),
                      o.isZero(0) ? "" : fmt::format(",offset={}/{}/{}", o[0], o[1], o[2]));
 }
+std::string changed(const char* key, double value, double usual) {
+  return value == usual ? "" : fmt::format(",{}={}", key, value);
+}
 std::string text_of(const HandMotion& motion) {
+  const HandTraits &t = motion.traits, usual;
   return fmt::format("hand:{},target={},grip={}{}", name(motion.profile), name(motion.target.path),
-                     motion.grip, settings_of(motion.target));
+                     motion.grip, settings_of(motion.target)) +
+         changed("mass", t.mass, usual.mass) + changed("zeta", t.damping_ratio, usual.damping_ratio) +
+         changed("stiffening", t.stiffening, usual.stiffening) +
+         changed("surprise", t.surprise, usual.surprise) + changed("delay", t.delay, usual.delay) +
+         changed("calm", t.calm, usual.calm) + (t.drawn ? ",drawn=yes" : "");
 }
 std::string text_of(const Registered& device) {
   return to_text(device);
@@ -86,6 +94,16 @@ void check_motion(const InputPlace& where, const TraceMotion& motion) {
 }
 void check_motion(const InputPlace& where, const HandMotion& motion) {
   expect_from(where, "grip", motion.grip, 1);
+  const HandTraits& traits = motion.traits;
+  expect_from(where, "mass", traits.mass, 1e-3);
+  expect_from(where, "zeta", traits.damping_ratio, 0);
+  if (!(traits.damping_ratio < 1))
+    throw InputError(where,
+                     fmt::format("zeta is {:g}, expected a damping ratio below 1", traits.damping_ratio));
+  expect_from(where, "stiffening", traits.stiffening, 0);
+  expect_from(where, "surprise", traits.surprise, 1e-3);
+  expect_from(where, "delay", traits.delay, 0);
+  expect_from(where, "calm", traits.calm, 1e-3);
   check_motion(where, motion.target);
 }
 void check_motion(const InputPlace&, const Registered&) {}

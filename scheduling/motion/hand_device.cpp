@@ -1,6 +1,8 @@
 #include "scheduling/motion/hand_device.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scheduling/motion/device.hpp"
 
@@ -19,6 +21,7 @@ class HandDevice final : public Device {
   HandDevice(const HandProfile& profile, std::unique_ptr<Device> target, const HandOptions& options)
       : profile_(profile),
         target_(std::move(target)),
+        usual_(options),
         grip_(options.grip),
         zeta_(options.damping_ratio),
         omega_(std::sqrt(options.grip / options.mass)) {
@@ -35,9 +38,9 @@ class HandDevice final : public Device {
   DeviceLimits limits() const override {
     return {.force = profile_.force_limit,
             .stiffness = profile_.stiffness,
-            .plant = {.mass = grip_ / (omega_ * omega_),
-                      .damping = 2 * zeta_ * grip_ / omega_,
-                      .stiffness = grip_,
+            .plant = {.mass = usual_.mass,
+                      .damping = 2 * zeta_ * std::sqrt(usual_.grip * usual_.mass),
+                      .stiffness = usual_.grip,
                       .resolution = profile_.resolution}};
   }
 
@@ -47,10 +50,34 @@ class HandDevice final : public Device {
     target_at_ = target_->position(0, Vec3::Zero());
     x_ = target_at_;
     v_.setZero();
+    expected_.setZero();
+    level_ = 0;
+    due_ = std::numeric_limits<double>::infinity();
+    set_grip(usual_.grip);
+  }
+
+  void set_grip(double grip) noexcept {
+    grip_ = grip;
+    omega_ = std::sqrt(grip / usual_.mass);
+  }
+
+  // The grip in the frame that ends at t: stiffer for a while after a force that came as a surprise.
+  void react(double t, const Vec3& force) noexcept {
+    constexpr double memory = 0.1;  // [s]
+    const double dt = t - last_t_;
+    level_ *= std::exp(-dt / usual_.calm);
+    if (t >= due_) {
+      level_ = 1;
+      due_ = std::numeric_limits<double>::infinity();
+    }
+    if ((force - expected_).norm() > usual_.surprise) due_ = std::min(due_, t + usual_.delay);
+    expected_ += (1 - std::exp(-dt / memory)) * (force - expected_);
+    set_grip(usual_.grip * (1 + usual_.stiffening * level_));
   }
 
   // With y = x - x_t - F / k the equation is y'' + 2 zeta omega y' + omega^2 y = 0, omega^2 = k / m.
   void step(double t, const Vec3& force) noexcept {
+    if (usual_.stiffening > 0) react(t, force);
     const double dt = t - last_t_;
     const Vec3 next = target_->position(t, Vec3::Zero());
     const Vec3 target_v = (next - target_at_) / dt;
@@ -71,7 +98,10 @@ class HandDevice final : public Device {
 
   HandProfile profile_;
   std::unique_ptr<Device> target_;
+  HandOptions usual_;
   double grip_, zeta_, omega_;
+  Vec3 expected_ = Vec3::Zero();  // force [N]
+  double level_ = 0, due_ = 0;    // of the reaction [1]; when it begins [s]
   double last_t_ = 0;
   Vec3 x_ = Vec3::Zero(), v_ = Vec3::Zero(), target_at_ = Vec3::Zero();
 };
@@ -82,6 +112,17 @@ const HandProfile& profile_of(HandName hand) {
   for (const HandProfile& profile : profiles)
     if (profile.name == hand) return profile;
   return profiles[0];
+}
+
+HandOptions options_of(const HandMotion& motion) {
+  const HandTraits& traits = motion.traits;
+  return {.grip = motion.grip,
+          .mass = traits.mass,
+          .damping_ratio = traits.damping_ratio,
+          .stiffening = traits.stiffening,
+          .surprise = traits.surprise,
+          .delay = traits.delay,
+          .calm = traits.calm};
 }
 
 std::unique_ptr<Device> make_hand_device(const HandProfile& profile, std::unique_ptr<Device> target,

@@ -4,7 +4,8 @@
 // m effective mass of hand and device [kg], k stiffness of the grip [N/m], zeta damping ratio, x_t target
 // [m], F force sent [N]. Within a frame F is constant and x_t moves on a straight line. The integration
 // step is exact for these at any k and m, so it adds no instability to the loop of device, body and one frame
-// of delay. Positions are rounded to the profile's resolution, like those of encoders.
+// of delay. A reaction to a surprise raises k from one frame to the next (HandTraits); zeta stays, so b rises with
+// the square root of k. Without one, k is constant. Positions are rounded to the profile's resolution, like those of encoders.
 
 #include <memory>
 
@@ -28,7 +29,12 @@ struct HandOptions {
   double grip = 300;           // k [N/m]
   double mass = 0.1;           // m [kg]
   double damping_ratio = 0.7;  // zeta
+  double stiffening = 0;       // the reaction, as in HandTraits
+  double surprise = 0.5;       // [N]
+  double delay = 0.1;          // [s]
+  double calm = 0.5;           // [s]
 };
+HandOptions options_of(const HandMotion& motion);
 
 // The target starts at rest, x_t(0) = 0.
 std::unique_ptr<Device> make_hand_device(const HandProfile& profile, std::unique_ptr<Device> target,

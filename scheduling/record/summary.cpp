@@ -7,6 +7,7 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/state_outcome.hpp"
+#include "scheduling/motion/drawn_hand.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/render/render_loop.hpp"
@@ -245,7 +246,7 @@ SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& op
 }
 
 HandNumbers hand_numbers(const HandMotion& motion) {
-  const HandOptions usual;
+  const HandTraits& usual = motion.traits;
   const HandProfile& profile = profile_of(motion.profile);
   return {.grip = motion.grip,
           .damping = 2 * usual.damping_ratio * std::sqrt(motion.grip * usual.mass),
@@ -261,7 +262,7 @@ SessionSummary::Energy energy_of(const SessionResult& result, const SessionInput
   energy.control = control_summary(result, options.judging.error_floor);
   if (options.motion.replay) return energy;
   const auto* hand = input.parts.device ? nullptr : std::get_if<HandMotion>(&options.motion.device.motion());
-  if (hand) energy.hand = hand_numbers(*hand);
+  if (hand) energy.hand = hand_numbers(drawn_hand(*hand, options.seed));
   if (hand || (input.parts.device && input.parts.device->answers_force()))
     energy.stability = judge_stability(result.frames, energy.hand, options.clock.frame);
   return energy;

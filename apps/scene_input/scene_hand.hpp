@@ -1,0 +1,22 @@
+#pragma once
+// [hand] of a scene: the same as session.device = "hand:…", key by key.
+//   [hand]
+//   profile = "omega"
+//   grip = "light"
+//   drawn = true
+
+#include <string>
+#include <vector>
+
+#include "apps/scene_input/scene_table.hpp"
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+// The keys of [hand]: profile, and the settings of hand:PROFILE.
+std::vector<Declared> hand_keys();
+
+// The device's text of the table, which has keys. Values are checked where the text is read.
+std::string device_of_hand(const SceneTable& hand);
+
+}  // namespace forefeel
