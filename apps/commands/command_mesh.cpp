@@ -82,7 +82,7 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   if (made.report.repair.wrapped)
     made.warnings.push_back(
         fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
-  const Deviation deviation = deviation_of(surface, made.mesh, made.hausdorff);
+  const Deviation deviation = deviation_of(surface, made.mesh, made.hausdorff, arguments.length);
   made.volume_change = deviation.volume_change;
   for (const std::string& words : in_words(deviation, made.report.repair))
     made.warnings.push_back(fmt::format("{}: {}", name, words));

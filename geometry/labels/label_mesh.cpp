@@ -97,8 +97,8 @@ Made received(const std::string& data) {
   if (outcome.end == ChildOutcome::End::late)
     throw InputError(
         options.name,
-        fmt::format("no mesh was found in {:g} s, the limit of time; expected fewer elements, or "
-                    "forefeel mesh with a longer --time-limit",
+        fmt::format("no mesh was found in {:g} s, the limit of time; expected fewer elements, fewer "
+                    "--labels where there are many or tiny ones, or a longer --time-limit",
                     limit));
   if (outcome.end == ChildOutcome::End::not_begun)
     throw InputError(options.name, fmt::format("cannot be meshed: {}", std::strerror(outcome.code)));
@@ -131,6 +131,22 @@ void measure(const TetMesh& mesh, const LabelledTets& made, const LabelVolume& v
     region.mesh_volume += tet_volume(mesh, t);
     ++region.elements;
   }
+}
+
+// A mesh that lost most of its body is none: thin sheets have no node of the mesher's first ones.
+void check_volume(const std::vector<LabelRegion>& regions, const LabelMeshOptions& options) {
+  constexpr double least = 0.5;  // share of the voxels' volume
+  double meshed = 0, wanted = 0;
+  for (const LabelRegion& region : regions) {
+    meshed += region.mesh_volume;
+    wanted += region.voxel_volume;
+  }
+  if (meshed < least * wanted)
+    throw InputError(
+        options.name,
+        fmt::format("the mesh holds only {:.2g} % of the labels' volume, as parts thinner than an element "
+                    "are lost; expected more elements, or --labels without thin parts",
+                    100 * meshed / wanted));
 }
 
 std::vector<std::string> sayings(const std::vector<LabelRegion>& regions) {
@@ -204,6 +220,7 @@ TetMesh mesh_labels(const LabelVolume& volume, const LabelMeshOptions& options, 
   TetMesh mesh = assembled(made.mesh, report.regions, scale);
   measure(mesh, made.mesh, volume, domain, scale, report.regions);
   report.hausdorff = scale * made.hausdorff;
+  check_volume(report.regions, options);
   report.warnings = sayings(report.regions);
   return mesh;
 }

@@ -9,10 +9,11 @@
 
 namespace forefeel {
 
-Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff) {
+Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff,
+                       std::optional<double> length) {
   Deviation deviation{.hausdorff = hausdorff, .longest_side = longest_side(mesh)};
   const SurfaceSummary sum = summarise(surface);
-  const double scale = deviation.longest_side / sum.box.size().maxCoeff();
+  const double scale = length ? *length / sum.box.size().maxCoeff() : 1;
   const double before = std::abs(sum.volume) * scale * scale * scale;
   if (before > 0) deviation.volume_change = mesh_quality(mesh).volume / before - 1;
   return deviation;

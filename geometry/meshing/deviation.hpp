@@ -2,6 +2,7 @@
 // How much a mesh deviates from the surface that it was made from, with advice in words.
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,11 @@ struct Deviation {
   double hausdorff = std::numeric_limits<double>::quiet_NaN();  // [m], of TetrahedraliseReport
   double longest_side = 0;                                      // of the mesh [m]
 };
-// hausdorff: NaN if it was not measured. The mesh may be scaled, but not turned.
-Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff);
+// hausdorff: NaN if it was not measured. length: of the longest side [m], where the mesh was scaled to one; it is then
+// compared with the surface at that length. The mesh's own longest side is no measure of the scale, since coarse
+// meshes cut off ends.
+Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff,
+                       std::optional<double> length = std::nullopt);
 
 inline constexpr double large_volume_change = 0.05;
 inline constexpr double large_hausdorff = 0.05;  // of the longest side

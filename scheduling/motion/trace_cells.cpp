@@ -87,12 +87,13 @@ std::vector<Row> trace_rows_of(const std::string& content) {
   const char separator = separator_of(lines);
   std::vector<Row> rows;
   for (const auto& [line, text] : lines) {
-    Row row{line, split_at(text, separator)};
+    Row row{.line = line, .cells = split_at(text, separator)};
     if (row.cells.front().starts_with('#')) {  // a comment, or a header behind the mark
       row.cells.front().remove_prefix(1);
       row.cells.front() = bare(row.cells.front());
       if (row.cells.front().empty()) row.cells.erase(row.cells.begin());
       if (row.cells.empty() || trace_numbers(row.cells) > 0) continue;
+      row.comment = true;
     }
     rows.push_back(std::move(row));
   }

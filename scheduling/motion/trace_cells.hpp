@@ -15,6 +15,7 @@ using TraceCells = std::vector<std::string_view>;
 struct TraceRow {
   std::size_t line = 0;  // in the file, from 1
   TraceCells cells;      // views into the content
+  bool comment = false;  // behind #
 };
 
 std::vector<TraceRow> trace_rows_of(const std::string& content);

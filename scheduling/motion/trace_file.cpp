@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,6 +13,7 @@
 #include "geometry/common/scanner.hpp"
 #include "scheduling/motion/trace_cells.hpp"
 #include "scheduling/motion/trace_flaws.hpp"
+#include "scheduling/motion/trace_header.hpp"
 
 namespace forefeel {
 namespace {
@@ -39,6 +39,8 @@ class Reader {
         missing_(missing),
         content_(read_text_file(file)),
         rows_(trace_rows_of(content_)) {
+    if (content_.find('\0') != std::string::npos)
+      throw InputError({.file = name_}, "is no text, expected a table of numbers");
     if (rows_.empty()) throw InputError({.file = name_}, "holds no rows, expected t,x,y,z");
   }
 
@@ -73,25 +75,10 @@ class Reader {
     return timed() ? std::vector<std::string>{"t", "x", "y", "z"} : std::vector<std::string>{"x", "y", "z"};
   }
 
-  static std::optional<std::size_t> place(const Cells& cells, const std::string& wanted) {
-    const auto found = std::ranges::find(cells, wanted);
-    if (found != cells.end()) return found - cells.begin();
-    const auto alike = [&](std::string_view cell) { return lower_case(cell) == lower_case(wanted); };
-    const auto like = std::ranges::find_if(cells, alike);
-    if (like != cells.end() && std::count_if(like, cells.end(), alike) == 1) return like - cells.begin();
-    return {};
-  }
-
-  static std::optional<std::size_t> numbered(const std::string& column) {
-    std::int64_t number = 0;
-    if (!parse_integer(column, number) || number < 0) return {};
-    return static_cast<std::size_t>(number);
-  }
-
   // The columns of a tool that has its own: "left" has left_x, left.y, "left z" …
   std::optional<std::size_t> own_column(const Cells& cells, const std::string& axis) const {
     for (const std::string_view between : {"", "_", ".", "-", " ", "/", ":", "_pos_", "_POS_"})
-      if (const auto at = place(cells, fmt::format("{}{}{}", format_.tool, between, axis))) return at;
+      if (const auto at = column_called(cells, fmt::format("{}{}{}", format_.tool, between, axis))) return at;
     return {};
   }
 
@@ -99,11 +86,11 @@ class Reader {
     std::vector<std::size_t> at;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const bool is_time = timed() && i == 0;
-      auto found = place(rows_[row].cells, wanted[i]);
+      auto found = column_called(rows_[row].cells, wanted[i]);
       if (own && !is_time) found = own_column(rows_[row].cells, wanted[i]);
       if (wanted[i] == "-" && !is_time) found = nowhere;
       if (!found)
-        if (const auto number = numbered(wanted[i]); number && *number > 0) found = *number - 1;
+        if (const auto number = column_number(wanted[i]); number && *number > 0) found = *number - 1;
       if (!found) return false;
       at.push_back(*found);
     }
@@ -117,30 +104,30 @@ class Reader {
   // The first rows are searched for names. A row of numbers is no header.
   void find(const std::vector<std::string>& wanted) {
     const bool by_number = !format_.columns.empty() && std::ranges::all_of(wanted, [](const auto& c) {
-      return c == "-" || numbered(c).has_value();
+      return c == "-" || column_number(c).has_value();
     });
     if (by_number) return find_numbered(wanted);
     for (std::size_t row = 0; row < std::min<std::size_t>(rows_.size(), 200); ++row)
       if (find_in_header(row, wanted, false) || (!format_.tool.empty() && find_in_header(row, wanted, true)))
         return;
-    if (format_.columns.empty() &&
-        trace_numbers(rows_.front().cells) >= wanted.size()) {  // no header: by place
+    if (const auto row = headless_row(rows_, wanted.size()); row && format_.columns.empty()) {
       for (std::size_t i = 0; i < wanted.size(); ++i) layout_.at.push_back(i);
+      layout_.first = *row;
       return;
     }
     fail_without(wanted);
   }
 
   [[noreturn]] void fail_without(const std::vector<std::string>& wanted) const {
-    std::size_t header = 0;  // the row of most names before the numbers
-    for (std::size_t row = 0; row < std::min<std::size_t>(rows_.size(), 200); ++row) {
-      if (trace_numbers(rows_[row].cells) >= 3) break;
-      if (rows_[row].cells.size() >= rows_[header].cells.size()) header = row;
-    }
+    const std::size_t header = likely_header(rows_);
     const Cells& cells = rows_[header].cells;
     std::string missing;
     for (std::size_t i = wanted.size(); i-- > 0;)
-      if (!place(cells, wanted[i]) && !numbered(wanted[i])) missing = wanted[i];
+      if (!column_called(cells, wanted[i]) && !column_number(wanted[i])) missing = wanted[i];
+    if (const std::size_t same = columns_called(cells, missing); same > 1)
+      throw InputError(
+          {.file = name_, .line = rows_[header].line},
+          fmt::format("{} columns are called '{}', expected their numbers from 1", same, missing));
     const Cells some(cells.begin(), cells.begin() + std::min<std::ptrdiff_t>(std::ssize(cells), 24));
     throw InputError(
         {.file = name_, .line = rows_[header].line},
@@ -160,7 +147,7 @@ class Reader {
         layout_.at.push_back(nowhere);
         continue;
       }
-      const std::size_t number = *numbered(column);
+      const std::size_t number = *column_number(column);
       if (number < 1 || number > width)
         throw InputError({.file = name_},
                          fmt::format("has no column {}, expected a number from 1 to {}", column, width));
@@ -175,6 +162,18 @@ class Reader {
     });
   }
 
+  [[noreturn]] void fail_without_numbers() const {
+    const Row& row = rows_[layout_.first];
+    std::vector<std::string> cells;
+    for (const std::size_t at : layout_.at)
+      if (at != nowhere)
+        cells.push_back(fmt::format("'{:.40}'", at < row.cells.size() ? row.cells[at] : std::string_view()));
+    throw InputError(
+        {.file = name_, .line = row.line},
+        fmt::format("no row has a number in each of the columns {}, which hold {} here, expected some",
+                    fmt::join(wanted_columns(), ", "), fmt::join(cells, ", ")));
+  }
+
   // Skips further rows before the data, such as names and units.
   void skip_to_data() {
     std::size_t row = layout_.first;
@@ -182,9 +181,7 @@ class Reader {
       throw InputError({.file = name_}, "holds no rows below its header, expected some");
     if (missing_ == MissingPositions::refuse) return;
     while (row < rows_.size() && !all_numbers(rows_[row])) ++row;
-    if (row == rows_.size())
-      throw InputError({.file = name_},
-                       "no row has a number in each of the columns t, x, y and z, expected some");
+    if (row == rows_.size()) fail_without_numbers();
     // Rows without a position also count as samples; rows without a time do not.
     double value = 0;
     while (row > layout_.first && timed() && layout_.at[0] < rows_[row - 1].cells.size() &&
@@ -218,11 +215,8 @@ class Reader {
   }
 
   bool called_tool(std::size_t column) const {
-    static constexpr std::array words{"tool",   "tool id", "tool_id", "toolid",    "tool name", "sensor",
-                                      "marker", "device",  "station", "sensor_id", "sensorid",  "hand",
-                                      "object", "body",    "arm",     "tracker"};
-    if (!layout_.header || column >= rows_[*layout_.header].cells.size()) return false;
-    return std::ranges::find(words, lower_case(rows_[*layout_.header].cells[column])) != words.end();
+    return layout_.header && column < rows_[*layout_.header].cells.size() &&
+           is_of_tool(rows_[*layout_.header].cells[column]);
   }
 
   std::string title(std::size_t column) const {
@@ -280,14 +274,6 @@ class Reader {
     throw InputError({.file = name_, .line = rows_[layout_.first].line},
                      fmt::format("{} ({}), expected tool=NAME with one of {}", problem, title(column),
                                  fmt::join(names, ", ")));
-  }
-
-  bool looks_turned(std::size_t column) const {
-    static constexpr std::array words{
-        "q0", "q1",  "q2",   "q3",  "q4",    "qw",   "qx",      "qy",        "qz",    "rx",     "ry",
-        "rz", "rot", "roll", "yaw", "pitch", "quat", "azimuth", "elevation", "euler", "orient", "angle"};
-    const std::string text = lower_case(title(column));
-    return std::ranges::any_of(words, [&](const char* word) { return text.find(word) != std::string::npos; });
   }
 
   // The time of a row of data [s].
@@ -356,7 +342,7 @@ class Reader {
     for (std::size_t column = 0; column < width; ++column) {
       if (std::ranges::find(layout_.at, column) != layout_.at.end() || layout_.names == column) continue;
       ++out.ignored;
-      out.orientation = out.orientation || looks_turned(column);
+      out.orientation = out.orientation || is_of_orientation(title(column));
     }
     return out;
   }

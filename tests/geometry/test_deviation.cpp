@@ -30,7 +30,11 @@ TEST_CASE(
   // A scaled mesh is compared with the scaled surface.
   TetMesh larger = ball;
   scale_to_length(larger, 2);
-  CHECK(deviation_of(same, larger, 0).volume_change == Approx(0).margin(1e-9));
+  CHECK(deviation_of(same, larger, 0, 2.0).volume_change == Approx(0).margin(1e-9));
+  // A mesh without the surface's ends is smaller than the surface, and not at another scale.
+  TetMesh smaller = ball;
+  for (Vec3& node : smaller.nodes) node *= 0.9;
+  CHECK(deviation_of(same, smaller, 0).volume_change == Approx(0.729 - 1).epsilon(1e-9));
   // An open surface has no volume.
   Surface open = same;
   open.triangles.pop_back();

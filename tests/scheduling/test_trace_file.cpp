@@ -77,6 +77,12 @@ TEST_CASE("one motion in many forms is the same motion") {
              "2,3\n",
              with({}, "mm/ms", 0, "right")));
   }
+  SECTION("without a header, under a comment in prose") {
+    check_rows(
+        read("# thanks to many people, 2014, see the page\n7 0.001 0.002 0.003\n7.5 0.0015 0.002 0.003\n8 "
+             "0.002 0.002 0.003\n",
+             {}));
+  }
   SECTION("samples that the tracker lost are left out and counted") {
     const TraceRows rows = read(
         "t,x,y,z\n0,0,0,0\n0,0.4,.3,1\n100,0,0,0\n200,0,0,0\n500,.4005,.3,1\n1000,.401,.3,1\n1200,0,0,0\n",
@@ -125,6 +131,16 @@ TEST_CASE("what is not clear in a recorded motion is refused in words") {
   CHECK_THAT(refusal("t,x,y,z\n0,1,2,3\n1,far,2,3\n", with({}, "mm")),
              Catch::Contains("m.txt:3: the position is 'far'"));
   CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({}, "mm")), Catch::Contains("no row has a number"));
+  CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({"t", "x", "y", "z"}, "mm")),
+             Catch::Contains("columns t, x, y, z, which hold '0', 'a', 'b', 'c' here"));
+  // Numbers in a line of metadata do not make its file one without a header.
+  CHECK_THAT(
+      refusal("Version,1.23,Rate,360,Length,5,Frames,9\nFrame,Time,X,Y,Z\n0,0,1,2,3\n1,.1,1,2,3\n", {}),
+      Catch::Contains("m.txt:2") && Catch::Contains("no column 't'") &&
+          Catch::Contains("Frame, Time, X, Y, Z"));
+  CHECK_THAT(refusal("t,x,y,z,x,y,z\n0,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", with({}, "mm")),
+             Catch::Contains("2 columns are called 'x', expected their numbers"));
+  CHECK_THAT(refusal(std::string("PK\0\3 1 2 3", 11), {}), Catch::Contains("is no text"));
   const std::string matrices = "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n1 0 0 5.5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n";
   CHECK_THAT(refusal(matrices, with({"4", "3", "2"}, "mm", 100)),
              Catch::Contains("m.txt:1") && Catch::Contains("4 x 4 matrix"));
