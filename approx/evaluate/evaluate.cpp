@@ -165,6 +165,9 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
 
 Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                     const EvaluateOptions& options, const ShowPoints& show) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw InputError("points", fmt::format("row {} (from 0) is not finite, expected three numbers", i));
   std::vector<State> usable;
   std::ranges::copy_if(states, std::back_inserter(usable), &State::usable);
   if (usable.empty()) throw InputError("states", "none is solved or measured, expected at least one");

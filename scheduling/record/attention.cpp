@@ -38,6 +38,18 @@ std::string unstable(const StabilityReport& report, const SessionSummary::Safety
   return line;
 }
 
+// A label whose 95 % bars held far less often than they say, with enough samples to tell.
+void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::string>& lines) {
+  constexpr double least = 0.85;
+  constexpr std::size_t enough = 50;
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank}) {
+    const SessionSummary::Bars& b = bars.by_label[label];
+    if (b.samples >= enough && b.inside[1] < least)
+      lines.push_back(fmt::format("the 95 % error bar held in only {:.3g} % of {} samples labelled {}",
+                                  100 * b.inside[1], b.samples, name(label)));
+  }
+}
+
 std::string samples(const char* what, std::size_t n) {
   return fmt::format("{} rest on {} sample{}", what, n, n == 1 ? "" : "s");
 }
@@ -58,6 +70,9 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   if (states.inverted > 0)
     lines.push_back(fmt::format("{} of {} solved states have inverted elements: no body takes that shape",
                                 states.inverted, states.solved + states.inverted));
+  if (summary.run.frames > 0 && states.start + states.solved + states.used == 0)
+    lines.push_back("no state was solved: what was rendered is no force of the body");
+  add_short_bars(summary.error.bars, lines);
   const std::size_t sampled = summary.error.samples.samples, visits = summary.error.first_visit.samples;
   if (summary.run.frames > 0 && sampled < few_samples) lines.push_back(samples("the errors", sampled));
   if (summary.run.frames > 0 && visits > 0 && visits < few_samples)

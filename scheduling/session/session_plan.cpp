@@ -139,6 +139,9 @@ void check_registered(const SessionPlan& plan) {
 
 // Length of the session, given the duration of the motion [s].
 void settle_length(double duration, ClockOptions& clock) {
+  if (!(duration >= 0))
+    throw InputError("device",
+                     fmt::format("its motion lasts {} s, expected at least 0 s, or infinity", duration));
   const double whole = duration + clock.frame;  // the last row is a frame of its own
   if (std::isfinite(duration) && clock.length == RunLength::motion) clock.seconds = whole;
   if (std::isfinite(duration) && clock.length == RunLength::shorter)

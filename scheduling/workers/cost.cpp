@@ -22,9 +22,10 @@ double CostModel::rest_seconds() const {
 namespace {
 
 double checked(double seconds, const std::string& of) {
-  if (seconds >= 0) return seconds;
-  throw InputError("cost", fmt::format("the cost model charges {} s for {}, expected a time of at least 0 s",
-                                       seconds, of));
+  if (seconds >= 0 && std::isfinite(seconds)) return seconds;
+  throw InputError(
+      "cost",
+      fmt::format("the cost model charges {} s for {}, expected a finite time of at least 0 s", seconds, of));
 }
 
 }  // namespace

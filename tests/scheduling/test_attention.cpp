@@ -16,6 +16,7 @@ namespace {
 // 1000 frames at rest inside the box, all of them samples without error.
 SessionResult quiet_run(std::size_t samples = 1000) {
   SessionResult result;
+  result.counts.start = 1;
   for (std::size_t k = 0; k < 1000; ++k) {
     FrameRecord frame{.t = 1e-3 * static_cast<double>(k)};
     if (k < samples) {
@@ -36,6 +37,24 @@ std::vector<std::string> lines(const SessionResult& result) {
 
 TEST_CASE("nothing is said first about a session that has nothing to hide") {
   CHECK(lines(quiet_run()).empty());
+}
+
+TEST_CASE("a session without a state says that its forces are none of the body") {
+  SessionResult result = quiet_run();
+  result.counts.start = 0;
+  REQUIRE(lines(result).size() == 1);
+  CHECK_THAT(lines(result)[0], Catch::StartsWith("no state was solved"));
+}
+
+TEST_CASE("an error bar that held too seldom in a label is said with that label") {
+  SessionResult result = quiet_run();
+  for (std::size_t k = 0; k < 100; ++k) {
+    result.frames[k].label = Label::blank;
+    result.frames[k].bar.half_width.fill(k < 40 ? 1.0 : 1e-3);
+    result.frames[k].force = Vec3(1.01, 0, 0);
+  }
+  REQUIRE(lines(result).size() == 1);
+  CHECK_THAT(lines(result)[0], Catch::Contains("40 % of 100 samples labelled blank"));
 }
 
 TEST_CASE("a motion that starts pressed in while zero is rendered is said, with the time until it is right") {

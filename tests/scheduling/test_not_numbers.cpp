@@ -84,7 +84,13 @@ TEST_CASE(
   input.parts.cost = std::make_shared<CarelessCost>(1e-6);
   CHECK_THROWS_WITH(make_plan(input, options),
                     Catch::StartsWith("cost: the cost model charges nan s for a state at ") &&
-                        Catch::EndsWith("expected a time of at least 0 s"));
+                        Catch::EndsWith("expected a finite time of at least 0 s"));
+
+  struct Endless final : CostModel {
+    double seconds(const Vec3&) const override { return std::numeric_limits<double>::infinity(); }
+  };
+  input.parts.cost = std::make_shared<Endless>();
+  CHECK_THROWS_WITH(make_plan(input, options), Catch::StartsWith("cost: the cost model charges inf s"));
 
   // Wrong at one position that the coarse grid leaves out: the planner asks for it while the session runs.
   struct AtRest final : CostModel {
