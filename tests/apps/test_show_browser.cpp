@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/apps/shown_page.hpp"
+#include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
 
