@@ -28,7 +28,7 @@ struct ShapeWeights {
 };
 
 // Largest sum |w_i| of an interpolation (states and rest). Beyond it, the next simpler interpolation is used.
-inline constexpr double most_weight = 6;
+inline constexpr double most_weight = 16;
 
 // places: positions x_i of the states [m]: finite, distinct, none at rest. Cost: O(n^3); allocates.
 ShapeWeights shape_weights(const Vec3& x, std::span<const Vec3> places);

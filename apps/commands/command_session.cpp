@@ -279,8 +279,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
 
   const double limit = plan.render.safety.force_limit;
   shapes.begin_files(run);
-  const ReportPictures pictures =
-      begin_pictures(result, meanwhile.slices, view_of(scene.space, options, limit));
+  ReportPictures pictures = begin_pictures(result, meanwhile.slices, view_of(scene.space, options, limit));
+  pictures.shape = shapes.begin_picture();
   Salvage salvage(result.failures);
   salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   salvage.attempt("states.csv", [&] { meanwhile.states.get(); });

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/summary_json.hpp"
+#include "apps/picture/shape_view.hpp"
 #include "apps/scene_input/scene_shape.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/record/shape_files.hpp"
@@ -41,6 +42,15 @@ std::vector<std::string> SessionShapes::files() const {
 void SessionShapes::begin_files(const std::filesystem::path& run) {
   if (!run_) return;
   series_ = std::async(std::launch::async, [log = run_->log, run] { write_shape_series(run, *log); });
+}
+
+std::shared_future<std::string> SessionShapes::begin_picture() const {
+  if (!run_) return {};
+  return std::async(std::launch::async,
+                    [log = run_->log, summary = summarise(*run_->log, run_->checked)] {
+                      return shape_view(*log, summary);
+                    })
+      .share();
 }
 
 void SessionShapes::finish_files(const std::filesystem::path& run) {

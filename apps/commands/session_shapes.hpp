@@ -27,9 +27,10 @@ class SessionShapes {
   std::vector<std::string> files() const;                  // in the run's folder
   // After the session. The series is written on a thread of its own.
   void begin_files(const std::filesystem::path& run);
-  void finish_files(const std::filesystem::path& run);  // throws what could not be written
-  void add_to(nlohmann::ordered_json& document) const;  // key `shape`
-  std::optional<std::string> in_words() const;          // one line
+  void finish_files(const std::filesystem::path& run);    // throws what could not be written
+  std::shared_future<std::string> begin_picture() const;  // for the report; invalid without shapes
+  void add_to(nlohmann::ordered_json& document) const;    // key `shape`
+  std::optional<std::string> in_words() const;            // one line
 
  private:
   std::optional<ShapedRun> run_;

@@ -315,8 +315,9 @@ void write_report(const std::filesystem::path& run_folder, const SessionSummary&
       s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
       name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
       scene.body->mesh.tets.size(), name(scene.body->material.law));
-  html += tiles(s) + pictures(s, drawings) + by_label_table(s) + notes(s, scene) + all_numbers(document) +
-          provenance_section(document);
+  html += tiles(s) + pictures(s, drawings);
+  if (drawings.shape.valid()) html += drawings.shape.get();
+  html += by_label_table(s) + notes(s, scene) + all_numbers(document) + provenance_section(document);
   OutputFile file(run_folder / "report.html");
   file.write(html_page("Forefeel: " + scene.source.file.filename().string(), html));
   file.commit();

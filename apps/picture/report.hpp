@@ -19,6 +19,7 @@ using Picture = std::shared_future<std::string>;  // HTML
 struct ReportPictures {
   Picture slices, still, deadlines;  // deadlines: only with a real clock
   Picture charts, moments;           // curves that can be zoomed; the worst moments
+  Picture shape = {};                // of the body over time; invalid where no shapes were wanted
 };
 // Begins to draw slices that show the coverage in the course of a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);

@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "apps/console/json_text.hpp"
+#include "apps/picture/base64.hpp"
 #include "apps/picture/plot.hpp"
 #include "scheduling/record/summary.hpp"
 
@@ -21,20 +21,6 @@ using Json = nlohmann::ordered_json;
 using Frames = std::span<const FrameRecord>;
 
 constexpr std::size_t most_frames = 60'000;
-
-std::string base64(std::string_view bytes) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t block = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      block = block << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : digits[block >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
 
 // Four digits are enough for a picture.
 Json rounded(double value) {
@@ -66,9 +52,7 @@ std::string columns_of(Frames frames, std::size_t every) {
     const double bar = f.bar.half_width[1];
     return std::isfinite(bar) ? bar : -1.0;
   });
-  std::string bytes(values.size() * sizeof(float), '\0');
-  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-  return base64(bytes);
+  return base64(values);
 }
 
 // [time, value] where the value changes.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -14,6 +13,7 @@
 
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
+#include "apps/picture/base64.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/show/colours.hpp"
 #include "apps/show/viewer_text.hpp"
@@ -25,25 +25,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string base64(std::span<const unsigned char> bytes) {
-  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < n ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? alphabet[word >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 // {"f32": "base64"}, which the script turns into a typed array.
 template <class T>
 Json packed(const char* type, const std::vector<T>& values) {
-  std::vector<unsigned char> bytes(values.size() * sizeof(T));
-  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-  return {{type, base64(bytes)}};
+  return {{type, base64(values)}};
 }
 
 // Values of a list as one array of floats; value(item) is a double or a Vec3.

@@ -228,16 +228,14 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, states));
   link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
   ModelKeeper models(planner.space(), plan.model, link);
-  std::optional<ShapeThread> shape_thread;
-  if (shapes) shape_thread.emplace(*shapes, session_time);
-  PlannerRun run{plan,    planner, models,
-                 workers, link,    std::move(arriving),
-                 start,   show,    shape_thread ? &*shape_thread : nullptr};
+  PlannerRun run{plan, planner, models, workers, link, std::move(arriving), start, show};
   FramePacer pacer(options.clock.frame, plan.frames);
   LoopEnd end;
   std::exception_ptr failure;
 
   std::thread loop_thread([&] { run_loop(loop, pacer, options.stop, start, end); });
+  std::optional<ShapeThread> shape_thread;  // after the loop's, which must not wait for it
+  if (shapes) run.shapes = &shape_thread.emplace(*shapes, session_time);
   std::thread planner_thread([&] {
     try {
       run.until(end);
