@@ -52,8 +52,8 @@ double ErrorScale::at(const Vec3& x, const Vec3& force) const noexcept {
   }
   const Tangent& tangent = tangents_[nearest];
   const Vec3 expected = tangent.force - tangent.stiffness * (x - tangent.at);
-  return (force - expected).norm() + curvature_ * (0.5 * least + 0.01 * spacing_ * spacing_) + 1e-6 +
-         1e-6 * force.norm();
+  return stretch_ * ((force - expected).norm() + curvature_ * (0.5 * least + 0.01 * spacing_ * spacing_) +
+                     1e-6 + 1e-6 * force.norm());
 }
 
 }  // namespace forefeel

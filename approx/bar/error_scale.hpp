@@ -1,13 +1,14 @@
 #pragma once
 // Estimates the scale s(x) [N] of the error of a model f~ at the HIP position x [m] from the states of the model. It
 // is not a bound; conformal_factors.hpp makes error bars from it.
-//   s(x) = ||f~(x) - t(x)|| + 1/2 c d(x)^2 + 0.01 c h^2 + s0
+//   s(x) = (||f~(x) - t(x)|| + 1/2 c d(x)^2 + 0.01 c h^2 + s0) g
 // t(x) = f_i - K_i (x - x_i): tangent at state i, the state of the model nearest to x; d(x): its distance [m]. If
 // state i has no stiffness, t is its force. h: the spacing [m].
 // c [N/m^2]: how fast the force departs from a tangent, the median over the states i of
 //   ||f_j - f_i + K_i (x_j - x_i)|| / ||x_j - x_i||^2,   j the state nearest to i
 // With one state c = 0.1 ||K|| / h, as if the stiffness changed by a tenth within a spacing.
-// s0 = 1e-6 N + 1e-6 ||f~||: the residual error of the solves.
+// s0 = 1e-6 N + 1e-6 ||f~||: the residual error of the solves. g: how well the body suits the model (body_level.hpp),
+// 1 unless it is set.
 
 #include <array>
 #include <cstddef>
@@ -27,6 +28,8 @@ class ErrorScale {
 
   // force: f~(x). No allocation, no lock, nothing thrown.
   double at(const Vec3& x, const Vec3& force) const noexcept;
+  void stretch(double g) noexcept { stretch_ = g; }
+  double stretched() const noexcept { return stretch_; }  // g
   bool empty() const noexcept { return count_ == 0; }
 
  private:
@@ -38,7 +41,7 @@ class ErrorScale {
 
   std::array<Tangent, most> tangents_;
   std::size_t count_ = 0;
-  double curvature_ = 0, spacing_ = 0;
+  double curvature_ = 0, spacing_ = 0, stretch_ = 1;
 };
 
 }  // namespace forefeel

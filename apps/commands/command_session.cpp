@@ -361,8 +361,8 @@ void add_session(CommandLine& line) {
   sub.option(
       "--policy", given->policy,
       "What is solved next: " + listed(policy_names()) +
-          ". clairvoyant is an upper bound: it simulates all seven schedules, then runs the best; it takes "
-          "about seven times as long");
+          ". clairvoyant is an upper bound: it simulates all eight schedules, then runs the best; it takes "
+          "about eight times as long");
   sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
   sub.option("--shape-rate", given->shape_rate,
              "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none");

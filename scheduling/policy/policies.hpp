@@ -1,6 +1,6 @@
 #pragma once
 // The built-in policies, one file each: policy_NAME.cpp. clairvoyant and the shuffled policies are variants
-// of coverage and share its file.
+// of coverage and share its file, as worth-shuffled does that of worth.
 
 #include <memory>
 
@@ -19,5 +19,7 @@ std::unique_ptr<Policy> make_coarse_to_fine(FactoryContext& context);
 std::unique_ptr<Policy> make_error(FactoryContext& context);
 std::unique_ptr<Policy> make_shuffled(FactoryContext& context);
 std::unique_ptr<Policy> make_clairvoyant_shuffled(FactoryContext& context);
+std::unique_ptr<Policy> make_worth(FactoryContext& context);
+std::unique_ptr<Policy> make_worth_shuffled(FactoryContext& context);
 
 }  // namespace forefeel

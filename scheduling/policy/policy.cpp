@@ -28,7 +28,9 @@ constexpr BuiltIn built_in[] = {
     {"clairvoyant", make_clairvoyant, "bound: knows the motion, rehearses every policy and runs the best"},
     {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
     {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
-    {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"}};
+    {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"},
+    {"worth", make_worth, "error above the JND on the path ahead that a solve removes per second"},
+    {"worth-shuffled", make_worth_shuffled, "placebo of worth: its estimates, permuted among the places"}};
 
 Registry<PolicyFactory>& registry() {
   static Registry<PolicyFactory> policies("policy", [] {

@@ -10,12 +10,17 @@ namespace {
 
 constexpr std::size_t remembered = 8192;  // frames: longer than nearly all solves take
 constexpr std::size_t enough_audits = 20;
-constexpr double other_weight = 0.05, other_reach = 1.5;  // [1], [spacings]
+// Of the calibration: step of a_t, and the scores that the prior counts as.
+constexpr double step = 0.02, prior_weight = 60;
+constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
 }  // namespace
 
 BarKeeper::BarKeeper(const StateSpace& space, LoopLink& link)
-    : space_(space), link_(link), factors_({.prior = measured_prior()}), seen_(space.size()) {
+    : space_(space),
+      link_(link),
+      factors_({.gamma = step, .prior_weight = prior_weight, .prior = measured_prior()}),
+      seen_(space.size()) {
   rendered_.reserve(remembered);
 }
 
@@ -40,19 +45,18 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
   if (const RenderedFrame* frame = rendered_at(state.at)) {
     if (!std::isfinite(frame->scale)) return;
     ++audits_[static_cast<std::size_t>(frame->label)];
-    factors_.learn(frame->label, frame->score(state.force));
+    for (const Label label : labels)
+      if (label == frame->label || audits_[static_cast<std::size_t>(label)] < enough_audits)
+        factors_.learn(label, frame->score(state.force));
     return;
   }
-  if (!model || newest_.scale.empty() || audits_[static_cast<std::size_t>(newest_.label)] >= enough_audits ||
-      (state.at - hip_).norm() > other_reach * space_.options().spacing)
-    return;
+  if (!model || newest_.scale.empty()) return;
   const Vec3 predicted = model->force(state.at);
-  factors_.learn(newest_.label, (predicted - state.force).norm() / newest_.scale.at(state.at, predicted),
-                 other_weight);
+  const double scale = newest_.scale.at(state.at, predicted) / newest_.scale.stretched();
+  level_.learn((predicted - state.force).norm() / scale);
 }
 
 void BarKeeper::publish(const Vec3& hip, const Model& model) {
-  hip_ = hip;
   near_.clear();
   for (const StateId id : model.states()) near_.push_back(space_[id]);
   const std::size_t count = std::min(near_.size(), ErrorScale::most);
@@ -61,6 +65,7 @@ void BarKeeper::publish(const Vec3& hip, const Model& model) {
                       return (a.at - hip).squaredNorm() < (b.at - hip).squaredNorm();
                     });
   newest_.scale = ErrorScale(near_, space_.options().spacing);
+  newest_.scale.stretch(level_.stretch());
   newest_.label = space_.empty() ? Label::blank : space_.label(hip, walk_);
   newest_.factors = factors_.factors(newest_.label);
   link_.bars.publish(newest_);

@@ -1,17 +1,17 @@
 #pragma once
 // Makes the estimates from which the loop computes its error bars (bar_link.hpp), and calibrates them with each new
 // state, by comparing its force with the force rendered or predicted there:
-//   audit     a state at a position that the loop rendered in the last seconds. The rendered force is scored, with
-//             weight 1
-//   other     a state within 1.5 spacings of the HIP. The model in use is scored at the position of the state. Such
-//             states are solved where least is known, not where the hand is. Their weight is therefore 0.05, and 0
-//             once their label has 20 audits
+//   audit     a state at a position that the loop rendered in the last seconds. The rendered force is scored, for its
+//             label and for labels with fewer than 20 audits
+//   other     any other state. The model in use is scored at its position. Such states are solved where least is
+//             known, not where the hand is: they tell how well the body suits the model (approx/bar/body_level.hpp)
 // Until a session has scores of its own, scores of other bodies and motions are used (approx/bar/prior_scores.hpp).
 // The error of a first guess, a model without states, is unknown: its bar is infinite.
 
 #include <array>
 #include <vector>
 
+#include "approx/bar/body_level.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/path_walk.hpp"
 #include "scheduling/render/bar_link.hpp"
@@ -35,11 +35,11 @@ class BarKeeper {
   const StateSpace& space_;
   LoopLink& link_;
   ConformalFactors factors_;
+  BodyLevel level_;
   PathWalk walk_;
   std::vector<RenderedFrame> rendered_;  // a ring
   std::size_t next_ = 0, seen_;          // place in the ring; states scored so far
   std::array<std::size_t, 4> audits_{};  // by label
-  Vec3 hip_ = Vec3::Zero();
   BarEstimate newest_;
   std::vector<State> near_;
 };

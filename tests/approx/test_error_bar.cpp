@@ -4,8 +4,10 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 
+#include "approx/bar/body_level.hpp"
 #include "approx/bar/conformal_factors.hpp"
 #include "approx/bar/error_scale.hpp"
 
@@ -117,4 +119,36 @@ TEST_CASE("The scale of a field f = -k x - c |x|^2 e is its departure from the n
   CHECK(scale.at(x, state(x).force + Vec3(0.5, 0, 0)) > 0.4);  // a model that disagrees
   CHECK(std::isinf(ErrorScale().at(x, Vec3::Zero())));
   CHECK(std::isinf(ErrorScale({}, h).at(x, Vec3::Zero())));
+}
+
+TEST_CASE(
+    "The level of a body is the mean of its scores beside the prior's five; a change is forgotten by a "
+    "hundred") {
+  BodyLevel level;
+  CHECK(level.stretch() == Approx(1));
+  for (int i = 0; i < 95; ++i) level.learn(2.0);
+  CHECK(level.stretch() == Approx(std::exp(2 * 0.95 * (std::log(2.0) + 1.85))));
+  const double before = level.stretch();
+  for (int i = 0; i < 100; ++i) level.learn(10.0);  // errors five times as large: (1 - 0.99^100) of the way
+  const double way = 1 - std::pow(0.99, 100), from = std::log(before) / 2 - 1.85;
+  CHECK(level.stretch() == Approx(std::exp(2 * (from + way * (std::log(10.0) - from) + 1.85))));
+  const double after = level.stretch();
+  for (const double none : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
+    level.learn(none);
+  CHECK(level.stretch() == after);
+}
+
+TEST_CASE("A stretched scale is so many times the scale") {
+  State a, b;
+  b.at = Vec3(0.01, 0, 0);
+  a.force = Vec3::Zero();
+  b.force = Vec3(1, 0, 0);
+  const std::array states{a, b};
+  ErrorScale scale(states, 0.01);
+  const Vec3 x(0.004, 0.001, 0), f(0.3, 0, 0);
+  const double before = scale.at(x, f);
+  REQUIRE(std::isfinite(before));
+  scale.stretch(7);
+  CHECK(scale.at(x, f) == Approx(7 * before));
+  CHECK(scale.stretched() == 7);
 }

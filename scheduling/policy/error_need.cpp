@@ -1,0 +1,248 @@
+#include "scheduling/policy/error_need.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "scheduling/motion/random.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t around = 8;        // states that tell inside from outside
+constexpr std::size_t most_cubes = 300;  // of the box
+constexpr std::size_t most_residuals = 300;
+constexpr double far = 8;                // distance of a state where none is known [spacings]
+constexpr double nearest_of_all = 0.05;  // delta below which the error is taken as that there [spacings]
+constexpr double surely = 2;  // deviation at which half of a prediction's weight goes around it [spacings]
+constexpr double least_share = 1e-5;  // of the need of all places: below it a place needs nothing
+constexpr double local = 3;           // width of r [spacings]
+constexpr double local_strength = 2;  // residuals that r = 0 counts as
+// The prior of a, b, c with its strength, of v with its strength [states].
+const Eigen::Vector3d prior(-1.5, 2.0, 1.0), strength(4, 8, 4);
+constexpr double prior_deviation = 1.2, deviation_strength = 6;
+
+double normal_share(double x) {
+  return 0.5 * std::erfc(-x * M_SQRT1_2);
+}
+
+double above_one(double log_median, double v) {
+  return std::exp(log_median + 0.5 * v * v) * normal_share(log_median / v + v) - normal_share(log_median / v);
+}
+
+// As in coverage_need.cpp: places that the hand reaches when the state is known count most.
+double urgency(double t, double solve) {
+  const double late = (solve - t) / solve;
+  return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
+}
+
+Vec3 folded(const Vec3& x, const Box& box) {
+  Vec3 inside = box.low;
+  for (int i = 0; i < 3; ++i) {
+    const double size = box.high[i] - box.low[i];
+    if (!(size > 0) || !std::isfinite(x[i])) continue;
+    const double place = std::fmod(std::abs(x[i] - box.low[i]), 2 * size);
+    inside[i] += std::min(place, 2 * size - place);
+  }
+  return inside;
+}
+
+}  // namespace
+
+void ErrorNeed::begin(const StateSpace& space) {
+  space_ = &space;
+  spacing_ = space.options().spacing;
+  known_ = 0;
+  normal_ = strength.asDiagonal();
+  right_ = strength.cwiseProduct(prior);
+  fit_ = prior;
+  squares_ = deviation_strength * prior_deviation * prior_deviation;
+  count_ = deviation_strength;
+  residuals_.clear();
+  box_.clear();
+  const Box& box = space.options().box;
+  const Vec3 size = box.size();
+  double side = 2 * spacing_;
+  const auto cubes = [&] { return (size / side).array().ceil().max(1.0).eval(); };
+  while (cubes().prod() > most_cubes) side *= 1.1;
+  const Eigen::Array3d count = cubes();
+  for (int i = 0; i < count[0]; ++i)
+    for (int j = 0; j < count[1]; ++j)
+      for (int k = 0; k < count[2]; ++k) {
+        Place place{.at = box.low + (size.array() * ((Eigen::Array3d(i, j, k) + 0.5) / count)).matrix()};
+        see(place, 0);
+        box_.push_back(place);
+      }
+}
+
+// delta and side of a place, from the states with ids below `before`.
+void ErrorNeed::see(Place& place, std::size_t before) {
+  place.delta = place.reach = far * spacing_;
+  place.side = 1;
+  space_->nearest(place.at, around + (space_->size() - before), near_);
+  Vec3 mean = Vec3::Zero();
+  double distance = 0, count = 0;
+  for (const StateId id : near_) {
+    if (id.value >= before || count >= around) continue;
+    const Vec3 away = (*space_)[id].at - place.at;
+    if (count == 0) place.delta = std::min(place.delta, away.norm());
+    mean += away;
+    distance += away.norm();
+    place.reach = away.norm();
+    ++count;
+  }
+  if (count < around) place.reach = std::numeric_limits<double>::infinity();
+  if (distance > 0 && count >= 4) place.side = mean.norm() / distance;
+}
+
+// Takes in the new states: their errors teach, and places near them are seen anew.
+void ErrorNeed::learn(const PlannerView& view) {
+  const std::size_t first = known_;
+  for (; known_ < space_->size(); ++known_) {
+    if (known_ >= view.surprises.size() || !std::isfinite(view.surprises[known_])) continue;
+    Place seen{.at = (*space_)[StateId{static_cast<std::uint32_t>(known_)}].at};
+    see(seen, known_);
+    const double error = std::clamp(std::log(double(view.surprises[known_]) + 1e-9), -8.0, 8.0);
+    const double away = std::log(std::max(seen.delta / spacing_, nearest_of_all));
+    const Eigen::Vector3d row(1, away, seen.side);
+    const double residual = error - row.dot(fit_);
+    squares_ += std::min(residual * residual, 16.0);
+    ++count_;
+    normal_ += row * row.transpose();
+    right_ += error * row;
+    fit_ = normal_.ldlt().solve(right_);
+    fit_[1] = std::max(fit_[1], 0.5);  // an error that does not grow away from states orders nothing
+    if (residuals_.size() == most_residuals) residuals_.erase(residuals_.begin());
+    residuals_.push_back({seen.at, residual});
+  }
+  for (std::size_t k = first; k < known_; ++k) {
+    const Vec3 at = (*space_)[StateId{static_cast<std::uint32_t>(k)}].at;
+    for (Place& place : box_)
+      if ((at - place.at).norm() < place.reach) see(place, known_);
+  }
+}
+
+double ErrorNeed::deviation() const {
+  return std::sqrt(squares_ / count_);
+}
+
+double ErrorNeed::median(double delta_over_h, double side) const {
+  return std::exp(fit_.dot(Eigen::Vector3d(1, std::log(std::max(delta_over_h, nearest_of_all)), side)));
+}
+
+// path_share of the weight is on the predicted path. An uncertain prediction gives a part of its own to the cubes
+// around it. The rest is on the whole box, by the time to reach each cube.
+void ErrorNeed::weigh(const PlannerView& view) {
+  const Box& box = view.space.options().box;
+  const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;
+  const bool still = !truth && view.space.empty() && !(view.hip.velocity.norm() > 0);
+  const double path_share = still ? 0.0 : options_.path_share;
+  double on_path = 0, in_box = 0;
+  for (const Prediction& p : view.predicted) on_path += urgency(p.horizon, solve_);
+  for (Place& place : box_) in_box += place.weight = urgency(time_to_reach(place.at, view), solve_);
+  for (Place& place : box_) place.weight *= in_box > 0 ? (1 - path_share) / in_box : 0;
+  places_.clear();
+  for (const Prediction& p : view.predicted) {
+    const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve_) / on_path : 0;
+    const double sure = 1 / (1 + std::pow(p.deviation / (surely * spacing_), 2));
+    Place place{.at = folded(p.at, box), .weight = weight * sure};
+    see(place, known_);
+    places_.push_back(place);
+    const double width = std::max(p.deviation, spacing_), exponent = -0.5 / (width * width);
+    double sum = 0;
+    std::vector<double> near;
+    for (const Place& cube : box_) near.push_back(std::exp(exponent * (cube.at - place.at).squaredNorm()));
+    for (const double n : near) sum += n;
+    for (std::size_t i = 0; sum > 0 && i < box_.size(); ++i)
+      box_[i].weight += weight * (1 - sure) * near[i] / sum;
+  }
+  places_.insert(places_.end(), box_.begin(), box_.end());
+}
+
+// The needs of all places, as tables over the distance of the nearest state.
+void ErrorNeed::estimate() {
+  const double v = deviation();
+  std::vector<double> log_scale;  // ln m without the part of delta
+  for (const Place& place : places_) {
+    double sum = 0, weight = local_strength;
+    for (const Residual& r : residuals_) {
+      const double near =
+          std::exp(-(r.at - place.at).squaredNorm() / (2 * local * local * spacing_ * spacing_));
+      sum += near * r.value;
+      weight += near;
+    }
+    log_scale.push_back(fit_[0] + fit_[2] * place.side + sum / weight);
+  }
+  if (options_.shuffle) {  // estimates change places, with their distances
+    const std::uint64_t step = random::mix(options_.seed, known_);
+    for (std::size_t i = places_.size(); i > 1; --i) {
+      const std::size_t j = random::mix(step, i) % i;
+      std::swap(log_scale[i - 1], log_scale[j]);
+      std::swap(places_[i - 1].delta, places_[j].delta);
+    }
+  }
+  needs_.clear();
+  double all = 0;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    Need need{.at = places_[i].at, .delta = places_[i].delta};
+    for (int k = 0; k <= levels; ++k) {
+      const double away = std::log(std::max(need.delta / spacing_ * k / levels, nearest_of_all));
+      const double error = std::min(log_scale[i] + fit_[1] * away, 5.0);
+      need.table[static_cast<std::size_t>(k)] = places_[i].weight * above_one(error, v);
+    }
+    all += need.table[levels];
+    needs_.push_back(need);
+  }
+  std::erase_if(needs_, [&](const Need& need) { return !(need.table[levels] > least_share * all); });
+}
+
+void ErrorNeed::look(const PlannerView& view) {
+  if (space_ != &view.space || known_ > view.space.size()) begin(view.space);
+  solve_ = std::max(view.solve_seconds, 1e-3);
+  learn(view);
+  weigh(view);
+  estimate();
+  pend(view.pending);
+}
+
+void ErrorNeed::pend(std::span<const Vec3> pending) {
+  needs_left_.clear();
+  for (const Need& need : needs_) {
+    double nearest = need.delta;
+    for (const Vec3& p : pending) nearest = std::min(nearest, (p - need.at).norm());
+    if (nearest == need.delta) {
+      needs_left_.push_back(need);
+      continue;
+    }
+    Need left{.at = need.at, .delta = nearest};
+    for (int k = 0; k <= levels; ++k) {
+      const double place = nearest / need.delta * k;
+      const int below = std::min(static_cast<int>(place), levels - 1);
+      const double w = place - below;
+      const auto row = static_cast<std::size_t>(below);
+      left.table[static_cast<std::size_t>(k)] = (1 - w) * need.table[row] + w * need.table[row + 1];
+    }
+    needs_left_.push_back(left);
+  }
+}
+
+void ErrorNeed::worth(std::span<const Candidate> candidates, std::span<double> out) const {
+  std::ranges::fill(out, 0.0);
+  for (const Need& need : needs_left_) {
+    const double squared = need.delta * need.delta, scale = levels / need.delta;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const double d2 = (candidates[i].at - need.at).squaredNorm();
+      if (!(d2 < squared)) continue;
+      const double place = std::sqrt(d2) * scale;
+      const int below = std::min(static_cast<int>(place), levels - 1);
+      const double w = place - below;
+      const auto row = static_cast<std::size_t>(below);
+      out[i] += need.table[levels] - (1 - w) * need.table[row] - w * need.table[row + 1];
+    }
+  }
+  for (double& worth : out) worth /= solve_;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,80 @@
+#pragma once
+// The error above the JND (just noticeable difference) that is to be expected where the hand will be, and how much of
+// it one more state would remove per second.
+//   V(c) = sum_q w(q) [P(m(q, delta)) - P(m(q, min(delta, |q - c|)))] / T
+// q: the path ahead, and cubes that fill the box; w(q): the larger the sooner the hand may be there, the sum over all q
+// is 1; delta: distance from q to the nearest state that is known or being solved; T: time of a solve [s].
+// The error in JNDs at q is taken as lognormal with the median m and the deviation v of its logarithm. The expected
+// part above 1 is (Black, Scholes 1973, Eq. 13, with the error as the price)
+//   P(m) = m exp(v^2 / 2) N(ln m / v + v) - N(ln m / v),   N the normal distribution function
+//   ln m(q, delta) = a + b ln(delta / h) + c side(q) + r(q)
+// side: distance from q to the mean of the 8 states nearest to it, over their mean distance: about 0 among states, 1
+// outside of them. a, b, c, v are fitted by least squares to the errors that the model had at the states solved so far
+// (PlannerView::surprises), from a prior worth some states; r(q): mean of their residuals within about 3 h.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scheduling/policy/policy.hpp"
+
+namespace forefeel {
+
+struct ErrorNeedOptions {
+  double path_share = 0.75;  // share of the weight on the path ahead; the box has the rest
+  bool shuffle = false;      // the placebo: the estimates m are permuted among the places
+  std::uint64_t seed = 0;    // of the permutation
+};
+
+class ErrorNeed {
+ public:
+  explicit ErrorNeed(ErrorNeedOptions options) : options_(options) {}
+
+  void look(const PlannerView& view);        // once per planning step
+  void pend(std::span<const Vec3> pending);  // replaces the states being solved [m]
+  // V of each candidate [JND/s]; never negative. out: #candidates.
+  void worth(std::span<const Candidate> candidates, std::span<double> out) const;
+
+  double median(double delta_over_h, double side) const;  // m, without r
+  double deviation() const;                               // v
+
+ private:
+  static constexpr int levels = 16;
+  struct Place {
+    Vec3 at = Vec3::Zero();
+    double weight = 0, delta = 0, side = 1;  // delta of known states [m]
+    double reach = 0;                        // to the 8th state [m]
+  };
+  // What is left of the need of a place, by the distance of its nearest state.
+  struct Need {
+    Vec3 at = Vec3::Zero();
+    double delta = 0;                        // the states being solved count [m]
+    std::array<double, levels + 1> table{};  // w P at delta k / levels
+  };
+  struct Residual {
+    Vec3 at;
+    double value;
+  };
+  void begin(const StateSpace& space);
+  void learn(const PlannerView& view);
+  void see(Place& place, std::size_t before);
+  void weigh(const PlannerView& view);
+  void estimate();
+
+  ErrorNeedOptions options_;
+  const StateSpace* space_ = nullptr;
+  std::size_t known_ = 0;
+  double spacing_ = 0.006, solve_ = 0.01;
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();  // of the least squares
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero(), fit_ = Eigen::Vector3d::Zero();
+  double squares_ = 0, count_ = 0;  // of residuals, with the prior's
+  std::vector<Residual> residuals_;
+  std::vector<Place> box_, places_;
+  std::vector<Need> needs_;       // of places that need anything, nothing being solved
+  std::vector<Need> needs_left_;  // the same with `pending`
+  std::vector<StateId> near_;
+};
+
+}  // namespace forefeel
