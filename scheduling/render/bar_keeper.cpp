@@ -14,9 +14,12 @@ constexpr double other_weight = 0.05, other_reach = 1.5;  // [1], [spacings]
 
 }  // namespace
 
-BarKeeper::BarKeeper(const StateSpace& space, LoopLink& link)
+BarKeeper::BarKeeper(const StateSpace& space, const Mat3& guess, LoopLink& link)
     : space_(space), link_(link), factors_({.prior = measured_prior()}), seen_(space.size()) {
   rendered_.reserve(remembered);
+  if (guess.isZero(0)) return;
+  guessed_.force = Vec3::Zero();
+  guessed_.stiffness = guess;
 }
 
 const RenderedFrame* BarKeeper::rendered_at(const Vec3& x) const {
@@ -37,6 +40,7 @@ void BarKeeper::learn(const Model* model) {
 }
 
 void BarKeeper::learn_from(const State& state, const Model* model) {
+  if (guessed_.has_stiffness() && state.at.isZero(0)) return;
   if (const RenderedFrame* frame = rendered_at(state.at)) {
     if (!std::isfinite(frame->scale)) return;
     ++audits_[static_cast<std::size_t>(frame->label)];
@@ -55,6 +59,7 @@ void BarKeeper::publish(const Vec3& hip, const Model& model) {
   hip_ = hip;
   near_.clear();
   for (const StateId id : model.states()) near_.push_back(space_[id]);
+  if (space_.empty() && guessed_.has_stiffness()) near_.push_back(guessed_);
   const std::size_t count = std::min(near_.size(), ErrorScale::most);
   std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
                     [&](const State& a, const State& b) {
