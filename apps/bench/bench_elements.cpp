@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "apps/bench/bench_elements.hpp"
@@ -17,6 +16,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "solver/body/refined_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/system/discretisation.hpp"
 
@@ -37,42 +37,6 @@ constexpr Variant variants[] = {{"linear", Element::linear, false},
                                 {"quadratic", Element::quadratic, false},
                                 {"quadratic, refined once", Element::quadratic, true}};
 constexpr std::size_t reference = 3;
-
-// Splits each tetrahedron into eight. The inner octahedron is cut along the diagonal from the middle of edge
-// 02 to that of edge 13.
-Body refined(const Body& body) {
-  Body fine = body;
-  fine.mesh.tets.clear();
-  std::map<std::array<NodeIndex, 2>, NodeIndex> middles;
-  const auto middle = [&](NodeIndex a, NodeIndex b) {
-    const auto [at, fresh] = middles.emplace(std::array{std::min(a, b), std::max(a, b)},
-                                             static_cast<NodeIndex>(fine.mesh.nodes.size()));
-    if (fresh)
-      fine.mesh.nodes.push_back(0.5 * (fine.mesh.nodes[static_cast<std::size_t>(a)] +
-                                       fine.mesh.nodes[static_cast<std::size_t>(b)]));
-    return at->second;
-  };
-  for (const Tet& t : body.mesh.tets) {
-    const NodeIndex m01 = middle(t[0], t[1]), m02 = middle(t[0], t[2]), m03 = middle(t[0], t[3]);
-    const NodeIndex m12 = middle(t[1], t[2]), m13 = middle(t[1], t[3]), m23 = middle(t[2], t[3]);
-    for (const Tet& part : {Tet{t[0], m01, m02, m03}, Tet{m01, t[1], m12, m13}, Tet{m02, m12, t[2], m23},
-                            Tet{m03, m13, m23, t[3]}, Tet{m01, m02, m03, m13}, Tet{m01, m12, m02, m13},
-                            Tet{m02, m03, m13, m23}, Tet{m02, m13, m12, m23}})
-      fine.mesh.tets.push_back(part);
-  }
-  const auto complete =
-      [&](std::vector<NodeIndex>& set) {  // the middle of two nodes of a set belongs to the set
-        const std::vector<NodeIndex> corners = set;
-        for (const auto& [edge, node] : middles)
-          if (std::binary_search(corners.begin(), corners.end(), edge[0]) &&
-              std::binary_search(corners.begin(), corners.end(), edge[1]))
-            set.push_back(node);
-        std::sort(set.begin(), set.end());
-      };
-  complete(fine.clamp);
-  complete(fine.contact);
-  return fine;
-}
 
 struct Measured {
   double force = 0, seconds = 0;

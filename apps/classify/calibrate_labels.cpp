@@ -17,6 +17,7 @@
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene_input/given_states.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/result_folder.hpp"
 #include "scheduling/calibration/calibration.hpp"
@@ -257,9 +258,12 @@ int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments
   options.space.spacing = data.spacing;
   progress->show(0.9, "models");
   const Calibration found = calibrate(data.pool, data.truth, options);
+  progress->show(0.95, "the mesh itself");
+  const MeshError mesh = MeshErrorTask(s, MeshErrorTask::When::at_the_end).get();
   progress.reset();
   nlohmann::ordered_json document = to_json(found, options);
   document["truth"] = data.left_out ? "left out" : "solved";
+  add_to(document, mesh);
   document["provenance"] = provenance(s.source.hash);
   if (!output.empty()) {
     const fs::path folder = output;
@@ -269,6 +273,7 @@ int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments
   }
   if (globals.json) print_json(document);
   tell(globals, found, options);
+  say(globals, discretisation_line(mesh, unknown));
   say(globals, truth_in_words(data.left_out));
   if (!output.empty()) say(globals, fmt::format("report: {}", (fs::path(output) / "report.html").string()));
   return 0;

@@ -20,6 +20,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene_input/given_states.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -109,6 +110,7 @@ struct KnownStates {
   std::vector<State> states = {};
   double spacing = unknown;  // [m]
   std::optional<Belonging> belonging = {};
+  std::optional<MeshError> mesh = {};  // of the scene's body, unless the states are of another
 };
 
 KnownStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
@@ -123,6 +125,8 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
     known.belonging = belonging_of(globals, scene, arguments.states, loaded.header.identity,
                                    averaged(loaded.states).states, arguments.foreign);
     if (!(known.spacing > 0)) known.spacing = scene.space.spacing;
+    if (known.belonging != Belonging::foreign)
+      known.mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
   }
   if (arguments.spacing) known.spacing = *arguments.spacing;
   known.states = std::move(loaded.states);
@@ -134,16 +138,25 @@ struct EvaluateResult {
   std::vector<Vec3> points;
   Evaluation found;
   std::optional<Belonging> belonging;
+  std::optional<MeshError> mesh;
+
+  // The error to expect, relative to the largest of the forces; unknown where no model was chosen.
+  double shown() const {
+    double largest = 0;
+    for (const Vec3& f : found.made.forces) largest = std::max(largest, f.norm());
+    return found.chosen && largest > 0 ? found.chosen->p95 / largest : unknown;
+  }
 };
 
 EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
   EvaluateOptions options = options_of(arguments);
-  EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}};
+  EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
   KnownStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
   options.spacing = known.spacing;
   options.bars = !arguments.no_bars;
   result.belonging = known.belonging;
+  result.mesh = known.mesh;
   Progress progress(globals, "evaluate");
   const std::size_t count = result.points.size();
   options.choosing = [&](double share) { progress.show(0.5 * share, "choosing a model"); };
@@ -210,6 +223,7 @@ nlohmann::ordered_json to_json(const EvaluateResult& evaluated) {
   describe(document, result);
   describe_choice(document, result);
   if (result.bars) describe_bars(document, result.bars);
+  add_to(document, evaluated.mesh.value_or(MeshError{.why = "no scene is given"}));
   document["spacing"] = number(result.options.spacing);
   document["averaged"] = result.repeated.averaged;
   document["largest_difference"] = result.repeated.largest_difference;
@@ -279,8 +293,12 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
       fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
                   evaluated.points.size(), result.states, result.chosen ? "auto" : name(result.method),
                   in_words(result), models, result.fit_us, result.evaluate_ns));
+  const double shown = evaluated.shown();
+  const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
+  if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
   if (result.chosen) answer(globals, expectation_in_words(*result.chosen));
   if (result.bars) answer(globals, bars_in_words(*result.bars));
+  if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {

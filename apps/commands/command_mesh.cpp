@@ -11,6 +11,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/commands/extent.hpp"
 #include "apps/commands/mesh_labels.hpp"
+#include "apps/commands/mesh_study.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/look_at_it.hpp"
@@ -32,6 +33,8 @@ struct MeshArguments {
   std::string input, output, phantom, labels;
   std::optional<long long> elements;
   std::optional<double> length, time_limit;
+  bool study = false;
+  std::optional<double> error;  // wanted of the study
 };
 
 struct MadeMesh {
@@ -194,7 +197,19 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, 
                                : std::string("of the surface unknown, since it is open")));
 }
 
+int run_study(const Globals& globals, const MeshArguments& arguments) {
+  if (arguments.elements || arguments.length || !arguments.phantom.empty() || !arguments.labels.empty())
+    throw InputError("--study",
+                     "takes its body from a scene, expected SCENE.toml, -o DIR/ and --error alone");
+  if (arguments.input.empty()) throw InputError("mesh", "no scene given, expected SCENE.toml with --study");
+  return study_meshes(globals, {arguments.input, arguments.output, arguments.error.value_or(0.02)});
+}
+
 int run_mesh(const Globals& globals, const MeshArguments& arguments) {
+  if (arguments.study) return run_study(globals, arguments);
+  if (arguments.error) throw InputError("--error", "is that of a study, expected it with --study");
+  if (!globals.set.empty())
+    throw InputError("--set", "is about keys of a scene, but mesh reads none, expected no --set, or --study");
   check_arguments(arguments);
   MadeMesh made = make(globals, arguments);
   // A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read.
@@ -214,13 +229,13 @@ void add_mesh(CommandLine& line) {
   auto arguments = std::make_shared<MeshArguments>();
   Command sub = line.add(
       "mesh", "Make a tetrahedral mesh from a surface, a label volume, a volume mesh or a built-in body");
-  sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
   sub.option("SURFACE", arguments->input,
              "Surface (.obj .off .stl .ply .vtp .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
-             "(.msh .vtk .vtu .mesh)")
+             "(.msh .vtk .vtu .mesh); with --study a scene")
       .shows("SURFACE");
-  sub.option("-o,--output", arguments->output, "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")
+  sub.option("-o,--output", arguments->output,
+             "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu); with --study a folder")
       .required()
       .shows("OUT.msh");
   sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 % [label volume: 20000]")
@@ -233,6 +248,12 @@ void add_mesh(CommandLine& line) {
              "Time for the surface, all tries together [s] [120; for above 600000 elements N/5000]")
       .check(above_zero)
       .shows("S");
+  sub.flag("--study", arguments->study,
+           "Force against number of elements, linear and quadratic, and the cheapest body below --error: "
+           "forefeel mesh SCENE.toml --study -o DIR/");
+  sub.option("--error", arguments->error, "With --study: error of the force that is allowed [0.02]")
+      .check(above_zero)
+      .shows("E");
   sub.option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab").shows("NAME");
 }
 

@@ -18,6 +18,7 @@
 #include "apps/console/suggest.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/page.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/result_folder.hpp"
 
@@ -129,7 +130,10 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
   nlohmann::ordered_json document;
   document["scene"] = laboratory.name();
   document["experiments"] = nlohmann::ordered_json::object();
-  std::string sections;
+  const MeshError mesh = MeshErrorTask(laboratory.scene(), MeshErrorTask::When::at_the_end).get();
+  add_to(document, mesh);
+  say(globals, discretisation_line(mesh, unknown));
+  std::string sections = "<p class=\"note\">" + html_escaped(discretisation_line(mesh, unknown)) + "</p>\n";
   bool all_met = true;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const Experiment& experiment = wanted[i];

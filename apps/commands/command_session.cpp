@@ -31,6 +31,7 @@
 #include "apps/console/tolerance_json.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/scene_input/given_states.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "apps/scene_input/scene_tolerance.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -148,6 +149,8 @@ void tell(const Globals& globals, const SessionSummary& s, const std::optional<s
       fmt::format("error of the rendered force: p50 {}, p95 {}; within the JND {} samples, {} first visits",
                   share(error.p50), share(error.p95), share_of_samples(error.within_jnd, error.samples),
                   share_of_samples(visits.within_jnd, visits.samples)));
+  say(globals, fmt::format("discretisation error of the mesh, not in these errors: {} ({})",
+                           share(s.error.mesh.error), s.error.mesh.how));
   const SessionSummary::Bars& bars = s.error.bars.all;
   if (bars.samples > 0)
     say(globals,
@@ -264,6 +267,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   plan.options.stop.interrupted = &watch.flag();
   plan.options.stop.hurried = &watch.hurry();
   Meanwhile meanwhile;
+  const bool beside = options.clock.kind == Clock::real && !plan.input.foreign;
+  MeshErrorTask mesh(scene, beside ? MeshErrorTask::When::meanwhile : MeshErrorTask::When::at_the_end);
   PredictorScores predictions(options.clock.frame);
   const SessionResult result = run_session(
       plan,
@@ -287,6 +292,9 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   salvage.attempt("the shapes", [&] { shapes.finish_files(run); });
   SessionSummary summary = summarise(result, plan);
   summary.motion.prediction = predictions.report();
+  const MeshError by_mesh =
+      plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
+  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
   summary.run.failures = salvage.failures();
   nlohmann::ordered_json document = document_of(summary, scene);
   shapes.add_to(document);

@@ -28,6 +28,7 @@
 #include "apps/picture/study_gantt.hpp"
 #include "apps/picture/study_report.hpp"
 #include "apps/study/study_folder.hpp"
+#include "apps/study/study_meshes.hpp"
 #include "apps/study/study_table.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -209,13 +210,21 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
 
 // The devices behind the figures, and the result in one sentence.
 struct Findings {
+  MeshFindings meshes;
   std::vector<StudyDevice> devices;
   std::optional<std::string> verdict;
   std::vector<std::string> advice;
 };
 
+std::vector<std::string> attention(const Findings& found) {
+  std::vector<std::string> lines = found.meshes.above;
+  for (const std::string& line : attention(found.devices)) lines.push_back(line);
+  return lines;
+}
+
 void tell(const Globals& globals, const Findings& found) {
-  for (const std::string& line : attention(found.devices)) say(globals, "attention: " + line);
+  for (const std::string& line : attention(found)) say(globals, "attention: " + line);
+  for (const std::string& line : found.meshes.others) say(globals, line);
   if (found.verdict) say(globals, *found.verdict);
   for (const std::string& line : found.advice) say(globals, line);
   say(globals, fmt::format("{}", fmt::join(device_titles(), " | ")));
@@ -225,7 +234,8 @@ void tell(const Globals& globals, const Findings& found) {
 
 // The devices and the verdict come first, because the other values must be read with them in mind.
 nlohmann::ordered_json to_json(const Findings& found) {
-  return {{"attention", attention(found.devices)},
+  return {{"attention", attention(found)},
+          {"discretisation", found.meshes.others},
           {"verdict", found.verdict ? nlohmann::ordered_json(*found.verdict) : nlohmann::ordered_json()},
           {"advice", found.advice},
           {"devices", devices_json(found.devices)}};
@@ -272,16 +282,18 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   }
   if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
   add_regret(plan.study, result.cells);
+  const MeshFindings meshes = measure_meshes(globals, planned, result.cells);
   const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
   std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
   for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
     compared.push_back(std::move(c));
-  const Findings found{.devices = study_devices(plan, result.cells),
+  const Findings found{.meshes = meshes,
+                       .devices = study_devices(plan, result.cells),
                        .verdict = study_verdict(plan.study, result.cells),
                        .advice = study_advice(plan.study, result.cells)};
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
   const Palette palette = palette_from_text(arguments.palette);
-  write_whole(folder / "report.html", study_page(planned, result, ranked, compared, palette));
+  write_whole(folder / "report.html", study_page(planned, result, ranked, compared, meshes.lines(), palette));
   const bool drawn =
       arguments.figures.empty() || write_figures(globals, figures_in(folder), arguments.figures,
                                                  study_figures(plan.study, result.cells, ranked, palette));

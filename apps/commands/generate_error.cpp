@@ -14,6 +14,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/placement/placement.hpp"
@@ -34,7 +35,8 @@ struct Inverted {
   std::size_t all = 0, now = 0;
 };
 
-nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& inverted, double error) {
+nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& inverted, double error,
+                               const MeshError& mesh) {
   nlohmann::ordered_json document;
   document["states"] = report.states;
   document["most_states"] = report.most_states;
@@ -45,6 +47,7 @@ nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& in
   document["seconds"] = number(report.seconds);
   document["threads"] = report.threads;
   document["error"] = error;
+  add_to(document, mesh);
   document["error_estimate"] = number(report.estimate.held());  // the least E that the estimate stays below
   document["error_estimate_quantiles"] = to_json(report.estimate);
   nlohmann::ordered_json truth = to_json(report.truth);
@@ -149,11 +152,15 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
         file.append(std::span(&state, 1));
       },
       [&](const PlacementProgress& p) { show(*progress, p, error); });
+  progress->phase("generate: the mesh itself");
+  const MeshError mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
   listener = {};
   watch.reset();
   progress.reset();
 
-  if (globals.json) print_json(to_json(report, inverted, error));
+  const bool mesh_first = mesh.error > report.estimate.held();
+  if (globals.json) print_json(to_json(report, inverted, error, mesh));
+  if (mesh_first) say(globals, "attention: " + discretisation_line(mesh, report.estimate.held()));
   say(globals, fmt::format("{}: {} states{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
                            report.states, inverted_in_words(inverted.all), report.solved - inverted.now,
                            report.seconds, report.resumed, report.failed,
@@ -166,6 +173,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
             report.truth_samples, report.truth_on_surface, in_words(report.truth),
             report.truth_is_fresh ? "" : " (some of them became states)",
             report.truth_unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth_unsolved) : ""));
+  if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
   const std::string why = complaint(report, error, scene.space);
   if (why.empty()) return 0;
   warn(globals, why);

@@ -9,6 +9,7 @@
 
 #include "apps/classify/error_known.hpp"
 #include "apps/classify/offline_bars.hpp"
+#include "apps/commands/mesh_study.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/console/tolerance_json.hpp"
 #include "apps/picture/page.hpp"
@@ -81,6 +82,8 @@ HelpTopic outputs_topic() {
   topic.tables.push_back({"evaluate.json", "Of evaluate --json: error bars.", declared_bars_json()});
   topic.tables.push_back(
       {"classify.json", "Of classify --json: error bars and what follows.", declared_errors_json()});
+  topic.tables.push_back(
+      {"mesh_study.csv", "What mesh --study writes: one row a body.", declared_mesh_study()});
   return topic;
 }
 

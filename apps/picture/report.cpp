@@ -80,6 +80,10 @@ std::string tiles(const SessionSummary& s) {
                small_is_good(samples.p95, 0.07, 0.3));
   const Card bars = bars_card(s.error.bars);
   html += tile(bars.value, bars.what, bars.judged);
+  if (std::isfinite(s.error.mesh.error))
+    html += tile(percent(s.error.mesh.error),
+                 "discretisation error of the mesh, not in the errors before: " + escaped(s.error.mesh.how),
+                 small_is_good(s.error.mesh.error, 0.07, 0.3));
   html += tile(shown(s.switching.frames_over_jnd),
                fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
                small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));

@@ -296,7 +296,7 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<S
 
 std::string study_page(const PlannedStudy& planned, const StudyResult& result,
                        const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared,
-                       const Palette& palette) {
+                       const std::vector<std::string>& first, const Palette& palette) {
   const Study& study = planned.plan.study;
   const StudyResults results{study, result.cells};
   const std::vector<StudyDevice> devices = study_devices(planned.plan, result.cells);
@@ -307,7 +307,8 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
       html_escaped(planned.file.file.stem().string()), planned.plan.cells.size(), study.combinations(),
       study.seeds.size(), html_escaped(planned.file.scene.filename().string()));
   html += verdict_section(results);
-  std::vector<std::string> notes = attention(devices);
+  std::vector<std::string> notes = first;
+  std::ranges::copy(attention(devices), std::back_inserter(notes));
   std::ranges::copy(planned.warnings, std::back_inserter(notes));
   std::ranges::copy(sustained_notes(study, result.cells), std::back_inserter(notes));
   if (!notes.empty()) {

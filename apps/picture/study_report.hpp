@@ -15,6 +15,7 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<S
 
 std::string study_page(const PlannedStudy& planned, const StudyResult& result,
                        const std::vector<AxisRanking>& ranked, const std::vector<Contrast>& compared,
+                       const std::vector<std::string>& first,  // lines before all notes
                        const Palette& palette = palette_from_text(std::string(usual_palette)));
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 #pragma once
 // The cache folder. It keeps results that are expensive to compute between runs: meshes of phantoms,
-// reference states, chosen spacings.
+// reference states, chosen spacings, discretisation errors.
 
 #include <cstddef>
 #include <cstdint>

@@ -186,6 +186,8 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.judging.visit_stride =
       static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.judging.visit_stride));
   session.safety.passivity = table.word("passivity", passivity_words()).value_or(session.safety.passivity);
+  session.judging.discretisation_error =
+      table.boolean("discretisation_error").value_or(session.judging.discretisation_error);
   read_limits(table.sub("limits", keys_of("session.limits")), session);
 }
 

@@ -142,7 +142,7 @@ std::vector<Declared> run_keys(const SessionOptions& s) {
           {"update_travel", "spacings", shown(s.model.update_travel),
            "travel of the tip after which a model is made anew"},
           {"first_guess", "", shown(s.model.first_guess),
-           "while no state is known, render the stiffness of a disc on a half-space"},
+           "while no state is known, render the body's stiffness at rest"},
           {"passivity", "", word_of(passivity_words(), s.safety.passivity),
            words_of(passivity_words()) + ": control holds back force that would generate energy"},
           {"jnd", "", "", "table: the just noticeable difference"},
@@ -178,7 +178,9 @@ std::vector<Declared> judging_keys(const SessionOptions& s) {
       {"reference_step", "m", shown(s.judging.reference_step),
        "travel between samples compared with a tight solve"},
       {"visit_cell", "m", "the spacing", "side of the cells whose first visits are compared; 0: the spacing"},
-      {"visit_stride", "", fmt::format("{}", s.judging.visit_stride), "every n-th first visit is compared"}};
+      {"visit_stride", "", fmt::format("{}", s.judging.visit_stride), "every n-th first visit is compared"},
+      {"discretisation_error", "", shown(s.judging.discretisation_error),
+       "measure once per body what the mesh itself gets wrong; also for generate, evaluate and study"}};
 }
 
 std::vector<Declared> shape_keys() {

@@ -1,13 +1,15 @@
 #pragma once
-// At which frames the rendered force of a session is compared with a tight solve.
+// At which frames the rendered force of a session is compared with a tight solve, and whether the mesh itself is
+// judged.
 
 namespace forefeel {
 
 struct JudgingOptions {
-  double error_floor = 0.05;      // f0: errors are relative to max(|f|, f0) [N]
-  double reference_step = 0.002;  // HIP travel between samples [m]
-  double visit_cell = 0;          // side of the cells whose first visits are sampled [m]; 0: the spacing
-  int visit_stride = 1;           // n: every n-th first visit is sampled, from the first on
+  double error_floor = 0.05;         // f0: errors are relative to max(|f|, f0) [N]
+  double reference_step = 0.002;     // HIP travel between samples [m]
+  double visit_cell = 0;             // side of the cells whose first visits are sampled [m]; 0: the spacing
+  int visit_stride = 1;              // n: every n-th first visit is sampled, from the first on
+  bool discretisation_error = true;  // commands measure that of the mesh (solver/equilibrium/mesh_error.hpp)
 };
 
 // Throws InputError with the key of an invalid value.

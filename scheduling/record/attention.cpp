@@ -50,6 +50,14 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
   }
 }
 
+std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
+  return fmt::format(
+      "the mesh is too coarse for the errors shown: its own error is {:.2g} % of the force ({}), the "
+      "rendered "
+      "force is within {:.2g} % of the force on this mesh (p95)",
+      100 * mesh.error, mesh.how, 100 * shown);
+}
+
 std::string samples(const char* what, std::size_t n) {
   return fmt::format("{} rest on {} sample{}", what, n, n == 1 ? "" : "s");
 }
@@ -61,6 +69,8 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   std::vector<std::string> lines;
   const std::optional<StabilityReport>& stability = summary.energy.stability;
   if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
+  const SessionSummary::Error& error = summary.error;
+  if (error.mesh.above(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
   if (motion.starts_wrong) lines.push_back(pressed_in(motion));
   if (motion.outside > outside_too_often)

@@ -90,6 +90,14 @@ struct SessionSummary {
     ByLabel<Bars> by_label;
     std::size_t without = 0;  // samples without a bar
   };
+  // What the mesh itself gets wrong (solver/equilibrium/mesh_error.hpp), of the body alone: the caller measures
+  // it. It is no part of the other errors.
+  struct Mesh {
+    double error = unknown;                                   // relative force
+    std::size_t positions = 0;                                // at which it was measured
+    std::string how = "not measured";                         // by what, or why not
+    bool above(double shown) const { return error > shown; }  // false where one of the two is unknown
+  };
   // samples: positions at equal distances along the path. first_visit: the first frames in their lattice
   // cells.
   struct Error {
@@ -98,6 +106,7 @@ struct SessionSummary {
     ByLabel<Errors> by_label;
     Errors first_visit;
     ErrorBars bars;
+    Mesh mesh;
   };
   struct Energy {
     double generated = 0, work = 0;  // [J]
@@ -144,7 +153,7 @@ struct SessionSummary {
     std::size_t frames = 0, frames_asked = 0;
     bool interrupted = false;         // ended early, or samples have no reference (RunEnd)
     bool first_guess = false;         // began with a guessed stiffness
-    double guess_softness = unknown;  // of the body relative to the guess (solver/body/contact_softness.hpp)
+    double guess_softness = unknown;  // against a half-space (equilibrium/first_guess.hpp)
     double wall_seconds = 0;
     bool realtime_priority = false, memory_locked = false;
     std::vector<std::string> notes;     // what the system refused, what failed

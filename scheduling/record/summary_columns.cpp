@@ -153,8 +153,9 @@ void add_settings(std::vector<Column>& columns, const SessionSummary::Settings& 
       .text("select", name(settings.select), "rule that chose the neighbours")
       .count("seed", settings.seed, "seed of everything random")
       .text("device", settings.device, "device as written; replay:RUN for a replay")
-      .flag("first_guess", run.first_guess, "true: began with a guessed stiffness")
-      .number("first_guess_softness", run.guess_softness, "1", "softness of the body relative to that guess")
+      .flag("first_guess", run.first_guess, "true: began with the stiffness at rest, by one factorisation")
+      .number("first_guess_softness", run.guess_softness, "1",
+              "of the body against a disc on a half-space: how many times softer it is")
       .number("wall_seconds", run.wall_seconds, "s", "time that the run took")
       .flag("realtime_priority", run.realtime_priority, "true: the system gave real-time priority")
       .flag("memory_locked", run.memory_locked, "true: the system locked the memory");
@@ -237,6 +238,12 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
   add_stability(columns, summary);
   add_error_bars(columns, summary.error.bars);
   add_control(columns, summary.energy.control);
+  const SessionSummary::Mesh& mesh = summary.error.mesh;
+  Group(columns, "")
+      .number("discretisation_error", mesh.error, "1",
+              "what the mesh itself gets wrong of the force, largest over the positions; not in error")
+      .count("discretisation_positions", mesh.positions, "positions at which that was measured")
+      .text("discretisation_by", mesh.how, "finer body that it was measured with, or why it was not");
   return columns;
 }
 

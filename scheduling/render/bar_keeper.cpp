@@ -16,12 +16,15 @@ constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank
 
 }  // namespace
 
-BarKeeper::BarKeeper(const StateSpace& space, LoopLink& link)
+BarKeeper::BarKeeper(const StateSpace& space, const Mat3& guess, LoopLink& link)
     : space_(space),
       link_(link),
       factors_({.gamma = step, .prior_weight = prior_weight, .prior = measured_prior()}),
       seen_(space.size()) {
   rendered_.reserve(remembered);
+  if (guess.isZero(0)) return;
+  guessed_.force = Vec3::Zero();
+  guessed_.stiffness = guess;
 }
 
 const RenderedFrame* BarKeeper::rendered_at(const Vec3& x) const {
@@ -42,6 +45,7 @@ void BarKeeper::learn(const Model* model) {
 }
 
 void BarKeeper::learn_from(const State& state, const Model* model) {
+  if (guessed_.has_stiffness() && state.at.isZero(0)) return;
   if (const RenderedFrame* frame = rendered_at(state.at)) {
     if (!std::isfinite(frame->scale)) return;
     ++audits_[static_cast<std::size_t>(frame->label)];
@@ -59,6 +63,7 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
 void BarKeeper::publish(const Vec3& hip, const Model& model) {
   near_.clear();
   for (const StateId id : model.states()) near_.push_back(space_[id]);
+  if (space_.empty() && guessed_.has_stiffness()) near_.push_back(guessed_);
   const std::size_t count = std::min(near_.size(), ErrorScale::most);
   std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
                     [&](const State& a, const State& b) {

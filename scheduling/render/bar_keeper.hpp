@@ -6,7 +6,8 @@
 //   other     any other state. The model in use is scored at its position. Such states are solved where least is
 //             known, not where the hand is: they tell how well the body suits the model (approx/bar/body_level.hpp)
 // Until a session has scores of its own, scores of other bodies and motions are used (approx/bar/prior_scores.hpp).
-// The error of a first guess, a model without states, is unknown: its bar is infinite.
+// While no state is known, the first guess has the bar of a model of one state at rest with its stiffness. Rest itself
+// is then not scored, because the guess is exact there.
 
 #include <array>
 #include <vector>
@@ -22,7 +23,8 @@ namespace forefeel {
 class BarKeeper {
  public:
   // Both must outlive the keeper; one thread owns keeper and space.
-  BarKeeper(const StateSpace& space, LoopLink& link);
+  // guess: stiffness of the first guess [N/m]; zero: none.
+  BarKeeper(const StateSpace& space, const Mat3& guess, LoopLink& link);
 
   // Before the next model is made: scores the states that have come since. model: the newest; null: none.
   void learn(const Model* model);
@@ -34,6 +36,7 @@ class BarKeeper {
 
   const StateSpace& space_;
   LoopLink& link_;
+  State guessed_;  // rest with the guess; no stiffness: none
   ConformalFactors factors_;
   BodyLevel level_;
   PathWalk walk_;

@@ -10,7 +10,7 @@ ModelKeeper::ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, Loo
       link_(link),
       travel_(recipe.update_travel * space.options().spacing),
       updater_(space, recipe),
-      bars_(space, link) {}
+      bars_(space, recipe.guess, link) {}
 
 Model* ModelKeeper::free_model() {
   while (const auto returned = link_.returned.pop()) free_.push_back(const_cast<Model*>(*returned));

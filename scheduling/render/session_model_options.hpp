@@ -17,11 +17,10 @@ struct SessionModelOptions {
   ModelOptions fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
-  // While no state is known, render the stiffness of a rigid disc on a half-space of the body's material
-  // (solver/body/contact_stiffness.hpp). This needs no solve. The first solved state replaces it, faded in
-  // like any new model. Ignored if states come from files or are known at the start. Also ignored unless the body is a
-  // block around its patch (solver/body/contact_softness.hpp), because on strips, shells and handles the disc is
-  // orders of magnitude too stiff; a note and the summary then report it, and zero force is rendered.
+  // While no state is known, render the stiffness of the body at rest (solver/equilibrium/first_guess.hpp): one
+  // factorisation before the session. The first solved state replaces it, faded in like any new model.
+  // Ignored if states come from files or are known at the start, and where the body is so large that the
+  // factorisation takes long. A note then says so, and nothing is rendered.
   bool first_guess = true;
 };
 

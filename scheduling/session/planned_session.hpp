@@ -25,7 +25,7 @@ struct PlannedArrivals {
 
 // The first guess of the stiffness (SessionModelOptions::first_guess).
 struct PlannedGuess {
-  // Softness of the body relative to the guess (solver/body/contact_softness.hpp); unknown: no guess was wanted.
+  // Of the body against a half-space (equilibrium/first_guess.hpp); unknown: no guess was wanted or made.
   double softness = unknown;
   std::string left_out;  // why there is no first guess; empty: it is rendered, or none was wanted
 };

@@ -14,7 +14,7 @@
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
 #include "scheduling/workers/cost.hpp"
-#include "solver/body/contact_softness.hpp"
+#include "solver/equilibrium/first_guess.hpp"
 
 namespace forefeel {
 namespace {
@@ -162,7 +162,7 @@ void choose_model(SessionPlan& plan) {
   plan.guess.softness = unknown;
   plan.guess.left_out.clear();
   if (!model.first_guess || others_states) return;
-  const FirstGuess guess = first_guess(*plan.input.touched.body);
+  const FirstGuess guess = first_guess(plan.input.touched.body);
   plan.guess.softness = guess.softness;
   plan.guess.left_out = guess.left_out;
   plan.model.guess = guess.stiffness;

@@ -10,7 +10,7 @@
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
 #include "scheduling/study/sustained_speed.hpp"
-#include "solver/body/contact_softness.hpp"
+#include "solver/equilibrium/first_guess.hpp"
 
 namespace forefeel {
 namespace {
@@ -53,7 +53,7 @@ SpeedBound speed_bound(const SustainedOptions& sought, const StudyCell& cell, co
   const StateSpace nothing(input.touched.space);
   SessionModel model(nothing, {.fit = cell.options.model.fit,
                                .method = cell.options.model.method,
-                               .guess = first_guess ? forefeel::first_guess(*input.touched.body).stiffness
+                               .guess = first_guess ? forefeel::first_guess(input.touched.body).stiffness
                                                     : Mat3(Mat3::Zero())});
   const auto guess = [&](const Vec3& x) { return model.model_at(x).force(x); };
   std::map<double, ExactRendering> seen;

@@ -16,7 +16,7 @@ struct SpeedBound {
 };
 
 // The cell's policy, workers and model are not used. Until the force is known, the guess of
-// solver/body/contact_stiffness.hpp is rendered if first_guess is set, else zero.
+// solver/equilibrium/first_guess.hpp is rendered if first_guess is set, else zero.
 SpeedBound speed_bound(const SustainedOptions& sought, const StudyCell& cell, const SessionInput& input,
                        ReferenceService& references, bool first_guess);
 

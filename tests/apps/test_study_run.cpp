@@ -164,7 +164,7 @@ TEST_CASE("sustained speeds: the report says what counts where not even the lowe
   }
   const auto page = [&] {
     return study_page(planned, result, rankings(plan.study, result.cells),
-                      contrasts(plan.study, result.cells, primary_metric(plan.study)));
+                      contrasts(plan.study, result.cells, primary_metric(plan.study)), {});
   };
   const std::vector<std::string> notes = sustained_notes(plan.study, result.cells);
   REQUIRE(notes.size() == 2);

@@ -1,0 +1,26 @@
+#pragma once
+// forefeel mesh SCENE.toml --study -o DIR/: the scene's force against the number of elements, linear and
+// quadratic (solver/equilibrium/mesh_study.hpp), as table, CSV and picture, and the cheapest body below an
+// error. The reference comes from the scene's mesh and its refinements (solver/body/refined_body.hpp), which
+// have the same contact. A surface or phantom is also meshed anew, from a quarter to four times its elements,
+// unless clamp or contact name nodes: their errors include what another mesh makes of the contact.
+
+#include <string>
+#include <vector>
+
+#include "apps/console/console.hpp"
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+struct MeshStudyArguments {
+  std::string scene, folder;
+  double error = 0.02;  // wanted [1]
+};
+
+// 1 where no body that was tried is below the error, or too few could be solved to tell.
+int study_meshes(const Globals& globals, const MeshStudyArguments& arguments);
+
+std::vector<Declared> declared_mesh_study();  // the columns of mesh_study.csv
+
+}  // namespace forefeel

@@ -1,0 +1,115 @@
+#include "solver/equilibrium/mesh_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/body/refined_body.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+State solved(Solver& solver, const Vec3& x, const MeshErrorOptions& options) {
+  return solver.from(*solver.rest(), x, {.max_step = options.spacing}, options.stop).state;
+}
+
+double relative(const Vec3& force, const Vec3& better) {
+  return better.norm() > 0 ? (force - better).norm() / better.norm() : unknown;
+}
+
+void take(MeshError& found, double error) {
+  if (!std::isfinite(error)) return;
+  found.error = found.positions == 0 ? error : std::max(found.error, error);
+  ++found.positions;
+}
+
+void by_equilibria(Solver& solver, Solver& finer, std::span<const Vec3> positions,
+                   const MeshErrorOptions& options, MeshError& found) {
+  for (const Vec3& x : positions) {
+    if (options.stop.stop_requested()) return;
+    const State better = solved(finer, x, options);
+    if (!better.usable()) continue;
+    const State state = solved(solver, x, options);
+    if (state.usable()) take(found, relative(state.force, better.force));
+  }
+}
+
+void by_rest(Solver& solver, Solver& finer, std::span<const Vec3> positions, const MeshErrorOptions& options,
+             MeshError& found) {
+  const State at_rest = solved(solver, Vec3::Zero(), options);
+  if (options.stop.stop_requested()) return;
+  const State better = solved(finer, Vec3::Zero(), options);
+  if (!at_rest.usable() || !better.usable()) return;
+  for (const Vec3& x : positions) take(found, relative(at_rest.stiffness * x, better.stiffness * x));
+}
+
+}  // namespace
+
+std::shared_ptr<const Body> finer_body(const Body& body) {
+  auto finer = std::make_shared<Body>(body.element == Element::linear ? body : refined(body));
+  finer->element = Element::quadratic;
+  return finer;
+}
+
+std::int64_t nodes_of_finer(const Body& body) {
+  if (body.element != Element::linear) return estimated_nodes_refined(body);
+  const auto corners = static_cast<std::int64_t>(body.mesh.nodes.size());
+  return 2 * corners + static_cast<std::int64_t>(body.mesh.tets.size());
+}
+
+std::string_view finer_in_words(const Body& body) {
+  return body.element == Element::linear ? "quadratic elements on the same mesh"
+                                         : "quadratic elements on a mesh of half the size";
+}
+
+std::string_view name(MeshErrorMethod method) {
+  return method == MeshErrorMethod::equilibria ? "equilibria"
+         : method == MeshErrorMethod::rest     ? "rest stiffness"
+                                               : "none";
+}
+
+MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
+                     const MeshErrorOptions& options) {
+  MeshError found{.finer = std::string(finer_in_words(*body))};
+  std::vector<Vec3> moved(positions.begin(), positions.end());
+  std::erase_if(moved, [](const Vec3& x) { return !(x.norm() > 0); });
+  const std::int64_t nodes = nodes_of_finer(*body);
+  if (moved.empty()) {
+    found.why = "no position away from rest was given";
+    return found;
+  }
+  if (nodes > options.most_nodes) {
+    found.why = fmt::format("{} have about {} nodes, more than {}", found.finer, nodes, options.most_nodes);
+    return found;
+  }
+  Solver solver(body), finer(finer_body(*body));
+  if (nodes <= options.most_for_equilibria) {
+    found.method = MeshErrorMethod::equilibria;
+    by_equilibria(solver, finer, moved, options, found);
+  }
+  if (found.positions == 0 && !options.stop.stop_requested()) {
+    found.method = MeshErrorMethod::rest;
+    by_rest(solver, finer, moved, options, found);
+  }
+  found.stopped = options.stop.stop_requested();
+  if (found.positions > 0 && !found.stopped) return found;
+  found = {.finer = found.finer,
+           .why = found.stopped ? "it was interrupted" : "the finer body has no equilibrium",
+           .stopped = found.stopped};
+  return found;
+}
+
+std::vector<double> mesh_errors(Solver& finer, std::span<const State> states, double spacing) {
+  std::vector<double> errors;
+  for (const State& state : states) {
+    errors.push_back(unknown);
+    if (!state.usable() || state.at.norm() == 0) continue;
+    const State better = finer.reference(state.at, spacing).state;
+    if (better.usable()) errors.back() = relative(state.force, better.force);
+  }
+  return errors;
+}
+
+}  // namespace forefeel

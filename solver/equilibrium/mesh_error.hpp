@@ -1,0 +1,61 @@
+#pragma once
+// Discretisation error: what the mesh itself gets wrong. No comparison with a solve on the same mesh shows it.
+// It is estimated at positions x_i [m] by a finer body,
+//   e = max_i |f(x_i) - f*(x_i)| / |f*(x_i)|
+// f: force of the body [N]; f*: that of the finer one,
+//   of linear elements      quadratic elements on the same mesh
+//   of quadratic elements   quadratic elements on the mesh with each tetrahedron in eight (refined_body.hpp)
+// What the finer body still gets wrong, and what the mesh has lost of the true shape, is not in e: the whole
+// error is larger. The size of the finer body alone decides how it is solved, so that time and memory are
+// bounded and the value is the same on every machine:
+//   to most_for_equilibria nodes   equilibria at x_i, reached straight from rest
+//   to most_nodes                  the stiffness at rest, f = -K x_i: one factorisation of each body
+//   beyond                         not measured
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/states/state.hpp"
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+
+class Solver;
+
+std::shared_ptr<const Body> finer_body(const Body& body);
+std::int64_t nodes_of_finer(
+    const Body& body);  // without making it; mid-edge nodes included, a few per cent off
+std::string_view finer_in_words(const Body& body);  // "quadratic elements on the same mesh"
+
+enum class MeshErrorMethod { none, equilibria, rest };
+std::string_view name(MeshErrorMethod method);  // "none", "equilibria", "rest stiffness"
+
+struct MeshErrorOptions {
+  double spacing = 0;  // of the continuation steps [m], > 0
+  std::int64_t most_for_equilibria = 6'000, most_nodes = 20'000;
+  std::stop_token stop = {};  // looked at between iterations
+};
+
+struct MeshError {
+  double error = unknown;     // e [1]
+  std::size_t positions = 0;  // at which it was measured
+  MeshErrorMethod method = MeshErrorMethod::none;
+  std::string finer = {};  // finer_in_words()
+  std::string why = {};    // not measured; empty where it was
+  bool stopped = false;
+};
+
+// Positions at rest do not count. Throws nothing but std::bad_alloc; where nothing could be measured, `why`
+// says so.
+MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
+                     const MeshErrorOptions& options);
+
+// |f - f*| / |f*| at the position of each state; unknown where one of the two is not solved, and at rest.
+std::vector<double> mesh_errors(Solver& finer, std::span<const State> states, double spacing);
+
+}  // namespace forefeel
