@@ -13,6 +13,7 @@ namespace forefeel {
 
 inline constexpr double clamped_too_often = 0.05;  // share of the frames that is said first, as below
 inline constexpr double outside_too_often = 0.05;
+inline constexpr double long_pause = 0.1;       // of the loop [s]
 inline constexpr std::size_t few_samples = 20;  // below this a percentage says less than the count
 
 // One line each, the most serious first; empty where there is nothing to say.
