@@ -50,7 +50,10 @@ struct FaultyWorkers : RealWorkers {
   virtual void change(State&) {}
 
   void begin(std::function<double()> now) override {
-    threads.begin([this, now] { return clock(now()); });
+    threads.begin([this, now] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));  // so that work is left on fast machines
+      return clock(now());
+    });
   }
   bool serves() const override { return true; }
   void serve() override { threads.serve(); }
@@ -159,6 +162,7 @@ TEST_CASE(
   SessionInput input = small_input();
   input.touched.space.spacing = 0.002;
   input.parts.policy = std::make_shared<Sleeper>();
+  input.parts.workers = std::make_shared<FaultyWorkers>(input);
   const SessionOptions options = real_options(3.5);
   const SessionResult result = run_session(input, options);
   const SessionSummary summary = check_whole(result, input, options);
