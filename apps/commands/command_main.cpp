@@ -28,9 +28,9 @@ int run(int argc, const char* const* argv) {
   remember_command(argc, argv);
   check_instruction_set();
   CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
-  for (const auto add :
-       {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show, add_classify,
-        add_evaluate, add_trace, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
+  for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show,
+                         add_classify, add_evaluate, add_trace, add_session, add_replay, add_study,
+                         add_reproduce, add_bench, add_cache, add_help})
     add(line);
   return line.run(argc, argv);
 }

@@ -43,6 +43,7 @@
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/shape_files.hpp"
+#include "scheduling/replay/input_replay.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
@@ -249,11 +250,17 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const fs::path run = given.output;
   end_if_interrupted("the session began");
   plan = take_states(scene, given, globals, std::move(plan));
+  plan = with_inputs_file(std::move(plan), run / inputs_file_name, program_text());
   const SessionOptions& options = plan.options;
   keep_replayed(options, run);
   SessionShapes shapes(shape, plan, given);
-  std::vector<std::string> files{"frames.csv", "dispatch.csv", "switches.csv",
-                                 "states.csv", "summary.json", "report.html"};
+  std::vector<std::string> files{"frames.csv",
+                                 "dispatch.csv",
+                                 "switches.csv",
+                                 "states.csv",
+                                 "summary.json",
+                                 "report.html",
+                                 std::string(inputs_file_name)};
   std::ranges::move(shapes.files(), std::back_inserter(files));
   claim_folder(run, files);
   remove_shape_files(run);

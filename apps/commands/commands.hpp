@@ -15,6 +15,7 @@ void add_generate(CommandLine& line);
 void add_classify(CommandLine& line);
 void add_evaluate(CommandLine& line);
 void add_session(CommandLine& line);
+void add_replay(CommandLine& line);
 void add_study(CommandLine& line);
 void add_reproduce(CommandLine& line);
 void add_bench(CommandLine& line);

@@ -65,6 +65,11 @@ HelpTopic outputs_topic() {
   HelpTopic topic{
       "outputs", "The files of a run, of a study, and of single commands. Unknown values are empty, or null.",
       declared_run_files()};
+  topic.tables.push_back(
+      {"session.inputs",
+       "All that came into a run, in binary: states, times, positions. forefeel replay RUN "
+       "renders it again and compares each force.",
+       {}});
   topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
   topic.tables.push_back(declared_shape_table());
   topic.tables.push_back({"summary.json", "Summary of a session: keys joined by dots.",

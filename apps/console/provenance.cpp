@@ -63,9 +63,12 @@ nlohmann::ordered_json provenance(const std::string& scene_hash) {
   return document;
 }
 
+std::string program_text() {
+  return fmt::format("forefeel {} ({}, {})", build_info::version, build_info::commit, build_info::flags);
+}
+
 std::string version_text() {
-  std::string text =
-      fmt::format("forefeel {} ({}, {})\n", build_info::version, build_info::commit, build_info::flags);
+  std::string text = program_text() + '\n';
   const nlohmann::ordered_json versions = libraries();
   for (const auto& [library, version] : versions.items())
     text += fmt::format("{} {}\n", library, version.get<std::string>());

@@ -11,6 +11,7 @@ void remember_command(int argc, const char* const* argv);  // called once by mai
 const std::string& command_line();                         // as typed, quoted for a shell
 nlohmann::ordered_json provenance(
     const std::string& scene_hash);  // {command, version, commit, scene_hash, libraries{}, machine}
+std::string program_text();          // version and commit, in one line
 std::string version_text();          // what --version prints
 
 }  // namespace forefeel

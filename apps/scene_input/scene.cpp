@@ -177,6 +177,7 @@ void read_session(const SceneTable& table, const fs::path& folder, SessionOption
   session.planning.audit = table.number("audit", {.low = 0, .high = 0.5, .text = "from 0 to 0.5"})
                                .value_or(session.planning.audit);
   session.planning.preempt = table.boolean("preempt").value_or(session.planning.preempt);
+  session.record = table.boolean("record").value_or(session.record);
   session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
   session.judging.error_floor = table.number("error_floor", positive()).value_or(session.judging.error_floor);
   session.judging.reference_step =

@@ -134,6 +134,8 @@ std::vector<Declared> run_keys(const SessionOptions& s) {
           {"clock", "", word_of(clock_words(), s.clock.kind), words_of(clock_words())},
           {"seconds", "s", shown(s.clock.seconds), "length; a motion that ends earlier ends the session"},
           {"seed", "", "0", "of everything random: device, policy, cost"},
+          {"record", "", shown(s.record),
+           "keep all that comes in, in session.inputs, 7 MB a minute: forefeel replay RUN renders it again"},
           {"switch", "", word_of(switch_words(), s.switching.rule),
            words_of(switch_words()) + ": how the force changes from one model to the next"},
           {"select", "", "that of model", words_of(select_words()) + ": the same as model.select"},

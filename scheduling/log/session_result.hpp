@@ -14,6 +14,7 @@ namespace forefeel {
 
 struct StateCounts {
   std::size_t start = 0, solved = 0, failed = 0, preempted = 0;
+  std::size_t set_aside = 0;  // of the failed: solved, but not states of this body (plan/plausible.hpp)
 };
 
 // Interventions of the safety rules, and the work of the hand by the energy observer (render/safety.hpp).
@@ -28,18 +29,23 @@ struct SafetyReport {
 
 // Timing of the frames, and the end of the force (render/frame_pacer.hpp, render/render_loop.hpp).
 struct LoopReport {
-  std::size_t skipped = 0;        // frames that were late by a frame or more; they have no record
-  double longest_pause = 0;       // between the starts of two frames [s]; virtual clock: 0
-  double paused_at = 0;           // when it began [s]
-  double planner_stall = 0;       // longest time between two steps of the planner [s]; virtual clock: 0
-  std::size_t ending_frames = 0;  // of the ramp at the end
-  double last_force = 0;          // |F| sent in the last frame [N]
+  std::size_t skipped = 0;         // frames that were late by a frame or more; they have no record
+  double longest_pause = 0;        // between the starts of two frames [s]; virtual clock: 0
+  double paused_at = 0;            // when it began [s]
+  double planner_stall = 0;        // longest time between two steps of the planner [s]; virtual clock: 0
+  std::size_t planner_stalls = 0;  // how often it stood still for longer than the watchdog allows
+  std::size_t clock_steps = 0;     // of the clock of the day (render/clock_watch.hpp)
+  std::size_t device_held = 0;     // frames in which the device's position was not finite
+  std::size_t device_jumps = 0;    // frames in which it moved faster than SwitchOptions::jump_speed
+  std::size_t ending_frames = 0;   // of the ramp at the end
+  double last_force = 0;           // |F| sent in the last frame [N]
 };
 
 struct SolverReport {
   std::vector<double> seconds;  // of each solve, virtual or real; without the first one at rest [s]
   std::size_t jobs = 0;         // number of jobs of these solves; each job also costs two messages
   int workers = 0;              // number that took part
+  int lost = 0;                 // of these, how often one failed or was out of reach
 };
 
 struct ProcessReport {             // real clock only

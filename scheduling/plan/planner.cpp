@@ -112,18 +112,19 @@ void Planner::receive(JobResult result, double now) {
   note_cost(result.finished - result.started, setup_.rest_first && result.state.at.isZero(0));
   if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
   // A state that its neighbours contradict counts as a failed solve, in the states' file too.
-  const bool set_aside = result.state.usable() && is_far_too_strong(result.state, space_);
+  const bool set_aside = result.state.usable() && is_far_too_strong(result.state, space_, setup_.stiffest);
   if (set_aside) result.state.status = SolveStatus::diverged;
   if (hooks_.on_state) hooks_.on_state(result.state);
   if (!result.state.usable()) {
     record.status = DispatchStatus::failed;
     ++counts_.failed;
+    counts_.set_aside += set_aside ? 1 : 0;
     if (!record.audit) candidates_->fail(candidate.at);
     notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(),
                                  result.state.at.y(), result.state.at.z(),
                                  set_aside
                                      ? fmt::format("set aside, over {:g} times as strong as known states "
-                                                   "beside it, or not a number",
+                                                   "beside it or as this body can be, or not a number",
                                                    implausible_factor)
                                      : std::string(name(result.state.status))));
     return;

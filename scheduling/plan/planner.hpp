@@ -43,6 +43,7 @@ struct PlannerSetup {
   ModelRecipe model = {};
   SwitchOptions jnd = {};  // unit of PlannerView::surprises
   AuditPlan audits = {};
+  Mat3 stiffest = Mat3::Zero();  // bound of the body's stiffness at rest [N/m] (plausible.hpp); zero: unknown
 };
 
 class Planner {

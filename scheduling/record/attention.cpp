@@ -53,9 +53,36 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
 std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
   return fmt::format(
       "the mesh is too coarse for the errors shown: its own error is {:.2g} % of the force ({}), the "
-      "rendered "
-      "force is within {:.2g} % of the force on this mesh (p95)",
+      "rendered force is within {:.2g} % of the force on this mesh (p95)",
       100 * mesh.error, mesh.how, 100 * shown);
+}
+
+// "3 frames", "1 frame".
+std::string counted(std::size_t n, const char* one, const char* several) {
+  return fmt::format("{} {}", n, n == 1 ? one : several);
+}
+
+// What went wrong around the loop, which ran on.
+void add_faults(const SessionSummary::Loop& loop, std::vector<std::string>& lines) {
+  const SessionSummary::Faults& faults = loop.faults;
+  const auto add = [&](std::size_t n, const char* one, const char* several, const std::string& rest) {
+    if (n > 0) lines.push_back(counted(n, one, several) + rest);
+  };
+  add(faults.device_held, "frame", "frames",
+      " without a finite position of the device: the last one was held");
+  add(faults.device_jumps, "frame", "frames", " with a jump of the device: over 1 m/s, faster than any hand");
+  add(faults.states_set_aside, "solved state was", "solved states were",
+      " set aside: not a number, or far too strong for this body");
+  add(faults.workers_lost, "worker was", "workers were", " lost: failed, or did not answer");
+  add(faults.planner_stalls, "time", "times",
+      fmt::format(" the planner stood still until the force faded out, for up to {:.3g} s",
+                  loop.planner_stall));
+  if (loop.longest_pause > long_pause)
+    lines.push_back(fmt::format("the loop stood still for {:.3g} s, and {} were skipped", loop.longest_pause,
+                                counted(loop.skipped, "frame", "frames")));
+  add(faults.clock_steps, "time", "times",
+      " the clock of the day was set or the machine slept; times of the run are of a clock that is never "
+      "set");
 }
 
 std::string samples(const char* what, std::size_t n) {
@@ -77,6 +104,7 @@ std::vector<std::string> attention(const SessionSummary& summary) {
     lines.push_back(
         fmt::format("{:.3g} % of the time was outside the box of states: forces there are extrapolated",
                     100 * motion.outside));
+  add_faults(summary.loop, lines);
   if (states.inverted > 0)
     lines.push_back(fmt::format("{} of {} solved states have inverted elements: no body takes that shape",
                                 states.inverted, states.solved + states.inverted));

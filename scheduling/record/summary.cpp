@@ -137,7 +137,7 @@ SessionSummary::States states_of(const SessionResult& result, bool foreign) {
     age.push_back(1e3 * (d.first_used - d.finished));
   }
   std::sort(age.begin(), age.end());
-  const auto& [start, solved, failed, preempted] = result.counts;
+  const auto& [start, solved, failed, preempted, set_aside] = result.counts;
   // Those known at the start come first.
   const std::span<const State> fresh =
       std::span(result.states).subspan(std::min(start, result.states.size()));
@@ -268,13 +268,24 @@ SessionSummary::Energy energy_of(const SessionResult& result, const SessionInput
   return energy;
 }
 
-SessionSummary::Loop loop_of(const LoopReport& loop, const SessionOptions& options) {
+SessionSummary::Faults faults_of(const SessionResult& result) {
+  return {.states_set_aside = result.counts.set_aside,
+          .workers_lost = static_cast<std::size_t>(result.solver.lost),
+          .planner_stalls = result.loop.planner_stalls,
+          .clock_steps = result.loop.clock_steps,
+          .device_held = result.loop.device_held,
+          .device_jumps = result.loop.device_jumps};
+}
+
+SessionSummary::Loop loop_of(const SessionResult& result, const SessionOptions& options) {
+  const LoopReport& loop = result.loop;
   const bool real = options.clock.kind == Clock::real;
   return {.skipped = loop.skipped,
           .longest_pause = real ? loop.longest_pause : unknown,
           .planner_stall = real ? loop.planner_stall : unknown,
           .ending_frames = loop.ending_frames,
-          .last_force = loop.last_force};
+          .last_force = loop.last_force,
+          .faults = faults_of(result)};
 }
 
 SessionSummary::Safety safety_of(const SessionResult& result) {
@@ -326,7 +337,7 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .load = load_of(result, input, options),
           .energy = energy_of(result, input, options),
           .safety = safety_of(result),
-          .loop = loop_of(result.loop, options),
+          .loop = loop_of(result, options),
           .motion = motion_of(result, input.touched.space, options)};
 }
 

@@ -130,12 +130,19 @@ struct SessionSummary {
     // Error of each registered predictor on this motion, if the caller measured it (PredictorScores).
     std::vector<PredictorErrors> prediction = {};
   };
+  // What went wrong around the loop while it ran on (log/session_result.hpp, plan/plausible.hpp). Skipped frames and
+  // the actions of the safety rules are under Loop and Safety.
+  struct Faults {
+    std::size_t states_set_aside = 0, workers_lost = 0, planner_stalls = 0, clock_steps = 0;
+    std::size_t device_held = 0, device_jumps = 0;  // frames
+  };
   // Timing of the frames, and the end of the force (LoopReport of log/session_result.hpp).
   struct Loop {
     std::size_t skipped = 0;
     double longest_pause = 0, planner_stall = 0;  // [s]; unknown under the virtual clock
     std::size_t ending_frames = 0;                // of the ramp at the end
     double last_force = 0;                        // |F| sent in the last frame [N]
+    Faults faults = {};
   };
   // The settings of the session. A policy given as an object appears with the name that it returns.
   struct Settings {

@@ -139,6 +139,21 @@ void add_loop(std::vector<Column>& columns, const SessionSummary::Loop& loop) {
       .number("last_force", loop.last_force, "N", "|force| sent in the last frame");
 }
 
+void add_faults(std::vector<Column>& columns, const SessionSummary::Faults& faults) {
+  Group(columns, "faults")
+      .count(
+          "states_set_aside", faults.states_set_aside,
+          "solved states that cannot be of this body: not a number, or far too strong; also in states.failed")
+      .count("workers_lost", faults.workers_lost, "times that a worker failed or did not answer; real clock")
+      .count("planner_stalls", faults.planner_stalls,
+             "times that the planner was silent for longer than session.limits.stale; real clock")
+      .count("clock_steps", faults.clock_steps,
+             "times that the clock of the day was set by over 50 ms; the loop's clock is another one")
+      .count("device_held", faults.device_held,
+             "frames in which the device's position was not finite and the last one was held")
+      .count("device_jumps", faults.device_jumps, "frames in which the tip moved faster than 1 m/s");
+}
+
 void add_time_in(std::vector<Column>& columns, const ByLabel<double>& time_in) {
   Group shares(columns, "time_in");
   for (const Label label : all_labels)
@@ -244,6 +259,7 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
               "what the mesh itself gets wrong of the force, largest over the positions; not in error")
       .count("discretisation_positions", mesh.positions, "positions at which that was measured")
       .text("discretisation_by", mesh.how, "finer body that it was measured with, or why it was not");
+  add_faults(columns, summary.loop.faults);
   return columns;
 }
 

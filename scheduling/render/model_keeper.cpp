@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "scheduling/render/input_log.hpp"
+
 namespace forefeel {
 
 ModelKeeper::ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link)
@@ -33,6 +35,7 @@ void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   if (!model) return;  // the loop has not given one back yet: try again at the next call
   const auto before = std::chrono::steady_clock::now();
   UpdateReport report;
+  if (link_.inputs) link_.inputs->learn(space_);
   const bool known = updater_.update(hip, *model, &report);
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
   const SwitchCause cause = space_.empty()         ? SwitchCause::guess
@@ -46,6 +49,11 @@ void ModelKeeper::update(double now, const Vec3& hip, bool time_it) {
   updated_at_ = hip;
   label_ = report.label;
   if (known) bars_.publish(hip, *model);
+  if (link_.inputs)
+    link_.inputs->model({.hip = hip,
+                         .states = static_cast<std::uint32_t>(space_.size()),
+                         .serial = known ? model->serial() : 0,
+                         .published = known && changed});
   if (!known || !changed) {
     free_.push_back(model);
     return;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "scheduling/render/input_log.hpp"
+
 namespace forefeel {
 
 RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames,
@@ -15,7 +17,8 @@ RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& opti
       frame_(options.frame),
       frames_(frames),
       now_(std::move(real.now)),
-      log_(frames + real.spare) {
+      log_(frames + real.spare),
+      jump_speed_(options.switching.jump_speed) {
   if (!options.viscosity.empty()) filter_.emplace(options.viscosity);
   if (options.passivity.mode != Passivity::control) return;
   control_.emplace(options.passivity, options.frame);
@@ -25,7 +28,9 @@ RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& opti
 
 void RenderLoop::frame(std::size_t k, double started) noexcept {
   const double before = hip_.t;
-  hip_ = next_hip(device_, hip_, k, frame_, sent_, next_ > 0 && k >= next_ ? k - next_ + 1 : 1);
+  const std::size_t step = next_ > 0 && k >= next_ ? k - next_ + 1 : 1, held = device_faults_.held;
+  hip_ = next_hip(device_, hip_, k, frame_, sent_, device_faults_.held, step);
+  count_jump();
   next_ = k + 1;
   const double t = hip_.t;
   const Vec3 x = hip_.at;
@@ -42,8 +47,18 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
   if (f.took_model) model_ = newest_;  // the switch may let it wait, and takes the latest
   give_back(f.released);
   give_back(f.released_too);
+  input_ = {.frame = static_cast<std::uint32_t>(k),
+            .known = known,
+            .model = newest ? newest->serial() : 0,
+            .ended = ended_,
+            .held = device_faults_.held > held,
+            .started = started,
+            .at = x};
   const Vec3 rendered = filter_ ? filter_->step(f.force, t - before) : f.force;
   sent_ = send(rendered, started);
+  input_.rendered = rendered;
+  input_.sent = sent_;
+  if (link_.inputs) link_.inputs->frame(input_);
   const ForceBar error_bar = bar(f);
 
   recorded_ = done_ < log_.size();
@@ -69,6 +84,11 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
   elastic_ = f.force;
 }
 
+void RenderLoop::count_jump() noexcept {
+  if (next_ == 0) return;  // from rest to where the motion begins
+  if (hip_.velocity.norm() > (1 + 1e-9) * jump_speed_) ++device_faults_.jumps;
+}
+
 // Tells the planner what is rendered here, so that it can be scored later.
 ForceBar RenderLoop::bar(const ForceSwitch::Frame& frame) noexcept {
   if (const auto newer = link_.bars.take()) bar_ = *newer;
@@ -87,8 +107,10 @@ Vec3 RenderLoop::send(const Vec3& rendered, double started) noexcept {
   ending_ = ending_ || left <= needed + needed / 4 + 1;
   const double beat = link_.planner_beat.load(std::memory_order_relaxed);
   SafetyMoment moment{.t = hip_.t, .age = hip_.t - beat, .ending = ending_};
+  input_.beat = beat;
   if (now_) {
     const double now = now_();
+    input_.now = now;
     moment.age = now - beat;
     if (done_ > 0) moment.passed = std::min(started - started_, now - sent_at_);
     started_ = started;

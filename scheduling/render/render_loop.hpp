@@ -29,11 +29,15 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hip_sample.hpp"
 #include "scheduling/render/bar_link.hpp"
+#include "scheduling/render/frame_input.hpp"
+#include "scheduling/render/render_options.hpp"
 #include "scheduling/render/safety.hpp"
 #include "scheduling/render/spsc_queue.hpp"
 #include "scheduling/render/triple_buffer.hpp"
 
 namespace forefeel {
+
+class InputLog;
 
 // Time of frame k [s], rounded to whole nanoseconds: prints short and is the same on every machine.
 inline double frame_time(std::size_t k, double frame) {
@@ -41,12 +45,15 @@ inline double frame_time(std::size_t k, double frame) {
 }
 
 // The HIP in frame k, given that of the frame rendered before, `step` frames ago. If the device returns a
-// non-finite position, the last one is held.
+// non-finite position, the last one is held, and `held` grows by 1.
 inline HipSample next_hip(Device& device, const HipSample& last, std::size_t k, double frame,
-                          const Vec3& sent, std::size_t step = 1) noexcept {
+                          const Vec3& sent, std::size_t& held, std::size_t step = 1) noexcept {
   const double t = frame_time(k, frame);
   Vec3 x = device.position(t, sent);
-  if (!x.allFinite()) x = last.at;
+  if (!x.allFinite()) {
+    x = last.at;
+    ++held;
+  }
   const double passed = static_cast<double>(step) * frame;
   return {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - last.at) / passed)};
 }
@@ -60,14 +67,13 @@ struct LoopLink {
   std::atomic<double> planner_beat{0};      // planner -> loop: session time of its last step [s]
   TripleBuffer<BarEstimate> bars;           // planner -> loop
   SpscQueue<RenderedFrame, 1024> rendered;  // loop -> planner; full: frames are left out
+  InputLog* inputs = nullptr;               // both record there what came in; null: nothing is recorded
 };
 
-struct RenderOptions {
-  SwitchOptions switching = {};
-  SafetyOptions safety = {};
-  double frame = 1e-3;       // [s]
-  Viscosity viscosity = {};  // of the body
-  PassivityOptions passivity = {};
+// Frames in which the device failed.
+struct DeviceFaults {
+  std::size_t held = 0;   // its position was not finite: the last one was held
+  std::size_t jumps = 0;  // it moved faster than SwitchOptions::jump_speed
 };
 
 // What only a loop under the real clock has.
@@ -96,17 +102,20 @@ class RenderLoop {
   void note_timing(double cost_us, double lateness_us) noexcept;
 
   const HipSample& hip() const { return hip_; }
-  const Vec3& sent() const { return sent_; }  // in the last frame [N]
+  const Vec3& sent() const { return sent_; }                // in the last frame [N]
+  const Vec3& rendered() const { return input_.rendered; }  // in the last frame [N]
   const std::vector<FrameRecord>& log() const { return log_; }
   std::vector<FrameRecord> take_log();  // the frames done so far
   // The force that would have been sent in these frames without passivity control [N]; empty if it is off.
   std::vector<Vec3> take_uncontrolled();
   const Safety& safety() const { return safety_; }
   PassivityReport passivity() const { return control_ ? control_->report() : PassivityReport{}; }
+  const DeviceFaults& device_faults() const { return device_faults_; }
   std::size_t lost_models() const { return lost_models_; }  // return queue full; its size prevents that
 
  private:
   void give_back(const Model* model) noexcept;
+  void count_jump() noexcept;
   Vec3 send(const Vec3& rendered, double started) noexcept;
   Vec3 send_controlled(const Vec3& rendered, SafetyMoment moment) noexcept;
   ForceBar bar(const ForceSwitch::Frame& frame) noexcept;
@@ -131,6 +140,9 @@ class RenderLoop {
   bool ending_ = false, ended_ = false;  // the force goes to zero; by end()
   bool recorded_ = false;                // the last frame
   double started_ = 0, sent_at_ = 0;     // last frame, by the real clock [s]
+  double jump_speed_;                    // [m/s]
+  DeviceFaults device_faults_;
+  FrameInput input_;  // of this frame
   HipSample hip_;
   Vec3 elastic_ = Vec3::Zero(), sent_ = Vec3::Zero(), uncontrolled_ = Vec3::Zero();
   std::uint32_t model_ = 0, newest_ = 0;  // serial numbers: rendered, newest received

@@ -2,11 +2,15 @@
 
 #include <limits>
 
+#include "scheduling/render/input_log.hpp"
+
 namespace forefeel {
 
 FollowingRenderer::FollowingRenderer(const StateSpace& known, const ModelRecipe& model,
-                                     const RenderOptions& options, std::size_t frames)
-    : models_(known, model, link_), loop_(motion_, link_, options, frames), frame_(options.frame) {}
+                                     const RenderOptions& options, std::size_t frames, InputLog* inputs)
+    : models_(known, model, link_), loop_(motion_, link_, options, frames), frame_(options.frame) {
+  link_.inputs = inputs;
+}
 
 double FollowingRenderer::Motion::duration() const {
   return std::numeric_limits<double>::infinity();
@@ -20,6 +24,7 @@ void FollowingRenderer::frame(const PassedFrame& frame) {
   link_.planner_beat.store(now, std::memory_order_relaxed);
   if (frame.ending) loop_.end();
   loop_.frame(frame.k);
+  if (link_.inputs && frame.k % 1024 == 1023) link_.inputs->drain();
   force_.store(loop_.log()[frame.k].force.norm(), std::memory_order_relaxed);
   label_.store(models_.label(), std::memory_order_relaxed);
 }

@@ -13,9 +13,9 @@ namespace forefeel {
 
 class FollowingRenderer final : public FrameStage {
  public:
-  // known: FramePipeline::known(); frames: upper bound of their number.
+  // known: FramePipeline::known(); frames: upper bound of their number; inputs: records what came in.
   FollowingRenderer(const StateSpace& known, const ModelRecipe& model, const RenderOptions& options,
-                    std::size_t frames);
+                    std::size_t frames, InputLog* inputs = nullptr);
 
   void frame(const PassedFrame& frame) override;
 

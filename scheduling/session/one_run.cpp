@@ -12,7 +12,9 @@
 
 #include "approx/relaxation/relaxation.hpp"
 #include "geometry/index/lattice_room.hpp"
+#include "scheduling/render/input_log.hpp"
 #include "scheduling/session/real_run.hpp"
+#include "scheduling/session/run_parts.hpp"
 #include "scheduling/session/shaped_run.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/shape/shape_stage.hpp"
@@ -120,10 +122,12 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
   if (is_virtual(plan) && !cost) cost = cost_model(plan, references);
   note_start(plan, references, result);
   const auto start = std::chrono::steady_clock::now();
+  const std::unique_ptr<InputLog> inputs = open_inputs(plan);
   FramePipeline pipeline(plan.input.touched.space);
   std::shared_ptr<FollowingRenderer> renderer;
   if (is_virtual(plan) && !plan.device->answers_force()) {
-    renderer = std::make_shared<FollowingRenderer>(pipeline.known(), plan.model, plan.render, plan.frames);
+    renderer = std::make_shared<FollowingRenderer>(pipeline.known(), plan.model, plan.render, plan.frames,
+                                                   inputs.get());
     pipeline.add(renderer);
   }
   const auto judge = std::make_shared<SessionJudge>(judge_setup(plan), pipeline.known(), references);
@@ -134,9 +138,11 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
                      std::make_shared<ShapeStage>(*shapes->log, pipeline.known(), plan.options.clock.frame));
   if (hooks.each_position) pipeline.add(std::make_shared<PositionTeller>(hooks.each_position));
   if (is_virtual(plan))
-    run_virtual(plan, {*cost, references, pipeline, renderer.get()}, result, hooks.progress);
+    run_virtual(plan, {*cost, references, pipeline, renderer.get(), inputs.get()}, result, hooks.progress);
   else
-    run_real(plan, references, result, hooks.progress, shapes ? shapes->log.get() : nullptr);
+    run_real(plan, references, result, hooks.progress, {shapes ? shapes->log.get() : nullptr, inputs.get()});
+  if (inputs) inputs->close();
+  if (inputs && inputs->failure()) result.failures.push_back(*inputs->failure());
   if (hooks.when_run) hooks.when_run(result);
   note_stiffness(plan.device->limits(), to_text(plan.options.motion.device), result);
   pipeline.pass_rest(result.frames, result.states);

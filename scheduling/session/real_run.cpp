@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <exception>
 #include <optional>
@@ -19,6 +20,7 @@
 #include <thread>
 #include <utility>
 
+#include "scheduling/render/clock_watch.hpp"
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/shape/shape_thread.hpp"
@@ -28,12 +30,15 @@ namespace forefeel {
 namespace {
 
 using Nanoseconds = std::int64_t;
-constexpr std::size_t spare_frames = 256;  // for the ramp at the end, where frames come late
+
+Nanoseconds read(clockid_t clock) {
+  timespec now;
+  clock_gettime(clock, &now);
+  return Nanoseconds{now.tv_sec} * 1000000000 + now.tv_nsec;
+}
 
 Nanoseconds monotonic() {
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return Nanoseconds{now.tv_sec} * 1000000000 + now.tv_nsec;
+  return read(CLOCK_MONOTONIC);
 }
 
 void sleep_until(Nanoseconds t) {
@@ -70,7 +75,7 @@ class LockedMemory {
 // Messages between the loop's thread and the planner's, and the loop's report when it ends.
 struct LoopEnd {
   std::atomic<bool> done{false};
-  std::atomic<bool> wanted{false};  // by a failing planner or worker
+  std::atomic<bool> wanted{false};  // by a failing planner
   bool realtime = false;
   std::string note;
 };
@@ -99,11 +104,31 @@ void run_loop(RenderLoop& loop, FramePacer& pacer, const StopOptions& stop, Nano
   end.done.store(true, std::memory_order_release);
 }
 
-void report(const FramePacer& pacer, double stall, const SessionPlan& plan, SessionResult& result) {
+// Of the planner's steps.
+struct PlannerTimes {
+  double stall = 0, beat = 0;  // longest time between two of them; end of the last one [s]
+  std::size_t stalls = 0;      // times longer than the watchdog allows
+  ClockWatch clock;
+
+  void step(double t, double patience) {
+    const double gap = t > 0 ? t - std::max(beat, 0.0) : 0;  // the session begins at 0
+    stall = std::max(stall, gap);
+    stalls += gap > patience ? 1 : 0;
+    beat = t;
+    clock.look(monotonic(), read(CLOCK_REALTIME));
+  }
+};
+
+// How the loop and the planner kept time.
+void report(const FramePacer& pacer, const PlannerTimes& planner, const SessionPlan& plan,
+            SessionResult& result) {
+  const double stall = planner.stall;
   result.loop.skipped = pacer.skipped();
   result.loop.longest_pause = pacer.longest_pause();
   result.loop.paused_at = pacer.paused_at();
   result.loop.planner_stall = stall;
+  result.loop.planner_stalls = planner.stalls;
+  result.loop.clock_steps = planner.clock.steps();
   if (pacer.skipped() > 0)
     result.notes.push_back(fmt::format(
         "{} of {} frames came a frame or more late and were skipped; the longest pause was {:.3g} s, at "
@@ -142,13 +167,13 @@ struct PlannerRun {
   Nanoseconds start;
   const ShowProgress& show;
   ShapeThread* shapes = nullptr;
-  double stall = 0, beat = 0;  // longest time between two steps; end of the last one [s]
+  PlannerTimes times = {};
 
   double now() const { return static_cast<double>(monotonic() - start) / 1e9; }
 
   void step(std::vector<JobResult>& results, std::size_t& arrived) {
     results.clear();
-    workers.collect(results, 0.0005);
+    collect(results);
     for (JobResult& result : results) planner.receive(std::move(result), now());
     while (arrived < arriving.size() && plan.arrivals.list[arrived].t <= now())
       planner.arrive(std::move(arriving[arrived++]), now());
@@ -158,14 +183,20 @@ struct PlannerRun {
     }
     link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
     models.update(now(), planner.hip().at, true);
-    if (!plan.arrivals.given) planner.plan(now());
+    if (!plan.arrivals.given && !workers.failure()) planner.plan(now());
     take_beat();
+  }
+
+  // Failed workers are not waited for.
+  void collect(std::vector<JobResult>& results) {
+    constexpr double longest = 0.0005;  // [s]
+    workers.collect(results, longest);
+    if (workers.failure()) std::this_thread::sleep_for(std::chrono::duration<double>(longest));
   }
 
   void take_beat() {
     const double t = now();
-    if (t > 0) stall = std::max(stall, t - std::max(beat, 0.0));  // the session begins at 0
-    beat = t;
+    times.step(t, plan.options.safety.stale_seconds);
     link.planner_beat.store(t, std::memory_order_relaxed);
   }
 
@@ -173,7 +204,7 @@ struct PlannerRun {
     std::vector<JobResult> results;
     std::size_t arrived = 0;
     double shown = 0;
-    while (!end.done.load(std::memory_order_acquire) && !workers.failure()) {
+    while (!end.done.load(std::memory_order_acquire)) {
       step(results, arrived);
       if (show && now() - shown > 0.1) {
         shown = now();
@@ -196,6 +227,18 @@ struct PlannerRun {
   }
 };
 
+// asked: for how many; 0: nothing was solved.
+void report_workers(const RealWorkers& workers, int asked, SessionResult& result) {
+  result.solver.workers = asked > 0 ? workers.workers() : 0;
+  result.solver.lost = workers.lost();
+  if (workers.failure())
+    result.failures.push_back(failure_in_words("the workers", workers.failure(), "nothing more was solved"));
+  for (std::string& note : workers.notes()) result.notes.push_back(std::move(note));
+  if (workers.serves() && !result.interrupted() && workers.workers() < asked)
+    result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
+                                       workers.workers(), asked));
+}
+
 std::shared_ptr<RealWorkers> workers_of(const SessionPlan& plan) {
   const TouchedBody& touched = plan.input.touched;
   const WorkerOptions& options = plan.options.workers;
@@ -211,12 +254,13 @@ std::shared_ptr<RealWorkers> workers_of(const SessionPlan& plan) {
 }  // namespace
 
 void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
-              const ShowProgress& show, ShapeLog* shapes) {
+              const ShowProgress& show, const RunLogs& logs) {
   const SessionOptions& options = plan.options;
   std::vector<State> arriving = solve_arrivals(plan, references, show);
   StateLog states(plan.input);
 
   LoopLink link;
+  link.inputs = logs.inputs;
   Nanoseconds start = 0;
   const auto session_time = [&start] { return static_cast<double>(monotonic() - start) / 1e9; };
   RenderLoop loop(*plan.device, link, plan.render, plan.frames, {.now = session_time, .spare = spare_frames});
@@ -225,7 +269,7 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   const std::shared_ptr<RealWorkers> given = workers_of(plan);
   RealWorkers& workers = *given;
   workers.begin([start] { return static_cast<double>(monotonic() - start) / 1e9; });
-  Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, states));
+  Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, states, logs.inputs));
   link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
   ModelKeeper models(planner.space(), plan.model, link);
   PlannerRun run{plan, planner, models, workers, link, std::move(arriving), start, show};
@@ -235,14 +279,14 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
 
   std::thread loop_thread([&] { run_loop(loop, pacer, options.stop, start, end); });
   std::optional<ShapeThread> shape_thread;  // after the loop's, which must not wait for it
-  if (shapes) run.shapes = &shape_thread.emplace(*shapes, session_time);
+  if (logs.shapes) run.shapes = &shape_thread.emplace(*logs.shapes, session_time);
   std::thread planner_thread([&] {
     try {
       run.until(end);
     } catch (...) {
       failure = std::current_exception();
     }
-    end.wanted.store(true, std::memory_order_release);  // without a planner or workers the force goes to zero
+    end.wanted.store(true, std::memory_order_release);  // without a planner the force goes to zero
     workers.stop();
   });
   const bool serving = !plan.arrivals.given && workers.serves();
@@ -260,18 +304,13 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   if (states.failure()) result.failures.push_back(*states.failure());
   if (failure) result.failures.push_back(failure_in_words("planning", failure));
   if (shape_thread && shape_thread->failure()) result.failures.push_back(*shape_thread->failure());
-  if (workers.failure()) result.failures.push_back(failure_in_words("a worker", workers.failure()));
 
   take_loop(loop, plan.frames, result);
-  report(pacer, run.stall, plan, result);
+  report(pacer, run.times, plan, result);
   planner.finish(result, models);
-  result.solver.workers = plan.arrivals.given ? 0 : workers.workers();
   result.process.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
-  for (std::string& note : workers.notes()) result.notes.push_back(std::move(note));
-  if (serving && !result.interrupted() && workers.workers() < options.workers.count)
-    result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
-                                       workers.workers(), options.workers.count));
+  report_workers(workers, plan.arrivals.given ? 0 : options.workers.count, result);
 }
 
 }  // namespace forefeel

@@ -12,14 +12,21 @@ namespace forefeel {
 
 class ShapeLog;
 
+// What is written while the run goes on; null: nothing.
+struct RunLogs {
+  ShapeLog* shapes = nullptr;
+  InputLog* inputs = nullptr;  // what comes in (render/input_log.hpp)
+};
+
 // Fills the result, except for labels, errors and other values of the judge. Solves the states of --arrivals
-// and --replay before the first frame. If the planner or a worker fails, the loop takes the force to zero and
-// ends. result.failures then names the reason, and the result holds everything up to then.
+// and --replay before the first frame. If the planner fails, the loop takes the force to zero and ends;
+// result.failures says why, and the result holds what was done until then. If workers fail, the others go on; if all
+// have, the loop goes on with the states that are known, and result.failures says so.
 //
 // The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped
 // and counted (render/frame_pacer.hpp). The planner's beat and the watchdog use the same clock. Stops of the
 // whole process (SIGSTOP, a debugger) thus show as a pause of the loop and of the planner.
 void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
-              const ShowProgress& show, ShapeLog* shapes = nullptr);
+              const ShowProgress& show, const RunLogs& logs = {});
 
 }  // namespace forefeel

@@ -93,8 +93,10 @@ SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedR
   const bool own = !plan.input.references;
   plan.input.references = references_of(plan);  // one for all rehearsals
   const auto state_file = std::exchange(plan.input.files.states, std::nullopt);
+  const auto inputs_file = std::exchange(plan.input.files.inputs, std::nullopt);
   Rehearsals rehearsed = rehearse(plan, hooks.progress);
   plan.input.files.states = state_file;
+  plan.input.files.inputs = inputs_file;
   if (rehearsed.cut) {
     SessionResult result = not_begun(
         plan, std::move(*rehearsed.cut),

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/common/quantiles.hpp"
+#include "scheduling/render/input_log.hpp"
 #include "scheduling/workers/cost.hpp"
 
 namespace forefeel {
@@ -19,6 +20,20 @@ std::unique_ptr<StateWriter> open_state_file(const SessionInput& input) {
                                                       .spacing = input.touched.space.spacing,
                                                       .box = input.touched.space.box,
                                                       .notes = {}}));
+}
+
+std::unique_ptr<InputLog> open_inputs(const SessionPlan& plan) {
+  const SessionFiles& files = plan.input.files;
+  if (!files.inputs || !plan.options.record) return nullptr;
+  const bool real = plan.options.clock.kind == Clock::real;
+  const InputHeader header{.made_by = inputs_made_by(files.program),
+                           .real = real,
+                           .frames = plan.frames,
+                           .spare = real ? spare_frames : 0,
+                           .render = plan.render,
+                           .model = plan.model,
+                           .space = plan.input.touched.space};
+  return std::make_unique<InputLog>(*files.inputs, header, real);
 }
 
 StateLog::StateLog(const SessionInput& input) : writer_(open_state_file(input)) {}
@@ -46,21 +61,25 @@ void StateLog::fail(const std::exception& problem) {
   writer_.reset();
 }
 
-std::string failure_in_words(const std::string& what, const std::exception_ptr& failure) {
+std::string failure_in_words(const std::string& what, const std::exception_ptr& failure,
+                             const std::string& followed) {
   try {
     std::rethrow_exception(failure);
   } catch (const std::bad_alloc&) {
-    return what + " failed: out of memory; the session ended early";
+    return what + " failed: out of memory; " + followed;
   } catch (const std::exception& problem) {
-    return fmt::format("{} failed: {}; the session ended early", what, problem.what());
+    return fmt::format("{} failed: {}; {}", what, problem.what(), followed);
   } catch (...) {
-    return what + " failed; the session ended early";
+    return what + " failed; " + followed;
   }
 }
 
-Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log) {
+Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log, InputLog* inputs) {
   Planner::Hooks hooks;
-  hooks.on_state = [&log](const State& state) { log.push(state); };
+  hooks.on_state = [&log, inputs](const State& state) {
+    log.push(state);
+    if (inputs && !state.usable()) inputs->failed(state);
+  };
   if (!plan.motion.empty())
     hooks.future = [&motion = plan.motion, frame = plan.options.clock.frame](double t) {
       const auto k = static_cast<std::size_t>(std::max(0LL, std::llround(t / frame)));
@@ -81,6 +100,8 @@ void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
   }
   result.loop.ending_frames = loop.safety().counts().ending;
   result.loop.last_force = loop.sent().norm();
+  result.loop.device_held = loop.device_faults().held;
+  result.loop.device_jumps = loop.device_faults().jumps;
   const SafetyCounts& counts = loop.safety().counts();
   result.safety = {.clamped = counts.clamped,
                    .slewed = counts.slewed,

@@ -12,9 +12,17 @@
 namespace forefeel {
 
 class CostModel;
+class InputLog;
+
+// Frames that a real loop may record beyond those of the session, for the ramp at the end.
+inline constexpr std::size_t spare_frames = 256;
 
 // The file that new states are appended to; null: none. InputError where it cannot be opened.
 std::unique_ptr<StateWriter> open_state_file(const SessionInput& input);
+
+// The record of what comes into the run (render/input_log.hpp); null: none is wanted. InputError where it cannot be
+// written.
+std::unique_ptr<InputLog> open_inputs(const SessionPlan& plan);
 
 // The state file during a run. If the disk fails, the run continues without it, and failure() returns the error.
 class StateLog {
@@ -31,12 +39,13 @@ class StateLog {
   std::optional<std::string> failure_;
 };
 
-// The planner's hooks. cost: of simulated workers; null under the real clock. Plan and log must outlive the
+// The planner's hooks. inputs: null where nothing is recorded. cost: of simulated workers; null under the real clock. Plan and log must outlive the
 // hooks.
-Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log);
+Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log, InputLog* inputs);
 // Moves the log and the safety counters of a run into its result. `frames`: the number requested.
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);
-// One line for an exception that ended a run early: what failed and why.
-std::string failure_in_words(const std::string& what, const std::exception_ptr& failure);
+// One line for an exception: what failed, why, and what followed.
+std::string failure_in_words(const std::string& what, const std::exception_ptr& failure,
+                             const std::string& followed = "the session ended early");
 
 }  // namespace forefeel

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "approx/relaxation/relaxation.hpp"
@@ -31,6 +32,8 @@ struct TouchedBody {
 
 struct SessionFiles {
   std::optional<std::filesystem::path> states = {};  // new states are appended here
+  std::optional<std::filesystem::path> inputs = {};  // what came in is recorded here (render/input_log.hpp)
+  std::string program = {};                          // that records it: its version
   std::filesystem::path cache = {};                  // folder of this body's tight solves; empty: none
   std::filesystem::path scene = {};                  // folder where relative trace files are looked up
 };

@@ -14,6 +14,7 @@
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
 #include "scheduling/workers/cost.hpp"
+#include "solver/body/contact_bound.hpp"
 #include "solver/equilibrium/first_guess.hpp"
 
 namespace forefeel {
@@ -278,6 +279,12 @@ SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file) {
   return plan;
 }
 
+SessionPlan with_inputs_file(SessionPlan plan, std::filesystem::path file, std::string program) {
+  plan.input.files.inputs = std::move(file);
+  plan.input.files.program = std::move(program);
+  return plan;
+}
+
 SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy) {
   plan.options.planning.policy = policy;
   take_future(plan);
@@ -298,7 +305,8 @@ PlannerSetup planner_setup(const SessionPlan& plan) {
           .latency = options.workers.latency,
           .model = plan.model,
           .jnd = options.switching,
-          .audits = {.share = options.planning.audit, .seed = options.seed}};
+          .audits = {.share = options.planning.audit, .seed = options.seed},
+          .stiffest = contact_stiffness_bound(*plan.input.touched.body)};
 }
 
 JudgeSetup judge_setup(const SessionPlan& plan) {

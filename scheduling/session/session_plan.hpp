@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "scheduling/session/planned_session.hpp"
@@ -20,6 +21,10 @@ SessionPlan with_known(SessionPlan plan, std::vector<State> known);
 SessionPlan with_foreign(SessionPlan plan, std::vector<State> known);
 // The same session, appending its solved states to this file.
 SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file);
+
+// The same session, recording what comes in into this file (render/input_log.hpp), unless options.record is false.
+// program: that records it.
+SessionPlan with_inputs_file(SessionPlan plan, std::filesystem::path file, std::string program);
 
 // The same session under another policy.
 SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy);

@@ -8,6 +8,7 @@
 #include <queue>
 #include <tuple>
 
+#include "scheduling/render/input_log.hpp"
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/workers/cost.hpp"
 
@@ -73,8 +74,9 @@ class VirtualRun {
         show_(show),
         workers_(workers_of(plan, parts.cost, parts.references)),
         states_(plan.input),
-        planner_(planner_setup(plan), *workers_, hooks_of(plan, &parts.cost, states_)) {
+        planner_(planner_setup(plan), *workers_, hooks_of(plan, &parts.cost, states_, parts.inputs)) {
     if (parts.renderer) return;
+    link_.inputs = parts.inputs;
     models_.emplace(planner_.space(), plan.model, link_);
     loop_.emplace(*plan.device, link_, plan.render, plan.frames);
   }
@@ -113,7 +115,7 @@ class VirtualRun {
         loop_->frame(next_);
         hip_ = loop_->hip();
       } else {
-        hip_ = next_hip(*plan_.device, hip_, next_, plan_.render.frame, Vec3::Zero());
+        hip_ = next_hip(*plan_.device, hip_, next_, plan_.render.frame, Vec3::Zero(), held_);
       }
       const std::size_t known = planner_.space().size();
       parts_.pipeline.pass(hip_.at, static_cast<std::uint32_t>(known), planner_.space(), true);
@@ -128,6 +130,7 @@ class VirtualRun {
     take_loop(parts_.renderer ? parts_.renderer->loop() : *loop_, plan_.frames, result);
     if (states_.failure()) result.failures.push_back(*states_.failure());
     planner_.finish(result, parts_.renderer ? parts_.renderer->models() : *models_);
+    result.loop.device_held += held_;
     result.solver.workers = workers_->workers();
   }
 
@@ -157,9 +160,10 @@ class VirtualRun {
       link_.known.store(known, std::memory_order_relaxed);
       link_.planner_beat.store(now, std::memory_order_relaxed);
       loop_->frame(k);
+      if (link_.inputs && k % 1024 == 1023) link_.inputs->drain();
       hip_ = loop_->hip();
     } else {
-      hip_ = next_hip(*plan_.device, hip_, k, plan_.render.frame, Vec3::Zero());
+      hip_ = next_hip(*plan_.device, hip_, k, plan_.render.frame, Vec3::Zero(), held_);
     }
     parts_.pipeline.pass(hip_.at, known, planner_.space());
     planner_.observe(hip_);
@@ -196,6 +200,7 @@ class VirtualRun {
   Planner planner_;
   HipSample hip_;
   std::size_t next_ = 0;  // frame
+  std::size_t held_ = 0;  // frames in which the device failed, with a renderer that follows behind
   // Used if the motion depends on the force: then a following renderer is impossible.
   LoopLink link_;
   std::optional<ModelKeeper> models_;

@@ -9,6 +9,7 @@
 namespace forefeel {
 
 class CostModel;
+class InputLog;
 
 struct VirtualParts {
   const CostModel& cost;
@@ -16,6 +17,7 @@ struct VirtualParts {
   FramePipeline& pipeline;       // receives the frames
   // A stage of the pipeline. Null if the motion depends on the force: the run then renders itself.
   FollowingRenderer* renderer;
+  InputLog* inputs = nullptr;  // records what came in
 };
 
 // Fills the result, except for labels, errors and other values of the judge. If planning fails, the frames

@@ -82,8 +82,12 @@ class RealWorkers : public Generator {
   // Puts the results since the last call into `out`, which is empty; waits up to `timeout` seconds for one. Each
   // names a dispatch that its worker has, once.
   virtual void collect(std::vector<JobResult>& out, double timeout) = 0;
-  virtual void stop() = 0;                         // cancels running solves; collect() then returns the rest
-  virtual std::exception_ptr failure() const = 0;  // of a worker; null: none. Ends the session
+  virtual void stop() = 0;  // cancels running solves; collect() then returns the rest
+  // Of all workers; null: none. Nothing is dispatched any more, and the session goes on with what is known.
+  virtual std::exception_ptr failure() const = 0;
+  virtual int lost() const {
+    return 0;
+  }  // how often a worker failed or was out of reach while others went on
   // After stop(): what the user should know of the workers, one line each.
   virtual std::vector<std::string> notes() const { return {}; }
 };

@@ -115,6 +115,7 @@ class RankWorkers final : public RealWorkers {
     for (RankEvent& event : pool_.stop()) take(std::move(event), late_);
   }
   std::exception_ptr failure() const override { return {}; }
+  int lost() const override { return lost_; }
   std::vector<std::string> notes() const override { return pool_.notes(); }
 
  private:
@@ -126,6 +127,7 @@ class RankWorkers final : public RealWorkers {
   void take(RankEvent event, std::vector<JobResult>& out) {
     const int worker = event.rank - 1;
     if (event.kind == RankEvent::Kind::lost) {
+      ++lost_;
       give_back(worker);
       out.insert(out.end(), std::make_move_iterator(late_.begin()), std::make_move_iterator(late_.end()));
       late_.clear();
@@ -163,6 +165,7 @@ class RankWorkers final : public RealWorkers {
   std::vector<std::vector<Given>> given_;  // to each worker, not returned yet
   std::vector<JobResult> late_;
   bool ended_ = false;
+  int lost_ = 0;  // times that a rank was
 };
 
 class StateHand final : public RankHand {

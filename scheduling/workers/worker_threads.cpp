@@ -1,6 +1,7 @@
 #include "scheduling/workers/worker_threads.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include "scheduling/workers/built_in_workers.hpp"
 #include "scheduling/workers/solve_job.hpp"
@@ -18,34 +19,78 @@ void WorkerThreads::serve() {
   try {
     StateSolver solver(basis_, linear_, options_);
     solver.prepare();  // before it counts as a worker: the session may wait for its first state
-    std::unique_lock lock(mutex_);
-    if (stopped_) return;
-    worker = static_cast<int>(slots_.size());
-    Slot& slot = slots_.emplace_back();
-    for (;;) {
-      slot.wake.wait(lock, [&] { return stopped_ || slot.job; });
+    {
+      const std::lock_guard lock(mutex_);
       if (stopped_) return;
-      const Job job = std::move(*slot.job);
-      slot.job.reset();
-      const std::stop_token stop = slot.stop.get_token();
-      lock.unlock();
-      solve_job(solver, job, stop, now_, [&](JobResult result) {
-        result.worker = worker;
-        give(std::move(result));
-      });
-      lock.lock();
+      worker = static_cast<int>(slots_.size());
+      slots_.emplace_back();
     }
+    work(worker, solver);
   } catch (...) {
-    const std::lock_guard lock(mutex_);
-    failure_ = std::current_exception();
-    done_.notify_one();
+    lose(worker, std::current_exception());
+  }
+}
+
+void WorkerThreads::work(int worker, StateSolver& solver) {
+  std::unique_lock lock(mutex_);
+  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  for (;;) {
+    slot.wake.wait(lock, [&] { return stopped_ || slot.job; });
+    if (stopped_) return;
+    const Job job = std::move(*slot.job);
+    slot.job.reset();
+    const std::stop_token stop = slot.stop.get_token();
+    lock.unlock();
+    solve_job(solver, job, stop, now_, [&](JobResult result) {
+      result.worker = worker;
+      give(std::move(result));
+    });
+    lock.lock();
   }
 }
 
 void WorkerThreads::give(JobResult result) {
   const std::lock_guard lock(mutex_);
+  std::erase_if(slots_[static_cast<std::size_t>(result.worker)].open,
+                [&](const Job::Neighbour& state) { return state.dispatch == result.dispatch; });
   results_.push_back(std::move(result));
   done_.notify_one();
+}
+
+void WorkerThreads::lose(int worker, const std::exception_ptr& why) {
+  const std::lock_guard lock(mutex_);
+  failure_ = why;
+  std::string line = "a worker failed";
+  try {
+    std::rethrow_exception(why);
+  } catch (const std::exception& problem) {
+    line += std::string(": ") + problem.what();
+  } catch (...) {
+  }
+  lost_.push_back(line + "; the others went on");
+  if (worker >= 0) {
+    slots_[static_cast<std::size_t>(worker)].lost = true;
+    give_back(worker, SolveStatus::diverged);
+  }
+  done_.notify_one();
+}
+
+// Under the lock: what a worker was given and has not returned; the first one with this status.
+void WorkerThreads::give_back(int worker, SolveStatus first) {
+  double now = 0;
+  try {
+    now = now_();
+  } catch (...) {  // the clock itself may be what failed
+  }
+  for (const Job::Neighbour& state : std::exchange(slots_[static_cast<std::size_t>(worker)].open, {})) {
+    JobResult result;
+    result.dispatch = state.dispatch;
+    result.worker = worker;
+    result.started = result.finished = now;
+    result.state.at = state.at;
+    result.state.status = std::exchange(first, SolveStatus::cancelled);
+    results_.push_back(std::move(result));
+  }
 }
 
 void WorkerThreads::stop() {
@@ -65,6 +110,13 @@ int WorkerThreads::workers() const {
 void WorkerThreads::dispatch(int worker, Job job) {
   const std::lock_guard lock(mutex_);
   Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  slot.open = {{.dispatch = job.dispatch, .at = job.at}};
+  slot.open.insert(slot.open.end(), job.beside.begin(), job.beside.end());
+  if (slot.lost) {  // the planner did not know it yet
+    give_back(worker, SolveStatus::cancelled);
+    done_.notify_one();
+    return;
+  }
   slot.stop = std::stop_source();
   slot.job = std::move(job);
   slot.wake.notify_one();
@@ -78,13 +130,29 @@ void WorkerThreads::cancel(int worker) {
 void WorkerThreads::collect(std::vector<JobResult>& out, double timeout) {
   out.clear();
   std::unique_lock lock(mutex_);
-  done_.wait_for(lock, std::chrono::duration<double>(timeout), [&] { return !results_.empty() || failure_; });
+  done_.wait_for(lock, std::chrono::duration<double>(timeout),
+                 [&] { return !results_.empty() || all_lost(); });
   std::swap(out, results_);
 }
 
 std::exception_ptr WorkerThreads::failure() const {
   const std::lock_guard lock(mutex_);
-  return failure_;
+  return all_lost() ? failure_ : nullptr;
+}
+
+bool WorkerThreads::takes_jobs(int worker) const {
+  const std::lock_guard lock(mutex_);
+  return !slots_[static_cast<std::size_t>(worker)].lost;
+}
+
+int WorkerThreads::lost() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(lost_.size());
+}
+
+std::vector<std::string> WorkerThreads::notes() const {
+  const std::lock_guard lock(mutex_);
+  return lost_;
 }
 
 std::unique_ptr<RealWorkers> make_worker_threads(RealWorkersContext& context) {

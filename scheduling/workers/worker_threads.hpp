@@ -1,6 +1,8 @@
 #pragma once
 // Workers of the real clock: threads of this process. Each thread that calls serve() is one worker. All calls
 // share one lock, held for a few instructions.
+// A thread whose solve throws is lost: the state that it was solving counts as failed, so that it costs no other
+// worker, the rest of its job is given back, and the others go on. failure() is that of the last thread.
 
 #include <condition_variable>
 #include <deque>
@@ -10,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -29,19 +32,28 @@ class WorkerThreads final : public RealWorkers {
   void stop() override;
 
   int workers() const override;
+  bool takes_jobs(int worker) const override;
   void dispatch(int worker, Job job) override;
   void cancel(int worker) override;
 
   void collect(std::vector<JobResult>& out, double timeout) override;
   std::exception_ptr failure() const override;
+  int lost() const override;
+  std::vector<std::string> notes() const override;
 
  private:
   struct Slot {
     std::optional<Job> job;
+    std::vector<Job::Neighbour> open = {};  // of its job, without a result
+    bool lost = false;
     std::stop_source stop;
     std::condition_variable wake;
   };
+  void work(int worker, StateSolver& solver);
   void give(JobResult result);
+  void lose(int worker, const std::exception_ptr& why);
+  void give_back(int worker, SolveStatus first);
+  bool all_lost() const { return failure_ && lost_.size() >= slots_.size(); }
 
   std::shared_ptr<SolverBasis> basis_;
   StateSolverOptions options_;
@@ -52,7 +64,8 @@ class WorkerThreads final : public RealWorkers {
   std::vector<JobResult> results_;
   std::condition_variable done_;
   bool stopped_ = false;
-  std::exception_ptr failure_;
+  std::exception_ptr failure_;     // the last one
+  std::vector<std::string> lost_;  // a line for each thread
 };
 
 }  // namespace forefeel

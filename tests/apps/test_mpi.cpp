@@ -156,6 +156,23 @@ TEST_CASE("a session whose worker rank is stopped ends in time, and says which r
   CHECK(summary["notes"].dump().find("rank 1 has not answered for 1 s; its work goes to others") !=
         std::string::npos);
   CHECK(summary["states"]["solved"] > 10);
+  CHECK(summary["faults"]["workers_lost"] == 1);
+  CHECK(summary["attention"].dump().find("1 worker was lost") != std::string::npos);
+}
+
+TEST_CASE("a session whose worker rank is killed goes on with the other, where MPI allows it") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  const auto killed =
+      ranks_but_one(shop, "--enable-recovery -n 3", "run/session.states", "KILL",
+                    "session beam.toml --mpi --patience 1 --clock real --seconds 3 -o run --json --quiet");
+  INFO(killed.err);
+  CHECK(ended_by_itself(killed));
+  REQUIRE(code_of_rank_0(shop) == "0\n");
+  const nlohmann::json summary = nlohmann::json::parse(shop.shell("cat run/summary.json").out);
+  CHECK(summary["frames"].get<int>() + summary["loop"]["skipped"].get<int>() >= 3000);
+  CHECK(summary["faults"]["workers_lost"] == 1);
+  CHECK(summary["interrupted"] == false);
 }
 
 TEST_CASE("a session with its workers in other processes") {

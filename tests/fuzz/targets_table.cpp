@@ -7,10 +7,13 @@
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
+#include "geometry/states/state_message.hpp"
 #include "scheduling/log/dispatch_file.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace.hpp"
 #include "scheduling/motion/trace_check.hpp"
+#include "scheduling/replay/input_reader.hpp"
+#include "scheduling/replay/input_replay.hpp"
 #include "scheduling/session/arrivals.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -71,6 +74,60 @@ void read_run(std::string_view input) {
   read_replay(frames.parent_path(), 1);
 }
 
+constexpr std::size_t replayed_frames = 20;
+
+std::string as_text(Packer& packer) {
+  const Bytes bytes = packer.take();
+  return {bytes.begin(), bytes.end()};
+}
+
+template <class Value>
+void add_record(Packer& out, InputKind kind, const Value& value) {
+  Packer content;
+  pack(content, value);
+  pack_record(out, kind, content.take());
+}
+
+// The records of a run behind a header that is in order.
+void replay_records(std::string_view input) {
+  try {
+    InputReader reader(file_of("raw.inputs", input));
+  } catch (const InputError&) {
+  }
+  InputHeader header{.made_by = "fuzz", .real = true, .frames = replayed_frames, .spare = 4};
+  header.space.box = {Vec3::Constant(-0.02), Vec3::Constant(0.02)};
+  header.render.viscosity = {{0.3, 0.01}};
+  Packer file;
+  file.add_raw(inputs_magic);
+  add_record(file, InputKind::header, header);
+  file.add_raw(input);
+  const ReplayReport report = replay_inputs(file_of("session.inputs", as_text(file)));
+  if (report.equal > report.frames) throw std::logic_error("more equal frames than frames");
+}
+
+std::string recorded_run() {
+  Packer records;
+  for (const double x : {0.0, 0.006, -0.006}) {
+    State state;
+    state.at = Vec3(x, 0, 0);
+    state.force = -100 * state.at;
+    state.stiffness = 100 * Mat3::Identity();
+    add_record(records, InputKind::state, state);
+  }
+  add_record(records, InputKind::model, ModelInput{.states = 3, .serial = 1, .published = true});
+  for (std::uint32_t k = 0; k < replayed_frames; ++k)
+    add_record(records, InputKind::frame,
+               FrameInput{.frame = k,
+                          .known = 3,
+                          .model = k == 2 ? 1u : 0u,
+                          .started = 1e-3 * k,
+                          .now = 1e-3 * k,
+                          .beat = 1e-3 * k,
+                          .at = Vec3(1e-4 * k, 0, 0)});
+  pack_record(records, InputKind::end, {});
+  return as_text(records);
+}
+
 }  // namespace
 
 std::vector<Target> table_targets() {
@@ -103,6 +160,7 @@ std::vector<Target> table_targets() {
              "tool=right\nt,left_x,left_y,left_z,right_x,right_y,right_z\n0,9,9,9,1,2,3\n500,9,9,9,1.5,2,3\n",
              "columns=1/2/3/-\n1,2,3\n2,3,nan\n3,,\n4,0,0\n"};
        }},
+      {"inputs", replay_records, [] { return Seeds{recorded_run()}; }},
       {"run", read_run, [] {
          return Seeds{
              "t,x,y,z,fx,fy,fz,label,model,known\n0,0,0,0,0,0,0,blank,0,0\n0.001,1e-5,0,0,0.1,0,0,safe,1,2\n"

@@ -62,8 +62,9 @@ void check_headers(const Workshop& shop) {
 
 void check_manual(const Workshop& shop) {
   const std::string page = ran(shop, "cat prefix/share/man/man1/forefeel.1");
-  for (const char* command : {"mesh", "solve", "generate", "import", "export", "info", "show", "classify",
-                              "evaluate", "trace", "session", "study", "reproduce", "bench", "cache", "help"})
+  for (const char* command :
+       {"mesh", "solve", "generate", "import", "export", "info", "show", "classify", "evaluate", "trace",
+        "session", "replay", "study", "reproduce", "bench", "cache", "help"})
     CHECK_THAT(page, Catch::Contains(std::string(".SS forefeel ") + command + "\n"));
   CHECK_THAT(page, Catch::Contains(".SH EXAMPLES\n") && Catch::Contains("forefeel cache \\-\\-empty"));
   CHECK_THAT(page, Catch::Contains(".SH FILES\n") && Catch::Contains("~/.cache/forefeel"));

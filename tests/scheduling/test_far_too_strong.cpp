@@ -96,3 +96,24 @@ TEST_CASE("far too strong: the bound, and what is said without neighbours") {
   no_stiffness.force *= 1e4;
   CHECK(is_far_too_strong(no_stiffness, space));
 }
+
+TEST_CASE("far too strong: a first state is compared with the body itself") {
+  StateSpaceOptions options;
+  options.spacing = 0.006;
+  options.box = {Vec3::Constant(-0.024), Vec3::Constant(0.024)};
+  const StateSpace nothing(options);
+  const Mat3 stiffest = 200 * Mat3::Identity();  // twice the spring
+  const Vec3 rest = Vec3::Zero(), away(0.02, 0, 0);
+  CHECK_FALSE(is_far_too_strong(spring(rest), nothing, stiffest));
+  CHECK_FALSE(is_far_too_strong(spring(rest, 5.9), nothing, stiffest));
+  CHECK(is_far_too_strong(spring(rest, 6.1), nothing, stiffest));
+  CHECK(is_far_too_strong(spring(rest, 1000), nothing, stiffest));
+  State pushed = spring(rest);
+  pushed.force =
+      Vec3(3.5, 0, 0);  // what 3 times the bound does over 6 mm is 2.1 N, by the Frobenius norm 6.2 N
+  CHECK_FALSE(is_far_too_strong(pushed, nothing, stiffest));
+  pushed.force = Vec3(6.3, 0, 0);
+  CHECK(is_far_too_strong(pushed, nothing, stiffest));
+  CHECK_FALSE(is_far_too_strong(spring(away, 190), nothing, stiffest));  // a body stiffens
+  CHECK(is_far_too_strong(spring(away, 1000), nothing, stiffest));
+}

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/render/render_loop.hpp"
@@ -297,6 +298,10 @@ TEST_CASE("real clock: a process that is stopped skips frames, keeps the slew li
   CHECK(summary.loop.skipped == result.loop.skipped);
   CHECK(summary.deadline.missed >= result.loop.skipped);
   CHECK(summary.run.seconds == 1.4);
+  CHECK(summary.loop.faults.planner_stalls >= 1);
+  CHECK(std::ranges::any_of(attention(summary), [](const std::string& line) {
+    return line.starts_with("the loop stood still for ");
+  }));
 }
 
 TEST_CASE(

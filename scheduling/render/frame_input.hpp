@@ -1,0 +1,24 @@
+#pragma once
+// Everything that one frame of the loop took from outside, and the two forces that it made of it. From the same inputs
+// and the same models the loop makes the same forces, bit for bit (replay/input_replay.hpp).
+
+#include <cstdint>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+struct FrameInput {
+  std::uint32_t frame = 0;  // its number
+  std::uint32_t known = 0;  // number of known states
+  std::uint64_t model = 0;  // serial number of the model that came with this frame; 0: none came
+  bool ended = false;       // the session was ended early, before this frame
+  bool held = false;        // the device gave a position that is not finite: the last one was held
+  double started = 0;       // of the frame, by the wall clock of the session [s]; virtual clock: 0
+  double now = 0;           // when the force was made, by the same clock [s]
+  double beat = 0;          // the planner's last step [s]
+  Vec3 at = Vec3::Zero();   // of the HIP [m]
+  Vec3 rendered = Vec3::Zero(), sent = Vec3::Zero();  // [N]
+};
+
+}  // namespace forefeel

@@ -1,0 +1,61 @@
+#pragma once
+// Records what came into a run, so that it can be rendered again bit by bit (replay/input_replay.hpp). The format is in
+// input_format.hpp. Three threads take part:
+//   loop      frame(): a copy into a queue, which neither allocates nor locks
+//   planner   learn(), failed(), model(): bytes under a lock that nobody holds for long
+//   writer    drain(): to the disk; a thread of the log, or the caller under the virtual clock
+// Every record reaches the file within about 20 ms, so what a killed run wrote can be replayed. When the disk fails,
+// or is so slow that the queue is full (8 s of frames), recording ends there, the run goes on, and failure() says so.
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/render/input_format.hpp"
+#include "scheduling/render/spsc_queue.hpp"
+
+namespace forefeel {
+
+class InputLog {
+ public:
+  // Makes the file, and writes the header. With `thread` the log drains itself. InputError where the file
+  // cannot be written.
+  InputLog(std::filesystem::path file, const InputHeader& header, bool thread);
+  ~InputLog();
+  InputLog(const InputLog&) = delete;
+  InputLog& operator=(const InputLog&) = delete;
+
+  void frame(const FrameInput& frame) noexcept;  // the loop's thread
+
+  // Before a model is made of it: the states of the space that are not recorded yet. Always the same space.
+  void learn(const StateSpace& space);
+  void model(const ModelInput& model);  // before the model is published
+  void failed(const State& state);      // any thread
+
+  void drain();  // one thread; not with a thread of the log
+  void close();  // after the last frame: drains, marks the end, closes the file
+  const std::optional<std::string>& failure() const { return failure_; }  // after close(); one line
+
+ private:
+  void write(const Bytes& bytes);
+  void fail(const std::string& why);
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  SpscQueue<FrameInput, 8192> frames_;
+  std::atomic<bool> full_{false};  // a frame was lost: recording ends before it
+  std::mutex mutex_;               // of planned_
+  Packer planned_;
+  std::uint32_t learned_ = 0;  // states recorded; planner's thread
+  double last_t_ = 0;          // of the frames written [s]
+  double frame_seconds_;
+  std::optional<std::string> failure_;
+  std::jthread thread_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,19 @@
+#pragma once
+// What a render loop is made with.
+
+#include "approx/relaxation/relaxation.hpp"
+#include "approx/switch/force_switch.hpp"
+#include "scheduling/render/passivity.hpp"
+#include "scheduling/render/safety.hpp"
+
+namespace forefeel {
+
+struct RenderOptions {
+  SwitchOptions switching = {};
+  SafetyOptions safety = {};
+  double frame = 1e-3;       // [s]
+  Viscosity viscosity = {};  // of the body
+  PassivityOptions passivity = {};
+};
+
+}  // namespace forefeel

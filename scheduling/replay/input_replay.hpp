@@ -1,0 +1,46 @@
+#pragma once
+// Renders a recorded run again, without a clock, a device or a worker, and compares every force with the recorded one,
+// bit by bit. The states come in their order, each model is made by the same calls at the same states, and each frame
+// gets the position, the newest model and the two times that it had. What renders is the code of the session itself:
+// SessionModel and RenderLoop.
+//
+// The forces are equal where the same program runs on the same instruction set; another one may round otherwise.
+// Error bars and labels are not replayed: no force depends on them.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+inline constexpr std::string_view inputs_file_name = "session.inputs";  // in the folder of a run
+
+struct ForceDifference {
+  std::size_t frame = 0;  // its number
+  double t = 0;           // [s]
+  bool sent = false;      // of the force sent; false: already of the rendered one
+  Vec3 recorded = Vec3::Zero(), replayed = Vec3::Zero();  // [N]
+};
+
+struct ReplayReport {
+  std::size_t frames = 0, equal = 0;  // equal: rendered and sent force have the recorded bits
+  std::size_t states = 0, failed = 0, models = 0;
+  double seconds = 0;       // time of the last frame [s]
+  std::uint64_t bytes = 0;  // of the file, as far as it was read
+  bool whole = false;       // false: the run was killed or its disk was full; what is there was replayed
+  std::string made_by, replayed_by;
+  std::optional<ForceDifference> first = {};  // none: all are equal
+};
+
+// file: RUN/session.inputs. program: as in SessionFiles. progress: called with the time reached [s].
+// InputError: no such file, or it is damaged.
+ReplayReport replay_inputs(const std::filesystem::path& file, const std::string& program = {},
+                           const std::function<void(double)>& progress = {});
+
+}  // namespace forefeel

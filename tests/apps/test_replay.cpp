@@ -1,0 +1,107 @@
+// forefeel replay: the command's words and exit codes, of runs that went to their end, were interrupted or killed.
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "contract.hpp"
+
+using forefeel::test::beam_scene;
+using forefeel::test::check_refused;
+using forefeel::test::executable;
+using forefeel::test::run_interrupted;
+using forefeel::test::run_json;
+using forefeel::test::Workshop;
+using nlohmann::json;
+
+namespace {
+
+const std::string viscous = "[[material.viscosity]]\nshare = 0.3\ntime = 0.05\n";
+
+}  // namespace
+
+TEST_CASE("real and virtual runs replay to the same bits by the command", "[replay]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  shop.write(
+      "viscous.toml",
+      "[body]\nphantom = \"beam\"\nelements = 240\n[[material]]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
+      "poisson = 0.3\n" +
+          viscous +
+          "[state_space]\nspacing = 0.004\nbox = [[-0.004, -0.004, -0.004], [0.004, 0.004, 0.004]]\n");
+  for (const std::string session :
+       {"beam.toml --clock real --seconds 1.5", "viscous.toml --clock real --seconds 1",
+        "beam.toml --clock virtual --seconds 3"}) {
+    CAPTURE(session);
+    const json run = run_json(shop, "session " + session + " -o run");
+    const json replay = run_json(shop, "replay run");
+    CHECK(replay["frames"] == run["frames"]);
+    CHECK(replay["equal"] == run["frames"]);
+    CHECK(replay["first_difference"].is_null());
+    CHECK(replay["whole"] == true);
+    CHECK(replay["recorded_by"] == replay["replayed_by"]);
+    const Workshop::Outcome words = shop.forefeel("replay run");
+    CHECK(words.code == 0);
+    const std::string frames = std::to_string(run["frames"].get<int>());
+    CHECK_THAT(words.out, Catch::StartsWith(frames + " of " + frames + " frames equal"));
+    CHECK(words.err.empty());
+  }
+}
+
+TEST_CASE("interrupted and killed runs replay as far as they came", "[replay]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const json cut =
+      run_interrupted(shop, "session beam.toml --clock real --seconds 60 -o cut", "-s cut/session.inputs", 1)
+          .json();
+  const json replay = run_json(shop, "replay cut");
+  CHECK(replay["equal"] == cut["frames"]);
+  CHECK(replay["whole"] == true);
+
+  shop.shell(
+      executable() +
+      " session beam.toml --clock real --seconds 60 -o killed >/dev/null 2>&1 & p=$!; while ! [ -s "
+      "killed/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 1; kill -9 $p; "
+      "wait $p");
+  CHECK(shop.shell("test -e killed/summary.json").code != 0);
+  const Workshop::Outcome killed = shop.forefeel("replay killed --json");
+  INFO(killed.err);
+  CHECK(killed.code == 0);
+  CHECK(killed.json()["whole"] == false);
+  CHECK(killed.json()["frames"] > 200);
+  CHECK(killed.json()["equal"] == killed.json()["frames"]);
+  CHECK_THAT(killed.err, Catch::Contains("ends early, because the run was killed or its disk was full"));
+}
+
+TEST_CASE("a changed record is a difference, a damaged or missing one is refused in one line", "[replay]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const json run = run_json(shop, "session beam.toml --clock virtual --seconds 0.5 -o run");
+  REQUIRE(run["frames"] == 500);
+  // The last record is the end, 5 bytes; the one before is a frame, whose last 24 bytes are the force sent.
+  shop.shell(
+      "cp -r run changed; size=$(stat -c %s run/session.inputs); printf '\\125' | dd "
+      "of=changed/session.inputs "
+      "bs=1 conv=notrunc seek=$((size - 6)) 2>/dev/null");
+  const Workshop::Outcome changed = shop.forefeel("replay changed");
+  INFO(changed.err);
+  CHECK(changed.code == 1);
+  CHECK_THAT(changed.out, Catch::StartsWith("499 of 500 frames equal") &&
+                              Catch::Contains("first difference in frame 499 (0.499 s), sent force: "));
+  const Workshop::Outcome document = shop.forefeel("replay changed --json");
+  CHECK(document.code == 1);
+  CHECK(document.json()["first_difference"]["frame"] == 499);
+  CHECK(document.json()["first_difference"]["force"] == "sent");
+
+  shop.shell(
+      "cp -r run damaged; size=$(stat -c %s run/session.inputs); printf 'Q' | dd of=damaged/session.inputs "
+      "bs=1 "
+      "conv=notrunc seek=$((size - 5)) 2>/dev/null");
+  check_refused(shop, "replay damaged",
+                {"damaged/session.inputs", "is damaged at byte", "no record of a run"});
+  shop.shell("rm damaged/session.inputs");
+  check_refused(shop, "replay damaged", {"damaged/session.inputs", "no such file", "session.record"});
+  check_refused(shop, "replay nowhere", {"nowhere", "no such folder"});
+
+  run_json(shop, "session beam.toml --clock virtual --seconds 0.2 --set session.record=false -o without");
+  CHECK(shop.shell("test -e without/session.inputs").code != 0);
+}
