@@ -251,11 +251,11 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   scene.model.select = session.word("select", select_words()).value_or(scene.model.select);
   read_session(session, file.parent_path(), scene.session);
   scene.written.device = session.text("device");
-  const bool of_hand = root.has("hand");
+  const SceneTable hand = table("hand");
+  const std::optional<std::string> of_hand = device_of_hand(hand);
   if (of_hand && scene.written.device)
     throw session.wrong("device", "only one of session.device and the table [hand]");
-  const SceneTable hand = table("hand");
-  if (of_hand) scene.written.device = device_of_hand(hand);
+  if (of_hand) scene.written.device = of_hand;
   scene.written.cost = session.text("cost");
   scene.written.device_place = of_hand ? hand.place() : session.where("device");
   scene.written.cost_place = session.where("cost");

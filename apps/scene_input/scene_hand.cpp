@@ -27,7 +27,10 @@ std::vector<Declared> hand_keys() {
   return {};
 }
 
-std::string device_of_hand(const SceneTable& hand) {
+std::optional<std::string> device_of_hand(const SceneTable& hand) {
+  bool any = false;
+  for (const Declared& key : hand_keys()) any = hand.has(key.name) || any;
+  if (!any) return {};
   std::string text = "hand:" + hand.text(hand.exactly_one_of({"profile"})).value_or("");
   for (const Declared& key : hand_keys()) {
     if (key.name == "profile" || !hand.has(key.name)) continue;

@@ -5,6 +5,7 @@
 //   grip = "light"
 //   drawn = true
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace forefeel {
 // The keys of [hand]: profile, and the settings of hand:PROFILE.
 std::vector<Declared> hand_keys();
 
-// The device's text of the table, which has keys. Values are checked where the text is read.
-std::string device_of_hand(const SceneTable& hand);
+// The device's text of the table; none where it has no keys. Values are checked where the text is read.
+std::optional<std::string> device_of_hand(const SceneTable& hand);
 
 }  // namespace forefeel

@@ -44,6 +44,7 @@ std::string value_for(const std::string& setting) {
   if (setting == "offset") return "0/0/0.001";
   if (setting == "columns") return "time/px/py/pz";
   if (setting == "unit") return "mm/ms";
+  if (setting == "drawn") return "yes";
   return setting == "grip" ? "200" : "0.01";
 }
 

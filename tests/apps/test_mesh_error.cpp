@@ -67,7 +67,7 @@ TEST_CASE("where the mesh is further off than the error shown, that comes first"
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome told = shop.forefeel("session beam.toml" + touch + "--cost constant:0.0001 -o run");
   REQUIRE(told.code == 0);
-  CHECK_THAT(told.err, Catch::StartsWith("attention: the mesh is too coarse for the errors shown") ||
+  CHECK_THAT(told.out, Catch::StartsWith("attention: the mesh is too coarse for the errors shown") ||
                            Catch::Contains("\nattention: the mesh is too coarse for the errors shown"));
   const json summary = json::parse(text_of(shop.path() / "run" / "summary.json"));
   REQUIRE(summary["error"]["p95"].get<double>() < summary["discretisation_error"].get<double>());
