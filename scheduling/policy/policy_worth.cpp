@@ -2,7 +2,8 @@
 // (error_need.hpp). Where it removes none, states nearer to the predicted path come first.
 //   worth            the estimates of the error as they are
 //   worth-shuffled   the placebo: the same estimates, permuted among the places
-// The loss of the placebo against the policy measures the value of the estimates.
+// The loss of the placebo against the policy measures the value of the estimates. None has been shown yet:
+// apps/studies/worth.toml.
 
 #include <algorithm>
 
