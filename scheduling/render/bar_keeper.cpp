@@ -12,6 +12,8 @@ constexpr std::size_t remembered = 8192;  // frames: longer than nearly all solv
 constexpr std::size_t enough_audits = 20;
 // Of the calibration: step of a_t, and the scores that the prior counts as.
 constexpr double step = 0.02, prior_weight = 60;
+// A guess alone says nothing of how the stiffness changes: its errors on a block were up to 1.8 times the usual bar.
+constexpr double of_guess = 2;
 constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
 }  // namespace
@@ -63,14 +65,15 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
 void BarKeeper::publish(const Vec3& hip, const Model& model) {
   near_.clear();
   for (const StateId id : model.states()) near_.push_back(space_[id]);
-  if (space_.empty() && guessed_.has_stiffness()) near_.push_back(guessed_);
+  const bool guess_alone = space_.empty() && guessed_.has_stiffness();
+  if (guess_alone) near_.push_back(guessed_);
   const std::size_t count = std::min(near_.size(), ErrorScale::most);
   std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
                     [&](const State& a, const State& b) {
                       return (a.at - hip).squaredNorm() < (b.at - hip).squaredNorm();
                     });
   newest_.scale = ErrorScale(near_, space_.options().spacing);
-  newest_.scale.stretch(level_.stretch());
+  newest_.scale.stretch((guess_alone ? of_guess : 1) * level_.stretch());
   newest_.label = space_.empty() ? Label::blank : space_.label(hip, walk_);
   newest_.factors = factors_.factors(newest_.label);
   link_.bars.publish(newest_);

@@ -115,7 +115,7 @@ class Files(unittest.TestCase):
         self.assertEqual(len(run_files["frames"]["t"]), 300)
         self.assertEqual(run_files["summary"]["frames"], 300)
         self.assertGreater(len(ff.read("run/session.states")), 0)
-        for file in pathlib.Path("run").iterdir():
+        for file in set(pathlib.Path("run").iterdir()) - {pathlib.Path("run/session.inputs")}:
             if file.suffix not in (".html", ".svg", ".toml", ""):
                 ff.read(file)
 

@@ -78,8 +78,8 @@ TEST_CASE("--set is refused where there is no scene, and is that of the built-in
 
 TEST_CASE("--set is refused where a command reads no scene, and its help says so", "[command-line]") {
   const Workshop shop;
-  for (const std::string command : {"info s.states", "import s.csv -o s.states", "export s.states -o s.csv",
-                                    "mesh beam.obj -o beam.msh", "cache"}) {
+  for (const std::string command :
+       {"info s.states", "import s.csv -o s.states", "export s.states -o s.csv", "cache"}) {
     const std::string name = command.substr(0, command.find(' '));
     check_refused(shop, command + " --set nosuch=1",
                   {"--set: is about keys of a scene, but " + name + " reads none, expected no --set"});

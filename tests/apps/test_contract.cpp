@@ -86,7 +86,9 @@ TEST_CASE("generate --error says where the spacing is the limit", "[contract]") 
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["states"] == 27);
   CHECK(outcome.json()["most_states"] == 27);
-  CHECK(outcome.error_lines() == 4);  // what was done, the estimate, the warning, how to look at it
+  // What was done, the estimate, the mesh's own error, the warning, how to look at it.
+  CHECK(outcome.error_lines() == 5);
+  CHECK_THAT(outcome.err, Catch::Contains("discretisation error of the mesh"));
   CHECK_THAT(outcome.err,
              Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") &&
                  Catch::Contains("the spacing is the limit"));

@@ -51,7 +51,8 @@ TEST_CASE(
 TEST_CASE(
     "forefeel study: the terminal shows the intervals of the document, and none where one pair gives none") {
   const test::Workshop shop;
-  shop.write("scene.toml", test::beam_scene("[session]\nseconds = 0.8\nrest_first = false\n"));
+  shop.write("scene.toml",
+             test::beam_scene("[session]\nseconds = 0.8\nrest_first = false\nfirst_guess = false\n"));
   const std::string varied =
       "baseline = \"constant:0.02\"\n[vary]\ncost = [\"constant:0.02\", \"constant:0.3\"]\n";
   shop.write(

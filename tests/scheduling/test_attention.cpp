@@ -16,7 +16,7 @@ namespace {
 // 1000 frames at rest inside the box, all of them samples without error.
 SessionResult quiet_run(std::size_t samples = 1000) {
   SessionResult result;
-  result.counts.start = 1;
+  result.counts.solved = 1;
   for (std::size_t k = 0; k < 1000; ++k) {
     FrameRecord frame{.t = 1e-3 * static_cast<double>(k)};
     if (k < samples) {
@@ -41,7 +41,7 @@ TEST_CASE("nothing is said first about a session that has nothing to hide") {
 
 TEST_CASE("a session without a state says that its forces are none of the body") {
   SessionResult result = quiet_run();
-  result.counts.start = 0;
+  result.counts.solved = 0;
   REQUIRE(lines(result).size() == 1);
   CHECK_THAT(lines(result)[0], Catch::StartsWith("no state was solved"));
 }
