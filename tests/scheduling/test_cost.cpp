@@ -106,7 +106,10 @@ TEST_CASE("a reference is waited for as long as is said, and is there later all 
   const auto now = std::chrono::steady_clock::now();
   const Vec3 x(0.003, -0.002, 0.001), y(0.001, 0.002, -0.003);
   for (int i = 1; i <= 1000; ++i) service.request(1e-6 * i * y);  // what one thread does not do at once
-  CHECK_FALSE(service.get_until(x, now - std::chrono::seconds(1)));
+  // A solve may end before it is asked about, though hardly each of twenty.
+  std::size_t late = 0;
+  for (int i = 1; i <= 20; ++i) late += !service.get_until(x + 1e-5 * i * y, now - std::chrono::seconds(1));
+  CHECK(late > 0);
   const std::optional<State> later = service.get_until(x, now + std::chrono::hours(1));
   REQUIRE(later);
   CHECK(later->usable());
