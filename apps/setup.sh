@@ -12,7 +12,7 @@ packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboos
           zlib1g-dev libnifti2-dev catch2 gnuplot-nox libjs-three)
 case "${1:-}" in
   "") ;;
-  tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-vtk9 calculix-ccx python3-dolfinx
+  tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-matplotlib python3-vtk9 calculix-ccx python3-dolfinx
                     clang-format-14 dpkg-dev file pybind11-dev python3-dev) ;;
   sanitizers) packages+=(clang libomp-dev) ;;
   python) packages+=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib) ;;
