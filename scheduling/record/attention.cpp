@@ -85,6 +85,14 @@ void add_faults(const SessionSummary::Loop& loop, std::vector<std::string>& line
       "set");
 }
 
+std::string controlled(const ControlSummary& control) {
+  return fmt::format(
+      "passivity control changed the force sent by {:.2g} % (p50), {:.2g} % (p95); the errors are those of "
+      "the "
+      "rendered force, before it",
+      100 * control.added_p50, 100 * control.added_p95);
+}
+
 std::string samples(const char* what, std::size_t n) {
   return fmt::format("{} rest on {} sample{}", what, n, n == 1 ? "" : "s");
 }
@@ -99,6 +107,7 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   const SessionSummary::Error& error = summary.error;
   if (error.mesh.above(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
+  if (summary.energy.control.added_p95 > added_too_much) lines.push_back(controlled(summary.energy.control));
   if (motion.starts_wrong) lines.push_back(pressed_in(motion));
   if (motion.outside > outside_too_often)
     lines.push_back(

@@ -46,6 +46,16 @@ TEST_CASE("a session without a state says that its forces are none of the body")
   CHECK_THAT(lines(result)[0], Catch::StartsWith("no state was solved"));
 }
 
+TEST_CASE("what passivity control changes of the force is said, as the errors do not hold it") {
+  SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
+  summary.energy.control.added_p50 = 0.2;
+  summary.energy.control.added_p95 = 0.75;
+  REQUIRE(attention(summary).size() == 1);
+  CHECK_THAT(attention(summary)[0], Catch::Contains("by 20 % (p50), 75 % (p95)"));
+  summary.energy.control.added_p95 = 0.005;
+  CHECK(attention(summary).empty());
+}
+
 TEST_CASE("an error bar that held too seldom in a label is said with that label") {
   SessionResult result = quiet_run();
   for (std::size_t k = 0; k < 100; ++k) {
