@@ -19,6 +19,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/session_arguments.hpp"
+#include "apps/commands/session_folder.hpp"
 #include "apps/commands/session_shapes.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
@@ -35,14 +36,12 @@
 #include "apps/scene_input/scene_tolerance.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/common/result_folder.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/run_files.hpp"
-#include "scheduling/record/shape_files.hpp"
 #include "scheduling/replay/input_replay.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
@@ -93,31 +92,6 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     return with_foreign(std::move(plan), std::move(known.loaded.states));
   }
   return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
-}
-
-// The run that is replayed must not be overwritten.
-void keep_replayed(const SessionOptions& options, const fs::path& run) {
-  std::error_code error;
-  if (options.motion.replay && fs::equivalent(*options.motion.replay, run, error))
-    throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
-}
-
-// States of an earlier run into this folder, unless they are being extended, are renamed to session-1.states,
-// session-2.states, … and kept.
-void set_aside_states_of_last_run(const Globals& globals, const SessionArguments& given,
-                                  const fs::path& run) {
-  const fs::path file = run / "session.states";
-  std::error_code error;
-  if (!fs::exists(file) || (given.states.extend && fs::equivalent(given.states.file, file, error))) return;
-  int k = 1;
-  while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
-  warn(globals,
-       fmt::format("{}: states of an earlier run, kept as session-{}.states; --states begins with them",
-                   file.string(), k));
-  for (const char* end : {"-wal", "-shm", ""}) {
-    const fs::path part = file.string() + end;
-    if (fs::exists(part)) fs::rename(part, run / fmt::format("session-{}.states{}", k, end));
-  }
 }
 
 std::string text_for(const SessionProgress& p) {
@@ -254,17 +228,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const SessionOptions& options = plan.options;
   keep_replayed(options, run);
   SessionShapes shapes(shape, plan, given);
-  std::vector<std::string> files{"frames.csv",
-                                 "dispatch.csv",
-                                 "switches.csv",
-                                 "states.csv",
-                                 "summary.json",
-                                 "report.html",
-                                 std::string(inputs_file_name)};
-  std::ranges::move(shapes.files(), std::back_inserter(files));
-  claim_folder(run, files);
-  remove_shape_files(run);
-  set_aside_states_of_last_run(globals, given, run);
+  claim_run_folder(globals, given, shapes.files(), run);
   warn_of_replay(globals, scene, given);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
