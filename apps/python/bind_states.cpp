@@ -28,7 +28,7 @@ PySpace space_of(std::vector<State> states, std::optional<double> spacing,
   options.spacing = spacing ? *spacing : estimate_spacing(states);
   if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
     if (spacing) throw InputError("spacing", fmt::format("is {} m, expected a positive number", *spacing));
-    options.spacing = StateSpaceOptions{}.spacing;  // a single position has no spacing
+    throw InputError("spacing", "is not given, and a single position has none, expected metres");
   }
   options.coverage = thresholds;
   options.box = {states.front().at, states.front().at};

@@ -78,6 +78,11 @@ class LikeTheCommand(unittest.TestCase):
         self.assertEqual(used["kernel"], said["chosen"]["kernel"])
         self.assertEqual(used["expected_error"]["p95"], said["expected_error"]["p95"])
 
+    def test_a_single_position_has_no_spacing(self):
+        with self.assertRaisesRegex(ff.InputError, "spacing: is not given"):
+            ff.classify([[0, 0, 0.001]] * 3, [[0, 0, 0]])
+        self.assertEqual(len(ff.classify([[0, 0, 0.001]], [[0, 0, 0]], spacing=0.006)), 1)
+
     def test_states_and_solves(self):
         scene = ff.Scene(SCENE)
         states = scene.generate()

@@ -155,7 +155,7 @@ class Files(unittest.TestCase):
         for call, line in (
                 (lambda: ff.classify([[0, 0, 0]], [["a", 0, 0]]), "points: expected an array of numbers"),
                 (lambda: ff.classify([[0, 0, 0]], [[0, 0, 0]], spacing="wide"), "spacing: is 'wide', expected metres"),
-                (lambda: ff.StateSpace([[0, 0, 0]]).nearest([0, 0, 0], 0), "n: is 0, expected a whole number >= 1"),
+                (lambda: ff.StateSpace([[0, 0, 0]], 0.01).nearest([0, 0, 0], 0), "n: is 0, expected a whole number >= 1"),
                 (lambda: ff.StateSpace(np.zeros(3, [("x", float)])), "states: has other fields than state_dtype; "
                  "forefeel.measured() makes such an array"),
                 (lambda: ff.evaluate([[0, 0, 0]], [[0, 0, 1]], [[0, 0, 0]], neighbours="many"),

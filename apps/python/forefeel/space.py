@@ -24,7 +24,8 @@ def classify(positions: ArrayLike, points: ArrayLike, spacing: float | None = No
     """Labels of points from the positions of known states: uint8 (m,), 0 safe, 1 sparse, 2 gap, 3 blank.
 
     positions (n, 3) [m]; points (m, 3) [m]; spacing that counts as dense [m], None: the median distance of the
-    states to their nearest neighbour. Same labels as `forefeel classify`. `label_names` has the words.
+    states to their nearest neighbour, and at least two positions are needed. Same labels as `forefeel classify`.
+    `label_names` has the words.
     """
     return _core.classify(numbers(positions, "positions"), numbers(points, "points"), _length(spacing))
 
