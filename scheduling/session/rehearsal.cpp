@@ -33,7 +33,8 @@ std::vector<std::string> schedules_to_try() {
   std::erase_if(names, [](const std::string& name) {
     return name == "clairvoyant" || name.find("shuffled") != std::string::npos;
   });
-  std::ranges::stable_partition(names, [](const std::string& name) { return name == "clairvoyant-greedy"; });
+  std::stable_partition(names.begin(), names.end(),
+                        [](const std::string& name) { return name == "clairvoyant-greedy"; });
   return names;
 }
 
