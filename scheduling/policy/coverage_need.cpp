@@ -11,6 +11,7 @@
 #include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
+#include "scheduling/policy/prediction_weight.hpp"
 
 namespace forefeel {
 namespace {
@@ -33,19 +34,6 @@ double lack(Label label, int scale) {
       return 0;
   }
   return 0;
-}
-
-// A hand that leaves the box turns back. A position predicted outside is mirrored at the faces of the box, as
-// often as needed to be inside.
-Vec3 folded(const Vec3& x, const Box& box) {
-  Vec3 inside = box.low;
-  for (int i = 0; i < 3; ++i) {
-    const double size = box.high[i] - box.low[i];
-    if (!(size > 0) || !std::isfinite(x[i])) continue;
-    const double place = std::fmod(std::abs(x[i] - box.low[i]), 2 * size);
-    inside[i] += std::min(place, 2 * size - place);
-  }
-  return inside;
 }
 
 // out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a
@@ -180,13 +168,6 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
     importance_[s] = (missed_[s] + strength * prior[s]) / (seen_[s] + strength);
     if (s + 1 < scales) importance_[s] = std::max(importance_[s], importance_[s + 1]);
   }
-}
-
-// A state requested now is known after T, the time of a solve. Places that the hand reaches at about that
-// time count most. Places it passes earlier benefit less; places it reaches later can wait.
-double CoverageNeed::urgency(double t, double solve) {
-  const double late = (solve - t) / solve;
-  return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
 }
 
 // path_share of the weight is on the path. A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its

@@ -67,7 +67,6 @@ class CoverageNeed {
   void relabel(Place& place, std::size_t scale) const;
   void weigh_scales(bool with_stiffness);
   void weigh(const PlannerView& view);
-  static double urgency(double t, double solve);
   void shuffle_labels();
   void gather_needs();
   void gather_corners(const PlannerView& view);

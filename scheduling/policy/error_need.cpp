@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scheduling/motion/random.hpp"
+#include "scheduling/policy/prediction_weight.hpp"
 
 namespace forefeel {
 namespace {
@@ -30,23 +31,6 @@ double normal_share(double x) {
 
 double above_one(double log_median, double v) {
   return std::exp(log_median + 0.5 * v * v) * normal_share(log_median / v + v) - normal_share(log_median / v);
-}
-
-// As in coverage_need.cpp: places that the hand reaches when the state is known count most.
-double urgency(double t, double solve) {
-  const double late = (solve - t) / solve;
-  return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
-}
-
-Vec3 folded(const Vec3& x, const Box& box) {
-  Vec3 inside = box.low;
-  for (int i = 0; i < 3; ++i) {
-    const double size = box.high[i] - box.low[i];
-    if (!(size > 0) || !std::isfinite(x[i])) continue;
-    const double place = std::fmod(std::abs(x[i] - box.low[i]), 2 * size);
-    inside[i] += std::min(place, 2 * size - place);
-  }
-  return inside;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "tests/apps/contract.hpp"
 #include "tests/apps/shown_page.hpp"
+#include "tests/apps/vtk_files.hpp"
 #include "tests/support/skip.hpp"
 
 using namespace forefeel::test;
@@ -19,15 +20,7 @@ namespace fs = std::filesystem;
 const std::string press = " --clock virtual --seconds 1 --device path:circle,speed=0.03 --quiet";
 
 json series(const Workshop& shop, const std::string& run) {
-  const auto outcome = shop.shell("/usr/bin/python3 '" +
-                                  (source_folder() / "tests/apps/read_shapes.py").string() + "' " + run);
-  if (outcome.code == 77 || outcome.code == 127) {
-    skip("python3-vtk9 is not installed");
-    return nullptr;
-  }
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  return outcome.json();
+  return forefeel::test::read_by_vtk(shop, run, "read_shapes.py");
 }
 
 }  // namespace

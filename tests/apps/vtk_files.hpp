@@ -11,10 +11,12 @@
 
 namespace forefeel::test {
 
-// One object for each file; null (and the test counts as skipped) if VTK is not installed.
-inline nlohmann::json read_by_vtk(const Workshop& shop, const std::string& files) {
+// One object for each file, or what another script of this folder prints; null (and the test counts as skipped) if VTK
+// is not installed.
+inline nlohmann::json read_by_vtk(const Workshop& shop, const std::string& files,
+                                  const std::string& script = "read_vtk.py") {
   const auto outcome =
-      shop.shell("/usr/bin/python3 '" + (source_folder() / "tests/apps/read_vtk.py").string() + "' " + files);
+      shop.shell("/usr/bin/python3 '" + (source_folder() / "tests/apps" / script).string() + "' " + files);
   if (outcome.code == 77 || outcome.code == 127) {
     skip("python3-vtk9 is not installed");
     return nullptr;
