@@ -22,6 +22,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/trace_check.hpp"
+#include "scheduling/trace/trace_file.hpp"
 
 namespace forefeel {
 namespace {

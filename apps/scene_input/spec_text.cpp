@@ -11,6 +11,7 @@
 
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
+#include "scheduling/trace/trace_file.hpp"
 #include "scheduling/workers/cost.hpp"
 
 namespace forefeel {

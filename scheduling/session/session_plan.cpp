@@ -13,6 +13,7 @@
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
+#include "scheduling/trace/trace_file.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "solver/body/contact_bound.hpp"
 #include "solver/equilibrium/first_guess.hpp"

@@ -15,6 +15,7 @@
 #include "scheduling/replay/input_reader.hpp"
 #include "scheduling/replay/input_replay.hpp"
 #include "scheduling/session/arrivals.hpp"
+#include "scheduling/trace/trace_file.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace forefeel::fuzz {

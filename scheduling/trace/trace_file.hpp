@@ -12,25 +12,13 @@
 //
 // Recorded orientation is not read, because the HIP is a point. `ignored` counts the columns that were not read.
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
-#include <vector>
 
-#include "scheduling/motion/trace_rows.hpp"
+#include "scheduling/trace/trace_format.hpp"
+#include "scheduling/trace/trace_rows.hpp"
 
 namespace forefeel {
-
-struct TraceFormat {
-  std::vector<std::string> columns = {};  // t,x,y,z, or x,y,z with a rate; empty: by these names
-  double rate = 0;                        // [Hz]; 0: times are in a column
-  double metre = 1;                       // length of the unit of positions [m]
-  double second = 1;                      // length of the unit of time [s]
-  std::string tool = {};                  // empty: the file holds one
-
-  // True if everything has its default: CSV t,x,y,z in SI units.
-  bool is_usual() const { return columns.empty() && rate == 0 && metre == 1 && second == 1 && tool.empty(); }
-};
 
 // What to do with a row whose position is empty or not a number, as when a marker is out of sight.
 enum class MissingPositions { refuse, leave_out };

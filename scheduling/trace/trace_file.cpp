@@ -1,4 +1,4 @@
-#include "scheduling/motion/trace_file.hpp"
+#include "scheduling/trace/trace_file.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
-#include "scheduling/motion/trace_cells.hpp"
-#include "scheduling/motion/trace_flaws.hpp"
-#include "scheduling/motion/trace_header.hpp"
+#include "scheduling/trace/trace_cells.hpp"
+#include "scheduling/trace/trace_flaws.hpp"
+#include "scheduling/trace/trace_header.hpp"
 
 namespace forefeel {
 namespace {

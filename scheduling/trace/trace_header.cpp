@@ -1,4 +1,4 @@
-#include "scheduling/motion/trace_header.hpp"
+#include "scheduling/trace/trace_header.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "scheduling/motion/trace_cells.hpp"
+#include "scheduling/trace/trace_cells.hpp"
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-#include "scheduling/motion/trace_flaws.hpp"
+#include "scheduling/trace/trace_flaws.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scheduling/motion/trace_cells.hpp"
+#include "scheduling/trace/trace_cells.hpp"
 
 namespace forefeel {
 

@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "scheduling/motion/trace_cells.hpp"
-#include "scheduling/motion/trace_rows.hpp"
+#include "scheduling/trace/trace_cells.hpp"
+#include "scheduling/trace/trace_rows.hpp"
 
 namespace forefeel {
 
