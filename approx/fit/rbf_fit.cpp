@@ -38,91 +38,92 @@ double power(double r2, int k) {
 }  // namespace
 
 RbfFit::RbfFit(const ModelOptions& options, std::size_t capacity)
-    : options_(options), capacity_(std::max<std::size_t>(capacity, 1)) {
+    : options_(options), room_{std::max<std::size_t>(capacity, 1), 0} {
   const bool hermite = options.data == Data::force_and_stiffness;
   const std::size_t rows = hermite ? 4 : 1;
-  slot_capacity_ = capacity_ + std::max<std::size_t>(hermite ? 8 : 32, capacity_ / 8) + DenseFactor::panel;
-  factor_ = DenseFactor(rows * slot_capacity_ + DenseFactor::panel);
-  slot_.resize(slot_capacity_ + DenseFactor::panel);
-  row_stride_ = (factor_.row_capacity() + 23) / 8 * 8;
-  for (auto* v : {&px_, &py_, &pz_}) v->assign(slot_capacity_ + 2 * DenseFactor::panel, 0.0);
-  slot_stride_ = (slot_capacity_ + 2 * DenseFactor::panel + 7) / 8 * 8;
-  slot_data_.assign(slot_arrays * slot_stride_, 0.0);
-  hull_.assign(3 * slot_stride_, 0.0);
-  lagrange_.assign(max_terms * row_stride_, 0.0);
-  dual_.assign(max_terms * row_stride_, 0.0);
-  weight_.assign(row_stride_, 0.0);
-  orthogonal_.assign((max_terms + 6) * row_stride_, 0.0);
-  given_stride_ = (slot_capacity_ + 15) / 8 * 8;
-  given_.assign(12 * given_stride_, 0.0);
-  misfit_.assign(12 * given_stride_, 0.0);
-  correction_.assign(3 * row_stride_, 0.0);
-  last_correction_.assign(3 * row_stride_, 0.0);
-  living_.reserve(slot_capacity_ + DenseFactor::panel);
-  gathered_.reserve(slot_capacity_);
-  sorted_.reserve(slot_capacity_);
-  added_.reserve(2 * slot_capacity_);
-  by_id_.reserve(slot_capacity_ + DenseFactor::panel);
-  index_.reserve(factor_.row_capacity());
-  kept_rows_.reserve(factor_.row_capacity());
-  moved_.reserve(slot_capacity_ + DenseFactor::panel);
+  room_.slots = room_.states + std::max<std::size_t>(hermite ? 8 : 32, room_.states / 8) + DenseFactor::panel;
+  factor_ = DenseFactor(rows * room_.slots + DenseFactor::panel);
+  set_.slot.resize(room_.slots + DenseFactor::panel);
+  rows_.stride = (factor_.row_capacity() + 23) / 8 * 8;
+  for (auto* v : {&set_.px, &set_.py, &set_.pz}) v->assign(room_.slots + 2 * DenseFactor::panel, 0.0);
+  set_.stride = (room_.slots + 2 * DenseFactor::panel + 7) / 8 * 8;
+  set_.data.assign(Slots::arrays * set_.stride, 0.0);
+  scratch_.hull.assign(3 * set_.stride, 0.0);
+  rows_.lagrange.assign(max_terms * rows_.stride, 0.0);
+  rows_.dual.assign(max_terms * rows_.stride, 0.0);
+  rows_.weight.assign(rows_.stride, 0.0);
+  rows_.orthogonal.assign((max_terms + 6) * rows_.stride, 0.0);
+  refinement_.stride = (room_.slots + 15) / 8 * 8;
+  refinement_.given.assign(12 * refinement_.stride, 0.0);
+  refinement_.misfit.assign(12 * refinement_.stride, 0.0);
+  refinement_.correction.assign(3 * rows_.stride, 0.0);
+  refinement_.last_correction.assign(3 * rows_.stride, 0.0);
+  set_.living.reserve(room_.slots + DenseFactor::panel);
+  scratch_.gathered.reserve(room_.slots);
+  scratch_.sorted.reserve(room_.slots);
+  scratch_.added.reserve(2 * room_.slots);
+  set_.by_id.reserve(room_.slots + DenseFactor::panel);
+  scratch_.index.reserve(factor_.row_capacity());
+  scratch_.kept_rows.reserve(factor_.row_capacity());
+  scratch_.moved.reserve(room_.slots + DenseFactor::panel);
 }
 
 void RbfFit::clear() {
   factor_.clear();
-  std::fill_n(slot_array(in_use), slot_stride_, 0.0);
-  std::fill_n(slot_array(share), slot_stride_, 0.0);
-  weighted_ = false;
-  slots_ = alive_ = dropped_slots_ = 0;
-  updated_ = worn_ = false;
-  by_id_.clear();
+  std::fill_n(set_.array(Slots::in_use), set_.stride, 0.0);
+  std::fill_n(set_.array(Slots::share), set_.stride, 0.0);
+  set_.weighted = false;
+  set_.slots = set_.alive = set_.dropped = 0;
+  wear_.updated = wear_.worn = false;
+  set_.by_id.clear();
 }
 
 void RbfFit::place(std::size_t slot, const Sample& sample) {
   const bool known = sample.stiffness.allFinite();
-  slot_[slot] = {sample, true, level_.hermite && known, 0};
-  slot_array(in_use)[slot] = sample.state ? 1 : 0;
-  slot_array(share)[slot] = sample.state ? sample.weight : 0;
-  weighted_ = weighted_ || sample.weighted;
-  slot_array(force_norm)[slot] = slot_array(share)[slot] * sample.force.norm();
-  slot_array(stiffness_norm)[slot] = known ? sample.stiffness.norm() : 0;
+  set_.slot[slot] = {sample, true, level_.hermite && known, 0};
+  set_.array(Slots::in_use)[slot] = sample.state ? 1 : 0;
+  set_.array(Slots::share)[slot] = sample.state ? sample.weight : 0;
+  set_.weighted = set_.weighted || sample.weighted;
+  set_.array(Slots::force_norm)[slot] = set_.array(Slots::share)[slot] * sample.force.norm();
+  set_.array(Slots::stiffness_norm)[slot] = known ? sample.stiffness.norm() : 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    slot_array(force + c)[slot] = sample.force[Eigen::Index(c)];
+    set_.array(Slots::force + c)[slot] = sample.force[Eigen::Index(c)];
     for (std::size_t d = 0; d < 3; ++d)
-      slot_array(stiffness + 3 * c + d)[slot] =
+      set_.array(Slots::stiffness + 3 * c + d)[slot] =
           known ? sample.stiffness(Eigen::Index(c), Eigen::Index(d)) : 0;
   }
-  const Vec3 y = scaled(sample.at);
-  px_[slot] = y[0];
-  py_[slot] = y[1];
-  pz_[slot] = y[2];
+  const Vec3 y = frame_.scaled(sample.at);
+  set_.px[slot] = y[0];
+  set_.py[slot] = y[1];
+  set_.pz[slot] = y[2];
   functionals(slot);
 }
 
 // l and v (polynomial.hpp) of the slot's rows.
 void RbfFit::functionals(std::size_t slot) {
-  const double y[3] = {px_[slot], py_[slot], pz_[slot]};
+  const double y[3] = {set_.px[slot], set_.py[slot], set_.pz[slot]};
   double l[max_terms], gradient[3 * max_terms];
   lagrange(level_.degree, y, l, gradient);
   double phi[4][max_terms];  // of each row at each anchor
-  for (std::size_t j = 0; j < terms_; ++j) {
-    const double d[3] = {y[0] - anchors_[j][0], y[1] - anchors_[j][1], y[2] - anchors_[j][2]};
+  for (std::size_t j = 0; j < rows_.terms; ++j) {
+    const double d[3] = {y[0] - frame_.anchors[j][0], y[1] - frame_.anchors[j][1],
+                         y[2] - frame_.anchors[j][2]};
     const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     const double low = power(r2, level_.power - (level_.power > 1 ? 2 : 0));
     phi[0][j] = level_.power > 1 ? low * r2 : low;
-    for (std::size_t t = 1; t < rows_per_slot_; ++t) phi[t][j] = level_.power * low * d[t - 1];
+    for (std::size_t t = 1; t < rows_.per_slot; ++t) phi[t][j] = level_.power * low * d[t - 1];
   }
-  for (std::size_t t = 0; t < rows_per_slot_; ++t) {
-    const std::size_t row = slot * rows_per_slot_ + t;
+  for (std::size_t t = 0; t < rows_.per_slot; ++t) {
+    const std::size_t row = slot * rows_.per_slot + t;
     double lt[max_terms];
-    for (std::size_t j = 0; j < terms_; ++j) lt[j] = t == 0 ? l[j] : gradient[3 * j + t - 1];
-    for (std::size_t j = 0; j < terms_; ++j) {
+    for (std::size_t j = 0; j < rows_.terms; ++j) lt[j] = t == 0 ? l[j] : gradient[3 * j + t - 1];
+    for (std::size_t j = 0; j < rows_.terms; ++j) {
       double v = 0;
-      for (std::size_t k = 0; k < terms_; ++k) v += anchor_products_[j * max_terms + k] * lt[k];
-      lagrange_[j * row_stride_ + row] = lt[j];
-      dual_[j * row_stride_ + row] = phi[t][j] - 0.5 * v;
+      for (std::size_t k = 0; k < rows_.terms; ++k) v += frame_.anchor_products[j * max_terms + k] * lt[k];
+      rows_.lagrange[j * rows_.stride + row] = lt[j];
+      rows_.dual[j * rows_.stride + row] = phi[t][j] - 0.5 * v;
     }
-    weight_[row] = t == 0 || slot_[slot].has_stiffness ? sign_ : 0;
+    rows_.weight[row] = t == 0 || set_.slot[slot].has_stiffness ? rows_.sign : 0;
   }
 }
 
@@ -130,50 +131,52 @@ void RbfFit::functionals(std::size_t slot) {
 // the weight w of its state. The last is (1 / w - 1) times the pivot of a state at the border of a lattice
 // set of spacing h, so that the state counts with a share of about w.
 double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
-  const double w = slot_[slot].sample.weight;
+  const double w = set_.slot[slot].sample.weight;
   const int k = level_.power - (functional > 0 ? 2 : 0);
   const double given =
-      options_.ridge + (weighted_ ? least_ridge(level_.power, level_.hermite, functional == 0) : 0);
+      options_.ridge + (set_.weighted ? least_ridge(level_.power, level_.hermite, functional == 0) : 0);
   if (w >= 1) return given;
-  const double h =
-      (options_.length > 0 ? options_.length : 0.3 * scale_) * inverse_scale_ * slot_[slot].sample.reach;
+  const double h = (options_.length > 0 ? options_.length : 0.3 * frame_.scale) * frame_.inverse_scale *
+                   set_.slot[slot].sample.reach;
   return given + border_pivot(level_.power, level_.hermite, functional == 0) * std::pow(h, k) * (1 / w - 1);
 }
 
 // The rows of up to eight plain or two Hermite slots.
 void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
-  const std::size_t b = rows_per_slot_, used = count * b;
+  const std::size_t b = rows_.per_slot, used = count * b;
   const std::size_t all = (first_slot + count) * b;
   assert(factor_.rows() == first_slot * b);
   double la[max_terms], va[max_terms];
   std::uint32_t skip = 0;
   for (std::size_t s = 0; s < count; ++s) {
     const std::size_t slot = first_slot + s;
-    const double a[3] = {px_[slot], py_[slot], pz_[slot]};
-    const Sample& sample = slot_[slot].sample;
+    const double a[3] = {set_.px[slot], set_.py[slot], set_.pz[slot]};
+    const Sample& sample = set_.slot[slot].sample;
     double* out = factor_.panel_row(s * b);
     if (b == 1)
-      rows::loops().values(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out);
+      rows::loops().values(level_.power, first_slot + count, set_.px.data(), set_.py.data(), set_.pz.data(),
+                           a, out);
     else
-      rows::loops().hermite(level_.power, first_slot + count, px_.data(), py_.data(), pz_.data(), a, out,
-                            factor_.panel_stride());
+      rows::loops().hermite(level_.power, first_slot + count, set_.px.data(), set_.py.data(), set_.pz.data(),
+                            a, out, factor_.panel_stride());
     for (std::size_t t = 0; t < b; ++t) {
       const std::size_t row = slot * b + t;
       double* line = factor_.panel_row(s * b + t);
       double* right = factor_.panel_border(s * b + t);
-      for (std::size_t j = 0; j < terms_; ++j) {
-        right[j] = la[j] = lagrange_[j * row_stride_ + row];
-        va[j] = dual_[j * row_stride_ + row];
+      for (std::size_t j = 0; j < rows_.terms; ++j) {
+        right[j] = la[j] = rows_.lagrange[j * rows_.stride + row];
+        va[j] = rows_.dual[j * rows_.stride + row];
       }
-      rows::loops().project(terms_, all, lagrange_.data(), dual_.data(), row_stride_, la, va, weight_.data(),
-                            line);
+      rows::loops().project(rows_.terms, all, rows_.lagrange.data(), rows_.dual.data(), rows_.stride, la, va,
+                            rows_.weight.data(), line);
       line[row] += ridge(slot, t);
       for (int c = 0; c < 3; ++c)
-        right[terms_ + c] = t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scale_;
-      for (std::size_t j = terms_ + 3; j < DenseFactor::border; ++j) right[j] = 0;
-      if (t > 0 && !slot_[slot].has_stiffness) {
+        right[rows_.terms + c] =
+            t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * frame_.scale;
+      for (std::size_t j = rows_.terms + 3; j < DenseFactor::border; ++j) right[j] = 0;
+      if (t > 0 && !set_.slot[slot].has_stiffness) {
         skip |= 1u << (s * b + t);
-        for (int c = 0; c < 3; ++c) right[terms_ + c] = 0;
+        for (int c = 0; c < 3; ++c) right[rows_.terms + c] = 0;
       }
     }
   }
@@ -182,46 +185,46 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
   const std::uint32_t taken = factor_.append(used, skip, tolerance);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t mask = (1u << b) - 1;
-    slot_[first_slot + s].dropped = ~(taken >> (s * b)) & ~(skip >> (s * b)) & mask;
+    set_.slot[first_slot + s].dropped = ~(taken >> (s * b)) & ~(skip >> (s * b)) & mask;
     for (std::size_t t = 0; t < b; ++t)
-      if ((slot_[first_slot + s].dropped >> t & 1u) != 0) weight_[(first_slot + s) * b + t] = 0;
-    dropped_slots_ += slot_[first_slot + s].dropped != 0 ? 1 : 0;
+      if ((set_.slot[first_slot + s].dropped >> t & 1u) != 0) rows_.weight[(first_slot + s) * b + t] = 0;
+    set_.dropped += set_.slot[first_slot + s].dropped != 0 ? 1 : 0;
   }
 }
 
 void RbfFit::append(std::span<const Sample> added) {
-  const std::size_t per_panel = rows_per_slot_ == 1 ? 8 : 2;
+  const std::size_t per_panel = rows_.per_slot == 1 ? 8 : 2;
   for (std::size_t i = 0; i < added.size(); i += per_panel) {
     const std::size_t count = std::min(per_panel, added.size() - i);
     for (std::size_t s = 0; s < count; ++s) {
-      place(slots_ + s, added[i + s]);
-      enter(slots_ + s);
+      place(set_.slots + s, added[i + s]);
+      enter(set_.slots + s);
     }
-    append_panel(slots_, count);
-    slots_ += count;
-    alive_ += count;
+    append_panel(set_.slots, count);
+    set_.slots += count;
+    set_.alive += count;
   }
 }
 
 void RbfFit::refit(std::span<const Sample> samples) {
-  assert(samples.size() <= capacity_);
+  assert(samples.size() <= room_.states);
   factorise(samples);
   if (!drops_matter()) return;
   // Which functionals are dropped depends on their order. Sorting by distance to the centre makes the choice
   // a function of the set.
-  sorted_.assign(samples.begin(), samples.end());
-  const Vec3 centre = centre_;
-  std::ranges::sort(sorted_, [&](const Sample& a, const Sample& b) {
+  scratch_.sorted.assign(samples.begin(), samples.end());
+  const Vec3 centre = frame_.centre;
+  std::ranges::sort(scratch_.sorted, [&](const Sample& a, const Sample& b) {
     const double da = (a.at - centre).squaredNorm(), db = (b.at - centre).squaredNorm();
     return da != db ? da < db : a.id < b.id;
   });
-  factorise(sorted_);
+  factorise(scratch_.sorted);
 }
 
 // With r^5 and stiffness, what a near-duplicate adds is below rounding. Which of the duplicates is dropped
 // must then not depend on the history of updates, so the set is factorised in a fixed order.
 bool RbfFit::drops_matter() const {
-  return dropped_slots_ > 0 && level_.hermite && level_.power == 5;
+  return set_.dropped > 0 && level_.hermite && level_.power == 5;
 }
 
 void RbfFit::factorise(std::span<const Sample> samples) {
@@ -229,16 +232,16 @@ void RbfFit::factorise(std::span<const Sample> samples) {
   if (samples.empty()) return;
   set_frame(samples);
   level_ = level_for(samples);
-  rows_per_slot_ = level_.hermite ? 4 : 1;
-  terms_ = polynomial_terms(level_.degree);
-  sign_ = level_.power == 3 ? 1 : -1;
-  for (std::size_t j = 0; j < terms_; ++j) anchors_[j] = anchor(j);
-  for (std::size_t j = 0; j < terms_; ++j)
-    for (std::size_t k = 0; k < terms_; ++k) {
-      const auto &a = anchors_[j], &b = anchors_[k];
+  rows_.per_slot = level_.hermite ? 4 : 1;
+  rows_.terms = polynomial_terms(level_.degree);
+  rows_.sign = level_.power == 3 ? 1 : -1;
+  for (std::size_t j = 0; j < rows_.terms; ++j) frame_.anchors[j] = anchor(j);
+  for (std::size_t j = 0; j < rows_.terms; ++j)
+    for (std::size_t k = 0; k < rows_.terms; ++k) {
+      const auto &a = frame_.anchors[j], &b = frame_.anchors[k];
       double r2 = 0;
       for (int d = 0; d < 3; ++d) r2 += (a[d] - b[d]) * (a[d] - b[d]);
-      anchor_products_[j * max_terms + k] = power(r2, level_.power);
+      frame_.anchor_products[j * max_terms + k] = power(r2, level_.power);
     }
   append(samples);
 }

@@ -51,7 +51,7 @@ class RbfFit {
   // Allocates everything for up to `capacity` states.
   RbfFit(const ModelOptions& options, std::size_t capacity);
 
-  std::size_t size() const { return alive_; }
+  std::size_t size() const { return set_.alive; }
   // Factorises the set anew; near-duplicates of earlier samples are dropped.
   void refit(std::span<const Sample> samples);
   // Removes states and adds samples, by an update or by a refit, whichever is faster. Returns true for a
@@ -127,63 +127,93 @@ class RbfFit {
   void constraint(const ModelData& out, double* rest) const;
   double ridge(std::size_t slot, std::size_t functional) const;
   void correct(ModelData& out, double by);
-  Vec3 scaled(const Vec3& x) const { return (x - centre_) * inverse_scale_; }
 
-  ModelOptions options_;
-  std::size_t capacity_, slot_capacity_;
-  Mode mode_ = Mode::automatic;
-  Level level_;
-  Vec3 centre_ = Vec3::Zero();
-  double scale_ = 1, inverse_scale_ = 1;
-  std::size_t slots_ = 0, alive_ = 0;  // slots in use, holes included
-  std::size_t rows_per_slot_ = 1, terms_ = 1;
-  double sign_ = 1;
-  std::array<std::array<double, 3>, detail::max_terms> anchors_{};
-  double anchor_products_[detail::max_terms * detail::max_terms] = {};  // G
-
-  DenseFactor factor_;
-  std::vector<Slot> slot_;
-  AlignedArray px_, py_, pz_;  // scaled positions by slot
-  AlignedArray hull_;      // 3 x slot_stride: of the living states, moved towards their mean by 1 - weight
-  bool weighted_ = false;  // of a set with weights
-  // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
-  // known), the weight (0 for holes), and room for distances.
-  enum SlotArray : std::size_t {
-    in_use = 0,
-    force_norm = 1,
-    stiffness_norm = 2,
-    force = 3,
-    stiffness = 6,
-    share = 15,
-    away = 16,
-    slot_arrays = 17
+  // The frame that scales the set to the unit ball, and the anchors of K (polynomial.hpp) in it.
+  struct Frame {
+    Vec3 centre = Vec3::Zero();           // [m]
+    double scale = 1, inverse_scale = 1;  // [m], [1/m]
+    std::array<std::array<double, 3>, detail::max_terms> anchors{};
+    double anchor_products[detail::max_terms * detail::max_terms] = {};  // G
+    Vec3 scaled(const Vec3& x) const { return (x - centre) * inverse_scale; }
   };
-  double* slot_array(std::size_t which) { return slot_data_.data() + which * slot_stride_; }
-  std::size_t slot_stride_ = 0;
-  AlignedArray slot_data_;
-  std::size_t dropped_slots_ = 0;  // living slots with a functional that was dropped
-  std::size_t row_stride_ = 0;
-  AlignedArray lagrange_, dual_;  // l_j and v_j of each row: #terms x row_stride
-  AlignedArray weight_;           // by row: the sign s, 0 for holes
-  AlignedArray orthogonal_;       // (terms + 6) x row_stride: Y, then Q and the residual
   struct Entry {
     StateId id;
     std::uint32_t slot;
   };
-  std::vector<Entry> by_id_;  // living slots, ascending ids
-  std::vector<Sample> gathered_, added_, sorted_;
-  std::vector<std::size_t> index_;      // rows to take out
-  std::vector<std::size_t> kept_rows_;  // of remove_and_close(), and the new slot of each
-  std::vector<std::uint32_t> moved_;
-  double coefficient_[3][detail::max_terms] = {};
-  double upper_[detail::max_terms * detail::max_terms] = {};  // of Y_P = Q R; Q stands in orthogonal_
-  std::vector<std::uint32_t> living_;                         // slots in the order of the model's centres
-  std::size_t watched_ = 0;
-  bool updated_ = false, worn_ = false;  // since the last refit; the factor has lost digits
-  std::size_t given_stride_ = 0;
-  AlignedArray given_, misfit_;  // 12 x given_stride: f and df/dy of the living slots, and the misfit
-  AlignedArray correction_, last_correction_;  // 3 x row_stride: of lambda
-  double polynomial_correction_[3][detail::max_terms] = {};
+  // The states of the set, each in a slot.
+  struct Slots {
+    // By slot, one array after the other: 1 where it is in use (else all 0), |f|, |K|, f (3), K (9; 0 where not
+    // known), the weight (0 for holes), and room for distances.
+    enum Array : std::size_t {
+      in_use = 0,
+      force_norm = 1,
+      stiffness_norm = 2,
+      force = 3,
+      stiffness = 6,
+      share = 15,
+      away = 16,
+      arrays = 17
+    };
+    std::size_t slots = 0, alive = 0;  // in use, with and without holes
+    std::size_t dropped = 0;           // living slots with a functional that was dropped
+    bool weighted = false;             // of a set with weights
+    std::vector<Slot> slot;
+    AlignedArray px, py, pz;  // scaled positions
+    std::size_t stride = 0;
+    AlignedArray data;                  // arrays x stride
+    std::vector<Entry> by_id;           // living slots, ascending ids
+    std::vector<std::uint32_t> living;  // slots in the order of the model's centres
+    double* array(std::size_t which) { return data.data() + which * stride; }
+  };
+  // The rows of the factor: per_slot for each slot, 4 with stiffness, else 1.
+  struct Rows {
+    std::size_t per_slot = 1, terms = 1;  // terms of the polynomial
+    double sign = 1;
+    std::size_t stride = 0;
+    AlignedArray lagrange, dual;  // l_j and v_j of each row: terms x stride
+    AlignedArray weight;          // by row: the sign s, 0 for holes
+    AlignedArray orthogonal;      // (terms + 6) x stride: Y, then Q and the residual
+  };
+  struct Solution {
+    double coefficient[3][detail::max_terms] = {};
+    double upper[detail::max_terms * detail::max_terms] = {};  // of Y_P = Q R; Q stands in Rows::orthogonal
+  };
+  struct Refinement {
+    std::size_t stride = 0;
+    AlignedArray given, misfit;                // 12 x stride: f and df/dy of the living slots, and the misfit
+    AlignedArray correction, last_correction;  // 3 x Rows::stride: of lambda
+    double polynomial[3][detail::max_terms] = {};
+  };
+  // What happened to the factor since the last refit.
+  struct Wear {
+    std::size_t watched = 0;  // the state that was checked last
+    bool updated = false;
+    bool worn = false;  // it has lost digits
+  };
+  // Space for intermediate results, so that nothing is allocated later.
+  struct Scratch {
+    std::vector<Sample> gathered, added, sorted;
+    std::vector<std::size_t> index;      // rows to take out
+    std::vector<std::size_t> kept_rows;  // of remove_and_close(), and the new slot of each in `moved`
+    std::vector<std::uint32_t> moved;
+    AlignedArray hull;  // 3 x Slots::stride: of the living states, moved towards their mean by 1 - weight
+  };
+  struct Room {
+    std::size_t states, slots;  // most states of a set; slots for them, with room for holes
+  };
+
+  ModelOptions options_;
+  Room room_;
+  Mode mode_ = Mode::automatic;
+  Level level_;
+  Frame frame_;
+  DenseFactor factor_;
+  Slots set_;
+  Rows rows_;
+  Solution solution_;
+  Refinement refinement_;
+  Wear wear_;
+  Scratch scratch_;
 };
 
 }  // namespace forefeel

@@ -68,20 +68,20 @@ bool full_rank(std::size_t q, double* gram) {
 void RbfFit::set_frame(std::span<const Sample> samples) {
   const bool weighted = samples[0].weighted;
   double total = 0, largest = 0;
-  centre_.setZero();
+  frame_.centre.setZero();
   for (const auto& s : samples) {
     const double w = !weighted ? 1 : s.state ? s.weight : 0;
     total += w;
-    centre_ += w * (s.at - samples[0].at);
+    frame_.centre += w * (s.at - samples[0].at);
   }
-  centre_ = samples[0].at + centre_ / total;
+  frame_.centre = samples[0].at + frame_.centre / total;
   for (const auto& s : samples) {
     const double w = !weighted ? 1 : s.state ? s.weight : 0;
-    largest = std::max(largest, w * (s.at - centre_).norm());
+    largest = std::max(largest, w * (s.at - frame_.centre).norm());
   }
   if (weighted) largest = std::max(largest, least_size * options_.length);
-  scale_ = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
-  inverse_scale_ = 1 / scale_;
+  frame_.scale = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
+  frame_.inverse_scale = 1 / frame_.scale;
 }
 
 // The highest level whose polynomial the samples determine.
@@ -99,7 +99,7 @@ RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
     const std::size_t q = polynomial_terms(level.degree);
     double gram[max_terms * max_terms] = {}, l[max_terms], gradient[3 * max_terms];
     for (const auto& s : samples) {
-      const Vec3 y = scaled(s.at);
+      const Vec3 y = frame_.scaled(s.at);
       lagrange(level.degree, y.data(), l, gradient);
       const bool both = level.hermite && s.stiffness.allFinite();
       for (std::size_t i = 0; i < q; ++i)
@@ -119,12 +119,13 @@ bool RbfFit::level_still_fits() {
   const int wanted = options_.kernel == Kernel::quintic ? 2 : 1;
   if (level_.degree == wanted) {
     double gram[max_terms * max_terms];
-    std::fill_n(weight_.data() + slots_ * rows_per_slot_, 8, 0.0);
-    dense::loops().gram(terms_, slots_ * rows_per_slot_, lagrange_.data(), row_stride_, weight_.data(), gram);
-    return full_rank(terms_, gram);
+    std::fill_n(rows_.weight.data() + set_.slots * rows_.per_slot, 8, 0.0);
+    dense::loops().gram(rows_.terms, set_.slots * rows_.per_slot, rows_.lagrange.data(), rows_.stride,
+                        rows_.weight.data(), gram);
+    return full_rank(rows_.terms, gram);
   }
   gather();
-  const Level level = level_for(gathered_);
+  const Level level = level_for(scratch_.gathered);
   return level.power == level_.power && level.degree == level_.degree && level.hermite == level_.hermite;
 }
 

@@ -79,48 +79,48 @@ void ModelData::reserve(std::size_t wanted, bool with_stiffness) {
   const std::size_t rounded = (wanted + 7) / 8 * 8;
   states.reserve(rounded);
   const std::size_t arrays = with_stiffness ? 15 : 6;
-  if (stride < rounded || data.size() < arrays * stride) {
-    quick_sum = nullptr;
-    stride = std::max(stride, rounded);
-    data.assign(std::max(data.size(), arrays * stride), 0.0);
+  if (sum.stride < rounded || sum.data.size() < arrays * sum.stride) {
+    fast.function = nullptr;
+    sum.stride = std::max(sum.stride, rounded);
+    sum.data.assign(std::max(sum.data.size(), arrays * sum.stride), 0.0);
   }
 }
 
 void ModelData::clear() {
   states.clear();
   lattice.reset();
-  power = 0;
-  degree = 0;
-  padded = 0;
-  hermite = false;
+  sum.power = 0;
+  sum.degree = 0;
+  sum.padded = 0;
+  sum.hermite = false;
   known = false;
   bound = 0;
-  hull.inner_squared = quick = -1;
-  quick_sum = nullptr;
-  bridge = 0;
+  domain.hull.inner_squared = domain.quick = -1;
+  domain.bridge = 0;
+  fast.function = nullptr;
 }
 
 void ModelData::prepare() {
-  if (power == 0 || !(quick > 0)) return;
+  if (sum.power == 0 || !(domain.quick > 0)) return;
   const double each = full_share * bound / std::sqrt(3.0) * (1 - 1e-15);  // so that |f| keeps below
   for (int d = 0; d < 3; ++d) {
-    alone.centre[d] = centre[d];
-    alone.limit[d] = each;
+    fast.sum.centre[d] = sum.centre[d];
+    fast.sum.limit[d] = each;
   }
-  alone.inverse_scale = inverse_scale;
-  alone.limit[3] = quick;
-  alone.n = padded;
-  alone.stride = stride;
-  alone.data = data.data();
-  alone.polynomial = polynomial[0].data();
-  quick_sum = loops->quick[hermite ? 1 : 0][power / 2];
+  fast.sum.inverse_scale = sum.inverse_scale;
+  fast.sum.limit[3] = domain.quick;
+  fast.sum.n = sum.padded;
+  fast.sum.stride = sum.stride;
+  fast.sum.data = sum.data.data();
+  fast.sum.polynomial = sum.polynomial[0].data();
+  fast.function = sum.loops->quick[sum.hermite ? 1 : 0][sum.power / 2];
 }
 
-void ModelData::raw(const double y[3], double f[3]) const noexcept {
+void ModelData::RbfSum::raw(const double y[3], double f[3]) const noexcept {
   (hermite ? loops->hermite : loops->plain)(power, padded, data.data(), stride, polynomial[0].data(), y, f);
 }
 
-void ModelData::raw(const double y[3], double f[3], double j[9]) const noexcept {
+void ModelData::RbfSum::raw(const double y[3], double f[3], double j[9]) const noexcept {
   (hermite ? loops->hermite_jacobian : loops->plain_jacobian)(power, padded, data.data(), stride,
                                                               polynomial[0].data(), y, f, j);
 }
@@ -176,31 +176,31 @@ Vec3 bounded(const ModelData& m, const Vec3& x, Mat3* jacobian) noexcept {
   if (jacobian != nullptr) jacobian->setZero();
   if (!m.known) return Vec3::Zero();
   const double keep = ModelData::full_share * m.bound;
-  const Vec3 y = (x - m.centre) * m.inverse_scale;
+  const Vec3 y = (x - m.sum.centre) * m.sum.inverse_scale;
   const double y2 = y.squaredNorm();
   const auto rbf = [&](Mat3* gradient) {
     double f[3], j[9];
     if (gradient == nullptr) {
-      m.raw(y.data(), f);
+      m.sum.raw(y.data(), f);
     } else {
-      m.raw(y.data(), f, j);
+      m.sum.raw(y.data(), f, j);
       for (int c = 0; c < 3; ++c)
-        for (int d = 0; d < 3; ++d) (*gradient)(c, d) = j[3 * c + d] * m.inverse_scale;
+        for (int d = 0; d < 3; ++d) (*gradient)(c, d) = j[3 * c + d] * m.sum.inverse_scale;
     }
     return saturate(Vec3(f[0], f[1], f[2]), keep, m.bound, gradient);
   };
-  if (y2 <= m.quick) return rbf(jacobian);
+  if (y2 <= m.domain.quick) return rbf(jacobian);
 
-  if (!x.allFinite()) return saturate(m.tangent_force, keep, m.bound, nullptr);
+  if (!x.allFinite()) return saturate(m.tangent.force, keep, m.bound, nullptr);
   double slope = 0, weight = 1, gradient[3] = {};
-  if (m.power != 0 && y2 < 1e16) {
-    weight = step(m.hull.outside(y.data(), gradient) / m.trust - 1, slope);
-    if (m.bridge > 0) {
+  if (m.sum.power != 0 && y2 < 1e16) {
+    weight = step(m.domain.hull.outside(y.data(), gradient) / m.domain.trust - 1, slope);
+    if (m.domain.bridge > 0) {
       double wider[3], wider_slope = 0;
-      const double both = step(m.whole.outside(y.data(), wider) / m.trust - 1, wider_slope);
-      weight += m.bridge * (both - weight);
+      const double both = step(m.domain.whole.outside(y.data(), wider) / m.domain.trust - 1, wider_slope);
+      weight += m.domain.bridge * (both - weight);
       for (int d = 0; d < 3; ++d)
-        gradient[d] = (1 - m.bridge) * slope * gradient[d] + m.bridge * wider_slope * wider[d];
+        gradient[d] = (1 - m.domain.bridge) * slope * gradient[d] + m.domain.bridge * wider_slope * wider[d];
       slope = 1;
     }
   }
@@ -209,14 +209,14 @@ Vec3 bounded(const ModelData& m, const Vec3& x, Mat3* jacobian) noexcept {
   force = inner;
   if (weight > 0) {
     Mat3 moved = Mat3::Identity();
-    const Vec3 away =
-        saturate(x - m.tangent_at, 0.5 * m.hold, m.hold, jacobian != nullptr ? &moved : nullptr);
-    Mat3 tangent = m.tangent_jacobian * moved;
-    const Vec3 outer = saturate(m.tangent_force + m.tangent_jacobian * away, keep, m.bound,
+    const Vec3 away = saturate(x - m.tangent.at, 0.5 * m.tangent.hold, m.tangent.hold,
+                               jacobian != nullptr ? &moved : nullptr);
+    Mat3 tangent = m.tangent.jacobian * moved;
+    const Vec3 outer = saturate(m.tangent.force + m.tangent.jacobian * away, keep, m.bound,
                                 jacobian != nullptr ? &tangent : nullptr);
     force = (1 - weight) * inner + weight * outer;
     if (jacobian != nullptr) {
-      const double per_metre = slope / m.trust * m.inverse_scale;
+      const double per_metre = slope / m.domain.trust * m.sum.inverse_scale;
       *jacobian = (1 - weight) * (*jacobian) + weight * tangent;
       *jacobian += (outer - inner) * (per_metre * Vec3(gradient[0], gradient[1], gradient[2])).transpose();
     }
@@ -235,7 +235,8 @@ Vec3 Model::force(const Vec3& x) const noexcept {
   const ModelData& m = *data_;
   Vec3 f;
   // nearly always: the sum alone, far below the bound
-  if (m.quick_sum == nullptr || !m.quick_sum(m.alone, x.data(), f.data())) f = bounded(m, x, nullptr);
+  if (m.fast.function == nullptr || !m.fast.function(m.fast.sum, x.data(), f.data()))
+    f = bounded(m, x, nullptr);
   return f;
 }
 
@@ -247,13 +248,13 @@ std::span<const StateId> Model::states() const noexcept {
   return data_->states;
 }
 Kernel Model::kernel() const noexcept {
-  return data_->kernel;
+  return data_->sum.kernel;
 }
 int Model::degree() const noexcept {
-  return data_->degree;
+  return data_->sum.degree;
 }
 bool Model::is_tangent() const noexcept {
-  return data_->known && data_->power == 0;
+  return data_->known && data_->sum.power == 0;
 }
 double Model::force_bound() const noexcept {
   return data_->bound;
@@ -262,13 +263,13 @@ std::uint64_t Model::serial() const noexcept {
   return data_->serial;
 }
 double Model::trust_distance() const noexcept {
-  return data_->known ? data_->trust * data_->scale : 0;
+  return data_->known ? data_->domain.trust * data_->sum.scale : 0;
 }
 double Model::hold_distance() const noexcept {
-  return data_->known ? data_->hold : 0;
+  return data_->known ? data_->tangent.hold : 0;
 }
 bool Model::uses_stiffness() const noexcept {
-  return data_->hermite;
+  return data_->sum.hermite;
 }
 
 void Model::reserve(const ModelOptions& options) {

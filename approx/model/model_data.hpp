@@ -31,47 +31,62 @@ class LatticeField;
 
 struct ModelData {
   static constexpr double full_share = 0.8;  // share of the bound up to which a force is left as it is
-  const sums::Loops* loops = &sums::loops();
-  std::vector<StateId> states;
-  Kernel kernel = Kernel::linear;
-  bool hermite = false;
-  int power = 0;  // k of phi = r^k; 0: no RBF part, the tangent alone
-  int degree = 0;
-  std::size_t padded = 0;  // centres, padded to a multiple of 8
-  std::size_t stride = 0;
-  AlignedArray data;  // see kernel_sums.hpp
-  std::array<std::array<double, 4>, 10>
-      polynomial{};                     // over 1 x y z xx yy zz xy xz yz, per component (and 0)
-  Vec3 centre = Vec3::Zero();           // [m]
-  double scale = 1, inverse_scale = 1;  // [m], [1/m]
 
-  std::shared_ptr<const LatticeField> lattice;  // if set, it is the model and the rest is not used
-
-  bool known = false;                                            // false: zero everywhere
-  Vec3 tangent_at = Vec3::Zero(), tangent_force = Vec3::Zero();  // x_b [m], f_b [N]
-  Mat3 tangent_jacobian = Mat3::Zero();                          // J_b [N/m]
-  double hold = 0;                                               // D [m]
-  double trust = 0;                                              // in scaled coordinates
+  // raw(y), and the frame of y.
+  struct RbfSum {
+    const sums::Loops* loops = &sums::loops();
+    Kernel kernel = Kernel::linear;
+    bool hermite = false;
+    int power = 0;  // k of phi = r^k; 0: no RBF part, the tangent alone
+    int degree = 0;
+    std::size_t padded = 0;  // centres, padded to a multiple of 8
+    std::size_t stride = 0;
+    AlignedArray data;  // see kernel_sums.hpp
+    std::array<std::array<double, 4>, 10>
+        polynomial{};                     // over 1 x y z xx yy zz xy xz yz, per component (and 0)
+    Vec3 centre = Vec3::Zero();           // [m]
+    double scale = 1, inverse_scale = 1;  // [m], [1/m]
+    void raw(const double y[3], double f[3]) const noexcept;
+    void raw(const double y[3], double f[3], double j[9]) const noexcept;  // j: df_c/dy_d
+  };
+  struct Tangent {
+    Vec3 at = Vec3::Zero(), force = Vec3::Zero();  // x_b [m], f_b [N]
+    Mat3 jacobian = Mat3::Zero();                  // J_b [N/m]
+    double hold = 0;                               // D [m]
+  };
   struct Hull {
     double inner_squared = -1;             // |y|^2 up to which E cannot exceed the trust distance
     std::array<double, 13> low{}, high{};  // supports along the 13 axes of the 26 planes
     void set(const double* px, const double* py, const double* pz, std::size_t n, double trusted);
     double outside(const double y[3], double gradient[3]) const noexcept;  // E and dE/dy
   };
-  double quick = -1;                // |y|^2 up to which f~ is the sum alone; negative: nowhere
-  Hull hull, whole;                 // of the states (in a gap: of the nearer side); of both sides
-  double bridge = 0;                // beta: weight of `whole`
-  double bound = 0;                 // B [N]
-  sums::Sum alone;                  // what an evaluation reads if f~ is the sum alone
-  sums::Quick quick_sum = nullptr;  // and the function that evaluates it; null: none
-  double largest_stiffness = 0;     // K [N/m]
+  // Where the sum is used, and where the tangent: w(E).
+  struct Domain {
+    double trust = 0;   // in scaled coordinates
+    double quick = -1;  // |y|^2 up to which f~ is the sum alone; negative: nowhere
+    Hull hull, whole;   // of the states (in a gap: of the nearer side); of both sides
+    double bridge = 0;  // beta: weight of `whole`
+  };
+  // What an evaluation reads if f~ is the sum alone, and the function that evaluates it; null: none.
+  struct Fast {
+    sums::Sum sum;
+    sums::Quick function = nullptr;
+  };
+
+  std::vector<StateId> states;
+  RbfSum sum;
+  Tangent tangent;
+  Domain domain;
+  Fast fast;
+  std::shared_ptr<const LatticeField> lattice;  // if set, it is the model and the rest is not used
+  bool known = false;                           // false: zero everywhere
+  double bound = 0;                             // B [N]
+  double largest_stiffness = 0;                 // K [N/m]
   std::uint64_t serial = 0;
 
   void reserve(std::size_t states_wanted, bool with_stiffness);
   void clear();
-  void prepare();  // sets alone and quick_sum; call it last
-  void raw(const double y[3], double f[3]) const noexcept;
-  void raw(const double y[3], double f[3], double j[9]) const noexcept;  // j: df_c/dy_d
+  void prepare();  // sets `fast`; call it last
 };
 
 }  // namespace forefeel

@@ -77,14 +77,14 @@ class ModelTiming {
     model.assign(draft, 1);
     // As in the loop: HIP positions among the states of the model.
     const auto& reference = case_.inside;
-    const Vec3 centre = model.data().centre;
-    const double shrink = 0.5 / (model.data().inverse_scale * case_.options.box.size().norm());
+    const Vec3 centre = model.data().sum.centre;
+    const double shrink = 0.5 / (model.data().sum.inverse_scale * case_.options.box.size().norm());
     std::vector<Vec3> at;
     for (const State& s : reference) at.push_back(centre + shrink * (s.at - case_.options.box.centre()));
     constexpr int repeats = 400;
     std::vector<double> ours;
     const auto own = [&](const Vec3& x) { return model.force(x); };
-    if (m.method == "hermite-r5" && model.data().power == 5) return time_hermite(model, at, m);
+    if (m.method == "hermite-r5" && model.data().sum.power == 5) return time_hermite(model, at, m);
     if (m.method != "r3") {
       for (int block = 0; block < 4 * blocks; ++block)
         ours.push_back(evaluation_us(globals_, own, at, repeats));
@@ -95,13 +95,13 @@ class ModelTiming {
     std::vector<double> positions(3 * n), coefficients(3 * n + 12);
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < n; ++i) {
-        positions[3 * i + c] = data.data[c * data.stride + i];
-        coefficients[3 * i + c] = data.data[(3 + c) * data.stride + i];
+        positions[3 * i + c] = data.sum.data[c * data.sum.stride + i];
+        coefficients[3 * i + c] = data.sum.data[(3 + c) * data.sum.stride + i];
       }
-      for (std::size_t t = 0; t < 4; ++t) coefficients[3 * n + 4 * c + t] = data.polynomial[t][c];
+      for (std::size_t t = 0; t < 4; ++t) coefficients[3 * n + 4 * c + t] = data.sum.polynomial[t][c];
     }
     const auto scalar = [&](const Vec3& x) {
-      const Vec3 y = (x - data.centre) * data.inverse_scale;
+      const Vec3 y = (x - data.sum.centre) * data.sum.inverse_scale;
       Vec3 f;
       scalar_evaluate(n, positions.data(), coefficients.data(), y.data(), f.data());
       return f;
@@ -115,13 +115,13 @@ class ModelTiming {
     const std::size_t n = m.n;
     std::vector<double> centres(15 * n), polynomial(30);
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = 0; k < 15; ++k) centres[15 * i + k] = data.data[k * data.stride + i];
+      for (std::size_t k = 0; k < 15; ++k) centres[15 * i + k] = data.sum.data[k * data.sum.stride + i];
     for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t t = 0; t < 10; ++t) polynomial[10 * c + t] = data.polynomial[t][c];
+      for (std::size_t t = 0; t < 10; ++t) polynomial[10 * c + t] = data.sum.polynomial[t][c];
     beside_scalar(
         model,
         [&](const Vec3& x) {
-          const Vec3 y = (x - data.centre) * data.inverse_scale;
+          const Vec3 y = (x - data.sum.centre) * data.sum.inverse_scale;
           Vec3 f;
           scalar_evaluate_hermite(n, centres.data(), polynomial.data(), y.data(), f.data());
           return f;
