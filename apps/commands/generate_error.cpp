@@ -50,18 +50,18 @@ nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& in
   add_to(document, mesh);
   document["error_estimate"] = number(report.estimate.held());  // the least E that the estimate stays below
   document["error_estimate_quantiles"] = to_json(report.estimate);
-  nlohmann::ordered_json truth = to_json(report.truth);
-  truth["held"] = number(report.truth.held());
-  truth["samples"] = report.truth_samples;
-  truth["on_surface"] = report.truth_on_surface;
-  truth["failed"] = report.truth_failed;
-  truth["unsolved"] = report.truth_unsolved;
-  truth["fresh"] = report.truth_is_fresh;
+  nlohmann::ordered_json truth = to_json(report.truth.error);
+  truth["held"] = number(report.truth.error.held());
+  truth["samples"] = report.truth.samples;
+  truth["on_surface"] = report.truth.on_surface;
+  truth["failed"] = report.truth.failed;
+  truth["unsolved"] = report.truth.unsolved;
+  truth["fresh"] = report.truth.is_fresh;
   document["error_true"] = truth;
   document["linear"] = report.linear;
   document["estimate_holds"] = report.estimate_holds;
-  document["truth_holds"] = report.truth_holds;
-  if (report.truth_unsolved > 0 || report.truth_samples == 0) document["truth_holds"] = nullptr;  // unknown
+  document["truth_holds"] = report.truth.holds;
+  if (report.truth.unsolved > 0 || report.truth.samples == 0) document["truth_holds"] = nullptr;  // unknown
   document["interrupted"] = report.stopped;
   return document;
 }
@@ -107,9 +107,9 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
   if (!report.estimate_holds)
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
                        report.states, report.estimate.held(), error, report.failed);
-  if (!report.truth_holds)
-    return fmt::format("the true error of {:.3g} at {} positions is above {:.3g}", report.truth.held(),
-                       report.truth_samples + report.truth_on_surface, error);
+  if (!report.truth.holds)
+    return fmt::format("the true error of {:.3g} at {} positions is above {:.3g}", report.truth.error.held(),
+                       report.truth.samples + report.truth.on_surface, error);
   return {};
 }
 
@@ -166,13 +166,13 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
                            report.seconds, report.resumed, report.failed,
                            report.linear ? "; linear: three solves give the whole state space" : ""));
   say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
-  if (report.truth_samples > 0)
+  if (report.truth.samples > 0)
     say(globals,
         fmt::format(
             "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
-            report.truth_samples, report.truth_on_surface, in_words(report.truth),
-            report.truth_is_fresh ? "" : " (some of them became states)",
-            report.truth_unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth_unsolved) : ""));
+            report.truth.samples, report.truth.on_surface, in_words(report.truth.error),
+            report.truth.is_fresh ? "" : " (some of them became states)",
+            report.truth.unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth.unsolved) : ""));
   if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
   const std::string why = complaint(report, error, scene.space);
   if (why.empty()) return 0;

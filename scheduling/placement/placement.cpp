@@ -180,7 +180,7 @@ class Placement {
     for (const int index : {0, 3, 5})
       if (space_.size() < 3) solve(corner(index, 1));
     refresh_estimate();
-    report_.estimate_holds = report_.truth_holds = space_.size() >= 3;
+    report_.estimate_holds = report_.truth.holds = space_.size() >= 3;
     if (report_.estimate_holds) report_.estimate = {.p50 = 0, .p95 = 0, .max = 0};
     if (report_.estimate_holds) look_at_truth(0);
   }
@@ -193,7 +193,7 @@ class Placement {
       refresh_estimate();
       if (report_.estimate_holds) {
         if (options_.stop.stop_requested() || truth_holds()) break;
-        if (report_.truth_samples == 0) break;  // there is no truth to compare with
+        if (report_.truth.samples == 0) break;  // there is no truth to compare with
       }
       if (!open()) break;
       const std::optional<State> worst = report_.estimate_holds ? worst_truth() : std::nullopt;
@@ -210,7 +210,7 @@ class Placement {
   bool truth_holds() {
     for (std::size_t round = 0; round < most_rounds; ++round) {
       if (!look_at_truth(round)) return false;
-      if (report_.truth_is_fresh) break;
+      if (report_.truth.is_fresh) break;
     }
     return true;
   }
@@ -274,7 +274,7 @@ class Placement {
 
   // Sample `round` of the truth, solved once; true where the error holds on it (or none is wanted).
   bool look_at_truth(std::size_t round) {
-    report_.truth_holds = true;
+    report_.truth.holds = true;
     if (options_.truth_samples == 0) return true;
     round_ = round;
     if (rounds_.size() <= round) rounds_.resize(round + 1);
@@ -288,21 +288,21 @@ class Placement {
                    .truth_done = done,
                    .truth_total = at.size()});
       });
-      report_.truth_solved += static_cast<std::size_t>(
+      report_.truth.solved += static_cast<std::size_t>(
           std::ranges::count_if(truth, [](const State& s) { return s.status != SolveStatus::cancelled; }));
     }
     const auto usable = [](const State& state) { return state.usable(); };
     const auto within = truth.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
-    report_.truth_samples = static_cast<std::size_t>(std::count_if(truth.begin(), within, usable));
-    report_.truth_on_surface = static_cast<std::size_t>(std::count_if(within, truth.end(), usable));
-    report_.truth_unsolved =
+    report_.truth.samples = static_cast<std::size_t>(std::count_if(truth.begin(), within, usable));
+    report_.truth.on_surface = static_cast<std::size_t>(std::count_if(within, truth.end(), usable));
+    report_.truth.unsolved =
         static_cast<std::size_t>(std::ranges::count(truth, SolveStatus::cancelled, &State::status));
-    report_.truth_failed =
-        truth.size() - report_.truth_samples - report_.truth_on_surface - report_.truth_unsolved;
-    report_.truth = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);
-    report_.truth_is_fresh = !truth_decided();
-    report_.truth_holds = !options_.stop.stop_requested() && report_.truth.held() <= options_.error;
-    return report_.truth_holds;
+    report_.truth.failed =
+        truth.size() - report_.truth.samples - report_.truth.on_surface - report_.truth.unsolved;
+    report_.truth.error = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);
+    report_.truth.is_fresh = !truth_decided();
+    report_.truth.holds = !options_.stop.stop_requested() && report_.truth.error.held() <= options_.error;
+    return report_.truth.holds;
   }
 
   bool truth_decided() const {

@@ -58,20 +58,27 @@ struct PlacementOptions {
   std::stop_token stop;
 };
 
+// The model's error against tight solves at positions of the box.
+struct PlacementTruth {
+  std::size_t solved = 0, failed = 0;
+  std::size_t unsolved = 0;    // positions not solved because of the stop
+  std::size_t samples = 0;     // random positions behind `error`
+  std::size_t on_surface = 0;  // more positions on the surface, for its maximum
+  bool is_fresh = true;        // none of these positions influenced the placement
+  bool holds = false;          // the error is at most E; also true if unchecked
+  ErrorQuantiles error;
+};
+
 struct PlacementReport {
   std::size_t states = 0;       // usable states, including those known before
   std::size_t most_states = 0;  // limit: PlacementOptions::max_states, or the lattice's number
   std::size_t solved = 0, failed = 0, resumed = 0;
-  std::size_t truth_solved = 0, truth_failed = 0;
-  std::size_t truth_unsolved = 0;                    // positions not solved because of the stop
-  bool linear = false;                               // three solves are the whole state space
-  bool estimate_holds = false, truth_holds = false;  // truth_holds: also true if unchecked
-  bool stopped = false;                              // by the stop token
-  ErrorQuantiles estimate, truth;
-  std::size_t truth_samples = 0;     // random positions behind `truth`
-  std::size_t truth_on_surface = 0;  // more positions on the surface, for its maximum
-  bool truth_is_fresh = true;        // none of these positions influenced the placement
-  double seconds = 0;                // wall time [s]
+  bool linear = false;  // three solves are the whole state space
+  bool estimate_holds = false;
+  bool stopped = false;  // by the stop token
+  ErrorQuantiles estimate;
+  PlacementTruth truth;
+  double seconds = 0;  // wall time [s]
   int threads = 1;
 };
 

@@ -114,9 +114,9 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
   std::size_t last = 0;
   for (const double error : {0.05, 0.01, 0.003}) {
     const Placed placed = place(input, options_of(input, error));
-    CAPTURE(error, placed.states.size(), placed.report.estimate.p95, placed.report.truth.p95);
+    CAPTURE(error, placed.states.size(), placed.report.estimate.p95, placed.report.truth.error.p95);
     REQUIRE(placed.report.estimate_holds);
-    REQUIRE(placed.report.truth_holds);
+    REQUIRE(placed.report.truth.holds);
     CHECK(placed.report.estimate.held() <= error);
     CHECK(placed.states.size() >= last);  // a smaller error never takes fewer
     CHECK(placed.states.size() <= 60);    // the lattice has 125
@@ -132,7 +132,7 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
     const ErrorQuantiles really = true_error(estimator, truth, 0.05);
     CHECK(really.p95 <= error);
     CHECK(really.max <= 2 * error);
-    CHECK(placed.report.truth_on_surface > 0);
+    CHECK(placed.report.truth.on_surface > 0);
     // Also where the model extrapolates: corners, and middles of edges and faces.
     Solver solver(input.touched.body);
     for (int part = 0; part < 27; ++part) {
@@ -158,8 +158,8 @@ TEST_CASE("placing does not depend on threads, and goes on where it was cut", "[
   options.threads = 2;
   const Placed parallel = place(input, options);
   CHECK(same_positions(whole.states, parallel.states));
-  CHECK(whole.report.truth.p95 == parallel.report.truth.p95);
-  CHECK(whole.report.truth.max == parallel.report.truth.max);
+  CHECK(whole.report.truth.error.p95 == parallel.report.truth.error.p95);
+  CHECK(whole.report.truth.error.max == parallel.report.truth.error.max);
 
   for (const std::size_t cut :
        {std::size_t{1}, std::size_t{3}, whole.states.size() - 1, whole.states.size()}) {
@@ -179,8 +179,8 @@ TEST_CASE("a linear body takes three solves", "[placement]") {
   CHECK(placed.report.linear);
   CHECK(placed.report.solved == 3);
   CHECK(placed.states.size() == 3);
-  CHECK(placed.report.truth_holds);
-  CHECK(placed.report.truth.max < 1e-9);
+  CHECK(placed.report.truth.holds);
+  CHECK(placed.report.truth.error.max < 1e-9);
   CHECK(place(input, options_of(input, 1e-6), placed.states).report.solved == 0);
 }
 
@@ -192,7 +192,7 @@ TEST_CASE("placing stops at its limits and says so", "[placement]") {
   CHECK(limited.states.size() == 12);
   CHECK(limited.report.most_states == 12);
   CHECK_FALSE(limited.report.estimate_holds);
-  CHECK(limited.report.truth_solved == 0);
+  CHECK(limited.report.truth.solved == 0);
 
   std::stop_source stop;
   options.stop = stop.get_token();
@@ -220,12 +220,12 @@ TEST_CASE("a truth that is cut says what was not solved, and counts none of it a
         if (p.truth_done == 10) stop.request_stop();
       });
   CHECK(report.stopped);
-  CHECK(report.truth_samples == 10);
-  CHECK(report.truth_failed == 0);
-  CHECK(report.truth_solved == 10);
-  CHECK(report.truth_unsolved >= 30);
-  CHECK(report.truth.p95 > 0);
-  CHECK(place(input, whole).report.truth_unsolved == 0);
+  CHECK(report.truth.samples == 10);
+  CHECK(report.truth.failed == 0);
+  CHECK(report.truth.solved == 10);
+  CHECK(report.truth.unsolved >= 30);
+  CHECK(report.truth.error.p95 > 0);
+  CHECK(place(input, whole).report.truth.unsolved == 0);
 }
 
 TEST_CASE("the next position on-line is the worst of the candidates by weight", "[placement]") {
