@@ -19,6 +19,21 @@ std::vector<State> failed_of(std::span<const State> states) {
   return failed;
 }
 
+// A state that its neighbours contradict counts as a failed solve, in the states' file too.
+bool set_aside(State& state, const StateSpace& space, const Mat3& stiffest) {
+  if (!state.usable() || !is_far_too_strong(state, space, stiffest)) return false;
+  state.status = SolveStatus::diverged;
+  return true;
+}
+
+std::string failure_of(const State& state, bool was_set_aside) {
+  return fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", state.at.x(), state.at.y(), state.at.z(),
+                     was_set_aside ? fmt::format("set aside, over {:g} times as strong as known states "
+                                                 "beside it or as this body can be, or not a number",
+                                                 implausible_factor)
+                                   : std::string(name(state.status)));
+}
+
 }  // namespace
 
 Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
@@ -111,22 +126,14 @@ void Planner::receive(JobResult result, double now) {
   slot.counted = true;
   note_cost(result.finished - result.started, setup_.rest_first && result.state.at.isZero(0));
   if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
-  // A state that its neighbours contradict counts as a failed solve, in the states' file too.
-  const bool set_aside = result.state.usable() && is_far_too_strong(result.state, space_, setup_.stiffest);
-  if (set_aside) result.state.status = SolveStatus::diverged;
+  const bool aside = set_aside(result.state, space_, setup_.stiffest);
   if (hooks_.on_state) hooks_.on_state(result.state);
   if (!result.state.usable()) {
     record.status = DispatchStatus::failed;
     ++counts_.failed;
-    counts_.set_aside += set_aside ? 1 : 0;
+    counts_.set_aside += aside ? 1 : 0;
     if (!record.audit) candidates_->fail(candidate.at);
-    notes_.push_back(fmt::format("solve at {:.4g}, {:.4g}, {:.4g} m failed: {}", result.state.at.x(),
-                                 result.state.at.y(), result.state.at.z(),
-                                 set_aside
-                                     ? fmt::format("set aside, over {:g} times as strong as known states "
-                                                   "beside it or as this body can be, or not a number",
-                                                   implausible_factor)
-                                     : std::string(name(result.state.status))));
+    notes_.push_back(failure_of(result.state, aside));
     return;
   }
   record.status = DispatchStatus::solved;
@@ -139,6 +146,9 @@ void Planner::arrive(State state, double now) {
   DispatchRecord record{
       .id = static_cast<std::uint32_t>(dispatches_.size()), .at = state.at, .label = space_.label(state.at)};
   record.requested = record.finished = record.known = now;
+  const bool aside = set_aside(state, space_, setup_.stiffest);
+  if (aside) notes_.push_back(failure_of(state, aside));
+  counts_.set_aside += aside ? 1 : 0;
   record.status = state.usable() ? DispatchStatus::arrived : DispatchStatus::failed;
   const std::int64_t row = record.id;
   dispatches_.push_back(record);

@@ -1,5 +1,6 @@
 #pragma once
-// Checks whether a solved state is plausible for the body that its neighbours belong to.
+// Checks whether a state, from a worker or known at a given time (--arrivals), is plausible for the body that its
+// neighbours belong to.
 //
 // From a neighbour j with stiffness K_j [N/m], at a distance d_j of at most two spacings [m], forces of the size
 // s_j = |f_j| + |K_j| d_j [N] are expected (Frobenius norm). A state is far too strong if |f| > 100 max s_j or

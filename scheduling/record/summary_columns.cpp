@@ -141,9 +141,9 @@ void add_loop(std::vector<Column>& columns, const SessionSummary::Loop& loop) {
 
 void add_faults(std::vector<Column>& columns, const SessionSummary::Faults& faults) {
   Group(columns, "faults")
-      .count(
-          "states_set_aside", faults.states_set_aside,
-          "solved states that cannot be of this body: not a number, or far too strong; also in states.failed")
+      .count("states_set_aside", faults.states_set_aside,
+             "solved or arrived states that cannot be of this body: not a number, or far too strong; also in "
+             "states.failed")
       .count("workers_lost", faults.workers_lost, "times that a worker failed or did not answer; real clock")
       .count("planner_stalls", faults.planner_stalls,
              "times that the planner was silent for longer than session.limits.stale; real clock")

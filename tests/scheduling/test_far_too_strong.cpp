@@ -2,14 +2,19 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "scheduling/plan/planner.hpp"
 #include "scheduling/plan/plausible.hpp"
-#include "scheduling/session/session_plan.hpp"
+#include "scheduling/record/summary.hpp"
+#include "scheduling/session/session.hpp"
 #include "small_body.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
@@ -76,6 +81,50 @@ TEST_CASE("a state that known ones beside it contradict is set aside, and the se
     CHECK(b.planner.space().size() == 6);
     CHECK(b.planner.failed() == 1);
     CHECK(b.planner.solved() == 6);
+  }
+}
+
+TEST_CASE("a state that arrives without a solve is judged like a solved one") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double wrong : {1000.0, nan}) {
+    CAPTURE(wrong);
+    Bench b;
+    b.planner.arrive(spring(Vec3::Zero()), 0);
+    b.planner.arrive(spring(Vec3(0.006, 0, 0)), 0.1);
+    b.planner.arrive(spring(Vec3(0, 0.006, 0), wrong), 0.2);
+    CHECK(b.planner.space().size() == 2);
+    CHECK(b.planner.failed() == 1);
+    CHECK_FALSE(b.told.back().usable());
+    b.planner.arrive(spring(Vec3(0, 0, 0.006), 10), 0.3);
+    CHECK(b.planner.space().size() == 3);
+  }
+}
+
+TEST_CASE("arrivals: a state of another unit is set aside, counted and said") {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "a.csv") << "t,x,y,z\n0.01,0,0,0\n0.05,0.006,0,0\n0.1,0,0.006,0\n0.15,0,0,0.006\n";
+  SessionOptions options = testing::virtual_options(0.3);
+  options.planning.arrivals = folder / "a.csv";
+  SessionInput input = testing::small_input();
+  input.references = std::make_shared<ReferenceService>(reference_options(input), 1);
+  State wrong = input.references->get(Vec3(0, 0.006, 0));
+  wrong.force *= 1000;
+  wrong.stiffness *= 1000;
+  SessionInput poisoned = testing::small_input();
+  poisoned.references = std::make_shared<ReferenceService>(reference_options(poisoned), 1);
+  poisoned.references->learn(std::span(&wrong, 1));
+  for (const Clock clock : {Clock::virtual_time, Clock::real}) {
+    options.clock.kind = clock;
+    CHECK(run_session(input, options).states.size() == 4);
+    const SessionPlan plan = make_plan(poisoned, options);
+    const SessionResult result = run_session(plan);
+    CHECK(result.states.size() == 3);
+    const SessionSummary summary = summarise(result, plan);
+    CHECK(summary.loop.faults.states_set_aside == 1);
+    CHECK(summary.states.failed == 1);
+    CHECK(std::ranges::any_of(result.notes, [](const std::string& note) {
+      return note.find("solve at 0, 0.006, 0 m failed: set aside") != std::string::npos;
+    }));
   }
 }
 
