@@ -1,5 +1,5 @@
 #pragma once
-// The four benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
+// The five benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
 // selects the built-in scene.
 
 #include <cstddef>
@@ -15,5 +15,12 @@ int bench_coverage(const Globals& globals);
 // most_states: largest number of states to solve; 0 means the scene's whole lattice.
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states);
 int bench_switch(const Globals& globals, const std::string& scene);
+
+struct LoopBench {
+  double seconds = 120;    // of each kind: with and without the record of inputs [s]
+  int blocks = 4;          // sessions of each kind
+  std::size_t states = 0;  // known at the start, at most; 0: the sessions begin as the scene says
+};
+int bench_loop(const Globals& globals, const std::string& scene, const LoopBench& bench);
 
 }  // namespace forefeel

@@ -1,9 +1,10 @@
-// forefeel bench approx|solver|coverage|switch [SCENE]: speed, error, and ratios to named baselines measured
+// forefeel bench approx|solver|coverage|switch|loop [SCENE]: speed, error, and ratios to named baselines measured
 // in the same run.
 
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_elements.hpp"
@@ -21,6 +22,8 @@ struct BenchOptions {
   std::string scene;
   std::string output;
   std::size_t states = 0;
+  std::optional<double> seconds;
+  std::optional<int> blocks;
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
@@ -28,9 +31,12 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
       !(options.what == "solver" && options.scene == "hard-cases"))
     throw InputError("--output",
                      "only bench approx and bench solver hard-cases write files, expected none here");
-  if (options.states > 0 &&
+  if (options.what != "loop" && (options.seconds || options.blocks))
+    throw InputError(options.seconds ? "--seconds" : "--blocks",
+                     "only bench loop takes it, expected none here");
+  if (options.states > 0 && options.what != "loop" &&
       (options.what != "solver" || options.scene == "hard-cases" || options.scene == "elements"))
-    throw InputError("--states", "only bench solver of a scene takes it, expected none here");
+    throw InputError("--states", "only bench loop and bench solver of a scene take it, expected none here");
   const bool own_bodies =
       options.what == "solver" && (options.scene == "hard-cases" || options.scene == "elements");
   if (!globals.set.empty() && (own_bodies || (options.what == "coverage" && options.scene.empty())))
@@ -49,6 +55,13 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
   if (options.what == "solver" && options.scene == "elements") return bench_elements(globals);
   if (options.what == "solver") return bench_solver(globals, options.scene, options.states);
   if (options.what == "approx") return bench_approx(globals, options.scene, options.output);
+  if (options.what == "loop") {
+    const LoopBench usual;
+    return bench_loop(globals, options.scene,
+                      {.seconds = options.seconds.value_or(usual.seconds),
+                       .blocks = options.blocks.value_or(usual.blocks),
+                       .states = options.states});
+  }
   return bench_switch(globals, options.scene);
 }
 
@@ -58,20 +71,31 @@ void add_bench(CommandLine& line) {
   const auto options = std::make_shared<BenchOptions>();
   Command sub = line.add("bench", "Measure speed and error beside named baselines in the same run");
   sub.runs([options](const Globals& globals) { return run_bench(globals, *options); });
-  sub.option("WHAT", options->what, "approx, solver, coverage or switch")
+  sub.option("WHAT", options->what,
+             "approx, solver, coverage, switch or loop: the 1 kHz loop of a session beside a bare loop\n"
+             "that only waits for its deadlines, at the same time and under full load")
       .required()
-      .one_of({"approx", "solver", "coverage", "switch"});
+      .one_of({"approx", "solver", "coverage", "switch", "loop"});
   sub.option("SCENE", options->scene,
              "Scene to take states from; default: the built-in one of each bench.\n"
              "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
   sub.option("-o,--output", options->output,
              "Folder: approx.csv and .svg of approx, hard_cases.csv and .html of hard-cases")
       .shows("DIR");
-  sub.option("--states", options->states,
-             "bench solver, for large bodies: shrink the box towards rest until its lattice has at most\n"
-             "N states; 1: a single state, its time and memory")
+  sub.option(
+         "--states", options->states,
+         "bench solver, for large bodies: shrink the box towards rest until its lattice has at most\n"
+         "N states; 1: a single state, its time and memory. bench loop: a lattice of at most N states is\n"
+         "known at the start")
       .shows("N")
       .between(std::size_t{1}, std::size_t{1000000});
+  sub.option("--seconds", options->seconds,
+             "bench loop: length with and without the record of inputs, each [s]; default 120")
+      .between(2.0, 86400.0);
+  sub.option(
+         "--blocks", options->blocks,
+         "bench loop: sessions that this length is cut into; default 4. 1: one long session, for its memory")
+      .between(1, 1000);
 }
 
 }  // namespace forefeel

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -22,6 +20,7 @@
 
 #include "scheduling/render/clock_watch.hpp"
 #include "scheduling/render/frame_pacer.hpp"
+#include "scheduling/render/loop_thread.hpp"
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/shape/shape_thread.hpp"
 #include "scheduling/workers/rank_workers.hpp"
@@ -31,20 +30,10 @@ namespace {
 
 using Nanoseconds = std::int64_t;
 
-Nanoseconds read(clockid_t clock) {
+Nanoseconds wall_clock() {
   timespec now;
-  clock_gettime(clock, &now);
+  clock_gettime(CLOCK_REALTIME, &now);
   return Nanoseconds{now.tv_sec} * 1000000000 + now.tv_nsec;
-}
-
-Nanoseconds monotonic() {
-  return read(CLOCK_MONOTONIC);
-}
-
-void sleep_until(Nanoseconds t) {
-  const timespec until{.tv_sec = t / 1000000000, .tv_nsec = t % 1000000000};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
 }
 
 // Locks pages in memory during a session; a note reports if the system does not permit it. Pages are locked when they are
@@ -80,18 +69,10 @@ struct LoopEnd {
   std::string note;
 };
 
-// Touches the stack of this thread, so that the loop causes no page fault there.
-void touch_stack() {
-  volatile char pages[1 << 16];
-  for (std::size_t i = 0; i < sizeof pages; i += 1024) pages[i] = 0;
-}
-
 void run_loop(RenderLoop& loop, FramePacer& pacer, const StopOptions& stop, Nanoseconds start, LoopEnd& end) {
-  const sched_param priority{.sched_priority = 80};
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
-  end.realtime = refused == 0;
-  if (refused) end.note = fmt::format("the loop runs without real-time priority: {}", std::strerror(refused));
-  touch_stack();
+  const std::string refused = become_loop_thread();
+  end.realtime = refused.empty();
+  if (!refused.empty()) end.note = "the loop runs without real-time priority: " + refused;
   while (!loop.finished()) {
     sleep_until(start + pacer.due());
     const Nanoseconds woke = monotonic();
@@ -115,7 +96,7 @@ struct PlannerTimes {
     stall = std::max(stall, gap);
     stalls += gap > patience ? 1 : 0;
     beat = t;
-    clock.look(monotonic(), read(CLOCK_REALTIME));
+    clock.look(monotonic(), wall_clock());
   }
 };
 

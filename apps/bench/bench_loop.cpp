@@ -1,0 +1,347 @@
+// forefeel bench loop [SCENE]: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines.
+// Both run at the same time in one process, half a frame apart, with the same thread settings, so that they meet the same
+// load: the session's workers, and as many threads of tight solves that take every processor the workers leave idle.
+// Runs with and without the recording of inputs (session.record) alternate.
+//   missed      frames that were skipped, or whose cost and lateness together exceed their length
+//   difference  missed of the loop less missed of the bare loop, per 1000 frames, with an interval of 95 % by a
+//               bootstrap over seconds; within noise if it contains zero
+//   lateness    of the wake-up [us];  cost: of the frame's work [us]
+//   error       of the rendered force against tight solves, relative, as in a session
+//   memory      resident memory of the process [bytes]; growth over the second half of the runs [bytes/s]
+// Frames allocate nothing; a test counts allocations (tests/scheduling/test_render_loop.cpp).
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <stop_token>
+#include <thread>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/bench_loop_parts.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/laboratory/laboratory.hpp"
+#include "apps/scene_input/scene_session.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "scheduling/motion/random.hpp"
+#include "scheduling/render/bare_loop.hpp"
+#include "scheduling/render/loop_thread.hpp"
+#include "scheduling/session/session.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double most_cost = 10;         // of a frame, p99 [us]
+constexpr double reference_step = 0.01;  // travel between samples of the error [m]
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto of = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return of(usage.ru_utime) + of(usage.ru_stime);
+}
+
+// Threads of tight solves at random places of the box. They take only processors that nothing else of this machine wants.
+class Load {
+ public:
+  Load(const Scene& scene, int threads, std::uint64_t seed) {
+    for (int i = 0; i < threads; ++i)
+      threads_.emplace_back([this, &scene, key = random::mix(seed, static_cast<std::uint64_t>(i))](
+                                const std::stop_token& stop) { run(scene, key, stop); });
+  }
+  std::size_t solves() const { return solves_.load(); }
+
+ private:
+  void run(const Scene& scene, std::uint64_t key, const std::stop_token& stop) {
+    become_idle_thread();
+    Solver solver(scene.body);
+    const Box& box = scene.space.box;
+    for (std::uint64_t i = 0; !stop.stop_requested(); ++i) {
+      Vec3 x = box.low;
+      for (int axis = 0; axis < 3; ++axis)
+        x[axis] +=
+            box.size()[axis] * random::uniform(random::mix(key, 3 * i + static_cast<std::uint64_t>(axis)));
+      solver.from(*solver.rest(), x, {}, stop);
+      ++solves_;
+    }
+  }
+
+  std::atomic<std::size_t> solves_{0};
+  std::vector<std::jthread> threads_;  // last: they end before the counter does
+};
+
+// A folder for the records, removed at the end.
+class Scratch {
+ public:
+  Scratch() : folder_(fs::temp_directory_path() / fmt::format("forefeel-bench-loop-{}", getpid())) {
+    fs::create_directories(folder_);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+// All runs of one kind: with or without the record.
+struct Kind {
+  bool record = false;
+  LoopTimes loop = {}, bare = {};
+  std::vector<double> errors = {};
+  double seconds = 0, cpu = 0, busy = 0;  // of the runs; of the process; of the workers' solves [s]
+  std::size_t load_solves = 0, states_start = 0, states_end = 0;
+  bool realtime = true;
+  std::vector<MemoryCourse> memory = {};
+};
+
+struct Setting {
+  const Scene& scene;
+  SessionInput input;
+  SessionOptions options;
+  fs::path folder;
+};
+
+// The run of both loops. They are compared from the first moment at which the session shows its progress.
+void run_block(const Setting& setting, Kind& kind, const ShowShare& show) {
+  SessionOptions options = setting.options;
+  options.record = kind.record;
+  SessionPlan plan = make_plan(setting.input, options);
+  plan = with_inputs_file(std::move(plan), setting.folder / "inputs.bin", program_text());
+  const double frame = options.clock.frame;
+  BareLoop bare(frame, plan.frames);
+  std::size_t first = 0;  // frame of the session half a frame before the bare loop's first
+  MemoryCourse memory;
+  double cpu = 0;
+  auto load = std::make_unique<Load>(setting.scene, options.workers.count, options.seed);
+  const auto watch = [&](const SessionProgress& p) {
+    if (p.phase != SessionPhase::session) return;
+    if (!bare.begun()) {
+      cpu = cpu_seconds();
+      first = static_cast<std::size_t>(p.t / frame) + 20;
+      const double ahead = (static_cast<double>(first) + 0.5) * frame - p.t;
+      bare.begin(monotonic() + std::llround(ahead * 1e9));
+    }
+    memory.t.push_back(p.t);
+    memory.bytes.push_back(resident_memory());
+    if (show) show(p.t / p.seconds, fmt::format("{} states", p.known));
+  };
+  const SessionResult result = run_session(plan, {.progress = watch, .when_run = [&](const SessionResult&) {
+                                                    bare.end();
+                                                    kind.cpu += cpu_seconds() - cpu;
+                                                    kind.load_solves += load->solves();
+                                                    load.reset();
+                                                  }});
+  bare.end();
+  const std::vector<FrameTiming> ours = timing_by_frame(result.frames, frame, plan.frames);
+  const std::size_t n =
+      std::min(bare.frames().size(), plan.frames - std::min(plan.frames, first));  // of both
+  kind.loop.add(std::span(ours).subspan(std::min(first, ours.size()), n), frame);
+  kind.bare.add(std::span(bare.frames()).first(n), frame);
+  for (const FrameRecord& f : result.frames)
+    if (f.judged.sampled && std::isfinite(f.judged.error)) kind.errors.push_back(f.judged.error);
+  for (const double solve : result.solver.seconds) kind.busy += solve;
+  kind.seconds += static_cast<double>(n) * frame;
+  kind.states_start = result.counts.start;
+  kind.states_end = std::max(kind.states_end, result.states.size());
+  kind.realtime = kind.realtime && result.process.realtime_priority && bare.note().empty();
+  kind.memory.push_back(std::move(memory));
+}
+
+Json timing_json(const std::vector<double>& values) {
+  Json object;
+  object["p50"] = number(quantile_of(values, 0.5));
+  object["p99"] = number(quantile_of(values, 0.99));
+  object["max"] = number(quantile_of(values, 1));
+  return object;
+}
+
+Json side_json(const LoopTimes& side) {
+  Json object;
+  object["frames"] = side.frames;
+  object["missed"] = side.missed;
+  object["lateness_us"] = timing_json(side.lateness);
+  object["cost_us"] = timing_json(side.cost);
+  return object;
+}
+
+double from_deadline(const LoopTimes& side) {
+  return quantile_of(side.lateness, 0.5) + quantile_of(side.cost, 0.5);
+}
+
+Json memory_json(const std::vector<MemoryCourse>& runs) {
+  std::vector<double> start, end, growth;
+  for (const MemoryCourse& run : runs) {
+    start.push_back(run.start()), end.push_back(run.end()), growth.push_back(run.growth());
+  }
+  Json object;
+  object["start"] = number(start.front());  // of the first run
+  object["end"] = number(end.back());       // of the last
+  object["growth_per_s"] = number(quantile_of(growth, 0.5));
+  return object;
+}
+
+// Keys that the rows of all benches share.
+Json row_of(const Laboratory& laboratory, const std::string& name, const std::string& baseline, double ours,
+            double theirs, const Kind& kind) {
+  Json row;
+  row["name"] = name;
+  row["baseline"] = baseline;
+  row["ratio"] = number(theirs / ours);
+  row["ours_us"] = number(ours);
+  row["baseline_us"] = number(theirs);
+  row["error"] = quantiles_json(kind.errors);
+  row["n"] = laboratory.scene().model.neighbours;
+  row["k"] = nullptr;
+  row["scene"] = laboratory.name();
+  row["law"] = forefeel::name(laboratory.scene().body->material.law);
+  row["elements"] = laboratory.scene().body->mesh.tets.size();
+  row["threads"] = 1;
+  row["tolerance"] = nullptr;
+  return row;
+}
+
+Json loop_row(const Laboratory& laboratory, const Kind& kind, const ConfidenceInterval& difference,
+              int workers) {
+  Json row = row_of(laboratory, kind.record ? "loop, recording" : "loop", "bare loop",
+                    from_deadline(kind.loop), from_deadline(kind.bare), kind);
+  row["record"] = kind.record;
+  row["seconds"] = number(kind.seconds);
+  row["loop"] = side_json(kind.loop);
+  row["bare"] = side_json(kind.bare);
+  row["missed_difference"] = {{"per_1000", number(difference.mean)},
+                              {"low", number(difference.low)},
+                              {"high", number(difference.high)},
+                              {"within_noise", !difference.excludes_zero()}};
+  row["realtime_priority"] = kind.realtime;
+  row["workers"] = {{"count", workers},
+                    {"busy", number(kind.busy / (kind.seconds * workers))},
+                    {"load_solves", kind.load_solves}};
+  row["processors_used"] = number(kind.cpu / kind.seconds);
+  row["states"] = {{"start", kind.states_start}, {"end", kind.states_end}};
+  row["memory"] = memory_json(kind.memory);
+  return row;
+}
+
+std::string in_words(const Kind& kind, const ConfidenceInterval& d) {
+  return fmt::format(
+      "{}: missed {} of {} frames, bare loop {}; difference {:+.3g} per 1000 [{:.3g}, {:.3g}], {}; lateness "
+      "p50 "
+      "{:.3g} p99 {:.3g} us, bare {:.3g} {:.3g}; cost p50 {:.3g} p99 {:.3g} us; error p95 {:.2g}; {} states; "
+      "resident {} to {}",
+      kind.record ? "loop, recording" : "loop", kind.loop.missed, kind.loop.frames, kind.bare.missed, d.mean,
+      d.low, d.high, d.excludes_zero() ? "not noise" : "within noise", quantile_of(kind.loop.lateness, 0.5),
+      quantile_of(kind.loop.lateness, 0.99), quantile_of(kind.bare.lateness, 0.5),
+      quantile_of(kind.bare.lateness, 0.99), quantile_of(kind.loop.cost, 0.5),
+      quantile_of(kind.loop.cost, 0.99), quantile_of(kind.errors, 0.95), kind.states_end,
+      bytes_in_words(kind.memory.front().start()), bytes_in_words(kind.memory.back().end()));
+}
+
+SessionOptions options_of(const Globals& globals, const Scene& scene, double seconds) {
+  SessionOptions options = session_options(scene);
+  options.model.fit = scene.model;
+  options.clock.kind = Clock::real;
+  options.clock.seconds = seconds;
+  options.clock.length = RunLength::seconds;
+  options.judging.reference_step = std::max(options.judging.reference_step, reference_step);
+  options.judging.visit_stride = std::max(options.judging.visit_stride, 16);
+  options.workers.threads = globals.threads;
+  if (globals.seed != 0) options.seed = globals.seed;
+  return options;
+}
+
+// The states of the finest lattice of at most `states` positions are known at the start, so that workers have nothing
+// left to solve.
+void add_states(Laboratory& laboratory, std::size_t states, SessionInput& input, Progress& progress) {
+  const Box& box = laboratory.scene().space.box;
+  const auto positions = [&](double h) {
+    double count = 1;
+    for (int axis = 0; axis < 3; ++axis)
+      count *= 1 + std::floor(box.high[axis] / h + 1e-9) - std::ceil(box.low[axis] / h - 1e-9);
+    return count;
+  };
+  double h = std::cbrt(box.size().prod() / static_cast<double>(states));
+  while (positions(h) > static_cast<double>(states)) h *= 1.001;
+  input.touched.space.spacing = h;
+  input.known = laboratory.lattice_states(
+      box, h, [&](double share, const std::string& text) { progress.show(share, text); });
+}
+
+// What the rows say against the loop; empty: nothing.
+std::string verdict(const std::array<Kind, 2>& kinds, const std::array<ConfidenceInterval, 2>& differences) {
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i].loop.frames == 0) return "interrupted before anything was measured";
+    if (differences[i].low > 0)
+      return fmt::format("the loop missed more deadlines than the bare loop, {:.3g} per 1000 frames",
+                         differences[i].mean);
+    if (const double cost = quantile_of(kinds[i].loop.cost, 0.99); cost >= most_cost)
+      return fmt::format("the cost of a frame, p99, is {:.3g} us, expected below {:g}", cost, most_cost);
+  }
+  return {};
+}
+
+}  // namespace
+
+int bench_loop(const Globals& globals, const std::string& scene, const LoopBench& bench) {
+  if (bench.seconds / bench.blocks < 2)
+    throw InputError("--seconds", fmt::format("gives blocks of {:g} s, expected at least 2 s in each of {}",
+                                              bench.seconds / bench.blocks, bench.blocks));
+  Laboratory laboratory(globals, scene);
+  Progress progress(globals, "bench loop");
+  const Scratch scratch;
+  Setting setting{laboratory.scene(), laboratory.session_input(),
+                  options_of(globals, laboratory.scene(), bench.seconds / bench.blocks), scratch.path()};
+  if (bench.states > 0) add_states(laboratory, bench.states, setting.input, progress);
+  setting.input.references =
+      std::make_shared<ReferenceService>(reference_options(setting.input), globals.threads);
+  const InterruptWatch watch;
+  setting.options.stop.interrupted = &watch.flag();
+  setting.options.stop.hurried = &watch.hurry();
+  std::array<Kind, 2> kinds{Kind{.record = false}, Kind{.record = true}};
+  const int runs = 2 * bench.blocks;
+  for (int run = 0; run < runs && !watch.raised(); ++run)  // without, with, with, without …
+    run_block(setting, kinds[static_cast<std::size_t>((run + 1) / 2 % 2)],
+              [&](double share, const std::string& text) { progress.show((run + share) / runs, text); });
+  std::array<ConfidenceInterval, 2> differences{};
+  Json document;
+  document["rows"] = Json::array();
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i].loop.frames == 0) continue;
+    differences[i] = missed_difference(kinds[i].loop, kinds[i].bare, setting.options.clock.frame);
+    document["rows"].push_back(loop_row(laboratory, kinds[i], differences[i], setting.options.workers.count));
+  }
+  const double with = quantile_of(kinds[1].loop.cost, 0.5), without = quantile_of(kinds[0].loop.cost, 0.5);
+  if (std::isfinite(with + without))
+    document["rows"].push_back(
+        row_of(laboratory, "frame, recording", "frame, session.record = false", with, without, kinds[1]));
+  const std::string problem = verdict(kinds, differences);
+  document["good"] = problem.empty();
+  document["provenance"] = provenance(laboratory.scene().source.hash);
+  if (globals.json) print_json(document);
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    if (kinds[i].loop.frames > 0) say(globals, in_words(kinds[i], differences[i]));
+  if (problem.empty() && !watch.raised()) return 0;
+  warn(globals, problem.empty() ? "interrupted" : problem);
+  return 1;
+}
+
+}  // namespace forefeel
