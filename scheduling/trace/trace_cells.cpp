@@ -76,6 +76,11 @@ bool trace_number(std::string_view cell, double& value) {
   return parse_real(text, value);
 }
 
+bool trace_missing(std::string_view cell) {
+  const std::string word = lower_case(cell);
+  return word.empty() || word == "na" || word == "nan" || word == "null" || word == "missing" || word == "-";
+}
+
 std::size_t trace_numbers(const Cells& cells) {
   double value = 0;
   return static_cast<std::size_t>(

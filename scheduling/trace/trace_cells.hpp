@@ -21,6 +21,7 @@ struct TraceRow {
 std::vector<TraceRow> trace_rows_of(const std::string& content);
 // A number with a decimal point, or with a decimal comma where commas do not separate cells.
 bool trace_number(std::string_view cell, double& value);
+bool trace_missing(std::string_view cell);           // empty, -, na, nan, null or missing
 std::size_t trace_numbers(const TraceCells& cells);  // how many cells are numbers
 
 }  // namespace forefeel

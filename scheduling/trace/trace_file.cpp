@@ -14,6 +14,8 @@
 #include "scheduling/trace/trace_cells.hpp"
 #include "scheduling/trace/trace_flaws.hpp"
 #include "scheduling/trace/trace_header.hpp"
+#include "scheduling/trace/trace_stack.hpp"
+#include "scheduling/trace/trace_time.hpp"
 
 namespace forefeel {
 namespace {
@@ -110,6 +112,12 @@ class Reader {
     for (std::size_t row = 0; row < std::min<std::size_t>(rows_.size(), 200); ++row)
       if (find_in_header(row, wanted, false) || (!format_.tool.empty() && find_in_header(row, wanted, true)))
         return;
+    if (!format_.tool.empty() || !format_.columns.empty())
+      if (const auto stacked = stacked_columns(rows_, wanted, timed(), format_.tool)) {
+        layout_ = {.at = stacked->at, .header = stacked->header, .names = {}, .first = stacked->header + 1};
+        own_columns_ = true;
+        return;
+      }
     if (const auto row = headless_row(rows_, wanted.size()); row && format_.columns.empty()) {
       for (std::size_t i = 0; i < wanted.size(); ++i) layout_.at.push_back(i);
       layout_.first = *row;
@@ -119,7 +127,12 @@ class Reader {
   }
 
   [[noreturn]] void fail_without(const std::vector<std::string>& wanted) const {
-    const std::size_t header = likely_header(rows_);
+    const std::size_t header = likely_header(rows_, rows_.size());
+    if (const auto tools = stacked_tools(rows_, wanted[wanted.size() - 3]); !tools.empty())
+      throw InputError({.file = name_, .line = rows_[header].line},
+                       fmt::format("{} several tools, expected tool=NAME with one of {}",
+                                   format_.tool.empty() ? "holds" : "has no tool '" + format_.tool + "' but",
+                                   fmt::join(tools, ", ")));
     const Cells& cells = rows_[header].cells;
     std::string missing;
     for (std::size_t i = wanted.size(); i-- > 0;)
@@ -158,8 +171,13 @@ class Reader {
   bool all_numbers(const Row& row) const {
     double value = 0;
     return std::ranges::all_of(layout_.at, [&](std::size_t at) {
-      return at == nowhere || (at < row.cells.size() && trace_number(row.cells[at], value));
+      return at == nowhere || (timed() && at == layout_.at[0] && time_in(row)) ||
+             (at < row.cells.size() && trace_number(row.cells[at], value));
     });
+  }
+
+  std::optional<TraceTime> time_in(const Row& row) const {
+    return layout_.at[0] < row.cells.size() ? trace_time(row.cells[layout_.at[0]]) : std::nullopt;
   }
 
   [[noreturn]] void fail_without_numbers() const {
@@ -183,12 +201,8 @@ class Reader {
     while (row < rows_.size() && !all_numbers(rows_[row])) ++row;
     if (row == rows_.size()) fail_without_numbers();
     // Rows without a position also count as samples; rows without a time do not.
-    double value = 0;
-    while (row > layout_.first && timed() && layout_.at[0] < rows_[row - 1].cells.size() &&
-           trace_number(rows_[row - 1].cells[layout_.at[0]], value) &&
-           trace_numbers(rows_[row - 1].cells) > 0)
-      --row;
-    if (!layout_.header && row > 0) layout_.header = row - 1;
+    while (row > layout_.first && timed() && time_in(rows_[row - 1])) --row;
+    if (!layout_.header && row > 0) layout_.header = likely_header(rows_, row);
     layout_.first = row;
   }
 
@@ -205,8 +219,9 @@ class Reader {
     std::map<std::string_view, double> last;
     for (std::size_t row = layout_.first; row < rows_.size(); ++row) {
       const Cells& cells = rows_[row].cells;
-      double t = 0;
-      if (layout_.at[0] >= cells.size() || !trace_number(cells[layout_.at[0]], t)) continue;
+      const auto time = time_in(rows_[row]);
+      if (!time) continue;
+      const double t = 86400.0 * static_cast<double>(time->day) + time->seconds;
       const auto [at, first] = last.emplace(column < cells.size() ? cells[column] : "", t);
       if (!first && !(t > at->second)) return false;
       at->second = t;
@@ -276,46 +291,43 @@ class Reader {
                                  fmt::join(names, ", ")));
   }
 
-  // The time of a row of data [s].
-  double time_of(const Row& row, std::size_t sample) const {
+  // The time of a row of data [s]; of dates, from the beginning of the first row's day.
+  double time_of(const Row& row, std::size_t sample) {
     if (!timed()) return static_cast<double>(sample) / format_.rate;
-    double t = unknown;
     const std::size_t at = layout_.at[0];
     if (at >= row.cells.size())
       throw InputError({.file = name_, .line = row.line},
                        fmt::format("a row of {} values, expected at least {}", row.cells.size(), at + 1));
-    if (!trace_number(row.cells[at], t) || !std::isfinite(t))
-      throw InputError({.file = name_, .line = row.line},
-                       fmt::format("the time is '{}', expected a finite number", row.cells[at]));
-    return t * format_.second;
+    const auto time = time_in(row);
+    if (!time || !std::isfinite(time->seconds) || (day_ && time->dated != (*day_ != 0)))
+      throw InputError(
+          {.file = name_, .line = row.line},
+          fmt::format("the time is '{}', expected a finite number{}", row.cells[at],
+                      day_ && *day_ == 0 ? "" : ", or a date and time as 2021-08-18T15:05:42.25"));
+    if (!day_) day_ = time->day;
+    return time->dated ? 86400.0 * static_cast<double>(time->day - *day_) + time->seconds
+                       : time->seconds * format_.second;
   }
 
   Vec3 position_of(const Row& row) const {
-    Vec3 x = Vec3::Constant(unknown);
+    Vec3 x = Vec3::Zero();
     const std::size_t skip = timed() ? 1 : 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t at = layout_.at[skip + axis];
-      double value = unknown;
-      if (at == nowhere) {
-        x[static_cast<int>(axis)] = 0;
-        continue;
-      }
-      if (at < row.cells.size() && trace_number(row.cells[at], value)) {
-        x[static_cast<int>(axis)] = value * format_.metre;
-        continue;
-      }
-      const std::string word = at < row.cells.size() ? lower_case(row.cells[at]) : std::string();
-      if (!word.empty() && word != "na" && word != "nan" && word != "null" && word != "missing" &&
-          word != "-")
+      if (at == nowhere) continue;
+      double value = 0;
+      const bool given = at < row.cells.size() && trace_number(row.cells[at], value);
+      if (!given && at < row.cells.size() && !trace_missing(row.cells[at]))
         throw InputError(
             {.file = name_, .line = row.line},
             fmt::format("the position is '{}', expected a number, or nothing where it is missing",
                         row.cells[at]));
+      x[static_cast<int>(axis)] = given ? value * format_.metre : unknown;
     }
     return x;
   }
 
-  TraceRows take() const {
+  TraceRows take() {
     TraceRows out;
     double begin = 0;
     std::size_t sample = 0;
@@ -354,6 +366,7 @@ class Reader {
   std::vector<Row> rows_;
   Layout layout_;
   bool own_columns_ = false;
+  std::optional<std::int64_t> day_;  // of the first row; 0: times are numbers
 };
 
 }  // namespace

@@ -58,10 +58,11 @@ std::optional<std::size_t> headless_row(const std::vector<TraceRow>& rows, std::
   return {};
 }
 
-std::size_t likely_header(const std::vector<TraceRow>& rows) {
+std::size_t likely_header(const std::vector<TraceRow>& rows, std::size_t end) {
   std::size_t header = 0;
-  for (std::size_t row = 0; row < std::min(rows.size(), rows_searched); ++row) {
-    if (holds_data(rows[row].cells)) break;
+  for (std::size_t row = 0; row < std::min(end, rows_searched); ++row) {
+    // A single row of numbers may be part of a header, as in .trc files.
+    if (holds_data(rows[row].cells) && (row + 1 == rows.size() || holds_data(rows[row + 1].cells))) break;
     if (names_in(rows[row].cells) > names_in(rows[header].cells)) header = row;
   }
   return header;

@@ -21,8 +21,8 @@ std::optional<std::size_t> column_number(const std::string& column);
 // The first row whose first n cells are numbers, so that a table without a header is read by place; unset where a row
 // of as many names stands before it, or other text than comments.
 std::optional<std::size_t> headless_row(const std::vector<TraceRow>& rows, std::size_t n);
-// The row that is most likely meant as a header: that with most names before rows of numbers.
-std::size_t likely_header(const std::vector<TraceRow>& rows);
+// The row before `end` that is most likely meant as a header: that with most names before rows of numbers.
+std::size_t likely_header(const std::vector<TraceRow>& rows, std::size_t end);
 
 // Whether the title of a column speaks of an orientation, or of a tool.
 bool is_of_orientation(std::string_view title);
