@@ -20,6 +20,7 @@
 #include "apps/console/values.hpp"
 #include "apps/picture/coverage_picture.hpp"
 #include "apps/scene_input/given_states.hpp"
+#include "apps/scene_input/spacing_check.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
@@ -226,6 +227,9 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.points.empty()) points = read_points_csv(arguments.points);
   if (!arguments.line.empty()) points = parse_line(arguments.line);
   const Classified set = classify_states(globals, arguments, arguments.states);
+  if (arguments.spacing)
+    if (const auto line = spacing_beyond("--spacing", set.spacing, set.box, "the states"))
+      warn(globals, *line);
   if (arguments.grid) points = grid_points(set.box, *arguments.grid);
   if (!arguments.through.empty() && !set.box.contains(parse_vector(arguments.through, "--through")))
     throw InputError("--through",

@@ -21,9 +21,11 @@
 #include "apps/console/values.hpp"
 #include "apps/scene_input/given_states.hpp"
 #include "apps/scene_input/scene_mesh_error.hpp"
+#include "apps/scene_input/spacing_check.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "geometry/states/state_summary.hpp"
 
 namespace forefeel {
 namespace {
@@ -130,6 +132,10 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   }
   if (arguments.spacing) known.spacing = *arguments.spacing;
   known.states = std::move(loaded.states);
+  if (arguments.spacing)
+    if (const auto line =
+            spacing_beyond("--spacing", known.spacing, summarise(known.states).extent, "the states"))
+      warn(globals, *line);
   return known;
 }
 

@@ -41,6 +41,7 @@
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/record/attention.hpp"
+#include "scheduling/record/notes.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/replay/input_replay.hpp"
 #include "scheduling/workers/rank_workers.hpp"
@@ -136,7 +137,7 @@ void tell(const Globals& globals, const SessionSummary& s, const std::optional<s
                   s.switching.count, s.switching.frames_over_jnd, share(s.safety.clamped_share),
                   share(s.safety.slewed_share)));
   if (shapes) say(globals, *shapes);
-  for (const std::string& note : s.run.notes) say(globals, note);
+  for (const std::string& note : shortened_notes(s.run.notes)) say(globals, note);
   if (std::error_code problem; fs::exists(run / "report.html", problem))
     say(globals, fmt::format("report: {}", (run / "report.html").string()));
   say(globals, look_at_it(globals, run));

@@ -9,6 +9,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/scene_input/spacing_check.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
@@ -47,6 +48,8 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   header.spacing = arguments.spacing;
   const StateSetSummary sum = summarise(states);
   header.box = sum.extent;
+  if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
+    warn(globals, *line);
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);

@@ -302,6 +302,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
     nlohmann::ordered_json document = counts(plan, result);
     document.update(to_json(found));
     document.update(ranking_json(plan.study, ranked, compared));
+    document["notes"] = notes_of(result.cells);
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
     document["provenance"] = provenance(planned.scenes.front().source.hash);
     print_json(document);
@@ -309,6 +310,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   tell(globals, found);
   show_contrasts(globals, plan.study, compared);
   for (const std::string& note : sustained_notes(plan.study, result.cells)) say(globals, note);
+  for (const std::string& note : notes_of(result.cells)) say(globals, note);
   say(globals,
       fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
                   plan.cells.size(), result.ran, result.seconds, result.resumed));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -22,6 +23,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/record/attention.hpp"
+#include "scheduling/record/notes.hpp"
 
 namespace forefeel {
 namespace {
@@ -249,7 +251,7 @@ std::string attention_box(const SessionSummary& summary) {
 
 std::string notes(const SessionSummary& summary, const Scene& scene) {
   std::vector<std::string> lines = scene.source.warnings;
-  lines.insert(lines.end(), summary.run.notes.begin(), summary.run.notes.end());
+  std::ranges::move(shortened_notes(summary.run.notes), std::back_inserter(lines));
   if (lines.empty()) return "";
   std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
   for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";

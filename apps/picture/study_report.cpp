@@ -172,7 +172,8 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
         "so the true regrets are at least those shown.</p>\n";
   return html +
          fmt::format(
-             "<p class=\"muted\">\"1=\": not told apart from the first. Error, clamping and energy are "
+             "<p class=\"muted\">\"1=\": not significantly different from the first. Error, clamping and "
+             "energy are "
              "means over all cells.{}</p>\n",
              entry.ranking.dropped > 0
                  ? fmt::format(" {} motions and seeds lack a value and are left out.", entry.ranking.dropped)
@@ -192,8 +193,8 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
                   axis.column == "step" ? "What each step is worth" : "Pairwise comparisons",
                   html_escaped(metric.title), std::ranges::max(compared, {}, pairs_of).comparison.pairs);
   html += fmt::format(
-      "<p class=\"muted\">{}; paired by motion and seed. \"Not shown\": at least one 95 % interval "
-      "contains zero difference.</p>\n",
+      "<p class=\"muted\">{}; paired by motion and seed. \"Not significant\": at least one 95 % "
+      "interval contains zero difference.</p>\n",
       html_escaped(metric.title));
   html += "<div class=\"scroll\">" + head({axis.column, "against", "where", "difference [bootstrap]",
                                            "[Student]", "won / lost / pairs", "traces", ""});
@@ -311,6 +312,7 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
   std::ranges::copy(attention(devices), std::back_inserter(notes));
   std::ranges::copy(planned.warnings, std::back_inserter(notes));
   std::ranges::copy(sustained_notes(study, result.cells), std::back_inserter(notes));
+  std::ranges::copy(notes_of(result.cells), std::back_inserter(notes));
   if (!notes.empty()) {
     html += "<ul class=\"note\">\n";
     for (const std::string& warning : notes) html += "<li>" + html_escaped(warning) + "</li>\n";

@@ -14,6 +14,7 @@
 #include "apps/scene_input/scene_materials.hpp"
 #include "apps/scene_input/scene_shape.hpp"
 #include "apps/scene_input/scene_tolerance.hpp"
+#include "apps/scene_input/spacing_check.hpp"
 #include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
@@ -91,6 +92,9 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
   check_reach(table, scene.space, longest_side(mesh));
   if (automatic) choose_spacing_of(table, use, scene);
   if (!automatic || use.spacing) check_positions(scene.space, table.where("spacing"));
+  if (const auto line =
+          spacing_beyond(table.where("spacing").text(), scene.space.spacing, scene.space.box, "the states"))
+    scene.source.warnings.push_back(*line);
   scene.displacements = table.boolean("displacements").value_or(false);
 }
 

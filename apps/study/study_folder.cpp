@@ -39,7 +39,10 @@ std::optional<StudyCellResult> read_record(const fs::path& folder, const StudyCe
   if (!record.is_object() || !record.contains("columns") || record.value("key", "") != cell.key) return {};
   std::vector<Column> columns;
   for (const auto& [name, value] : record.at("columns").items()) columns.push_back({name, value_of(value)});
-  return StudyCellResult(std::move(columns));
+  StudyCellResult result(std::move(columns));
+  if (const auto notes = record.find("notes"); notes != record.end())
+    result.set_notes(notes->get<std::vector<std::string>>());
+  return result;
 }
 
 void write_record(const fs::path& folder, const StudyCell& cell, const StudyCellResult& result) {
@@ -47,6 +50,7 @@ void write_record(const fs::path& folder, const StudyCell& cell, const StudyCell
                                 {"device", to_text(cell.options.motion.device)},
                                 {"cost", to_text(cell.options.workers.cost)}};
   for (const Column& column : result.columns()) record["columns"][column.name] = to_json(column.value);
+  record["notes"] = result.notes();
   OutputFile out(record_file(folder, cell));
   out.write(json_text(record, 1) + "\n");
   out.commit();

@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -65,13 +67,28 @@ class Registry {
   mutable std::mutex mutex_;
 };
 
-// Calls a factory for a part as the user wrote it. InputError for a setting that the factory does not know.
+// Calls a factory for a part as the user wrote it. InputError for a setting that the factory does not know, and for what
+// the factory throws; the error names the part.
 template <class Factory, class Context>
 auto make_registered(const Factory& factory, const std::string& kind, const Registered& part,
                      Context context) {
   const InputPlace where{.key = kind, .value = to_text(part)};
   context.arguments = Arguments(where, part.settings);
-  auto made = factory(context);
+  const auto made_by = [&] {
+    try {
+      return factory(context);
+    } catch (const InputError& error) {
+      if (error.place() == where) throw;  // names the part already
+      throw InputError(where, error.what());
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& problem) {
+      throw InputError(where, fmt::format("its factory failed: {}", problem.what()));
+    } catch (...) {
+      throw InputError(where, "its factory threw what is no std::exception");
+    }
+  };
+  auto made = made_by();
   context.arguments.expect_all_read();
   if (!made) throw InputError(where, "its factory made nothing");
   return made;

@@ -336,11 +336,12 @@ void Planner::consider_preemption(double now) {
     gather_pending(&slot);
     const PlannerView seen = view(now);
     setup_.policy->pend(seen);
-    const double gain = setup_.policy->priority(waiting, seen);
+    const double gain = ranked_by(setup_.policy->priority(waiting, seen));
     const double left = std::max(1 - (now - slot.since) / solve_seconds_, 0.1);
     double worth = 0;
     for (const Member& member : slot.members)
-      worth = std::max(worth, setup_.policy->priority(candidates_->refreshed(member.candidate), seen) / left);
+      worth = std::max(
+          worth, ranked_by(setup_.policy->priority(candidates_->refreshed(member.candidate), seen)) / left);
     if (gain > 0 && worth < least * gain) {
       least = worth / gain;
       weakest = &slot;
@@ -370,10 +371,12 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
   result.solver.seconds = std::move(costs_);
   result.solver.jobs = jobs_;
   result.notes.insert(result.notes.end(), notes_.begin(), notes_.end());
-  if (not_numbers_ > 0)
+  if (const auto& wrong = priorities_refused_; wrong.not_numbers + wrong.infinite + wrong.negative > 0)
     result.notes.push_back(
-        fmt::format("policy {} gave {} priorities that are not numbers: they counted as the lowest",
-                    setup_.policy->name(), not_numbers_));
+        fmt::format("policy {} gave priorities that are not finite numbers of at least 0: {} not numbers, {} "
+                    "infinite, {} "
+                    "negative; they were ranked as they compare, those that are not numbers last",
+                    setup_.policy->name(), wrong.not_numbers, wrong.infinite, wrong.negative));
   if (strays_ > 0)
     result.notes.push_back(fmt::format(
         "the workers gave {} results that belong to no running job: they were left out", strays_));

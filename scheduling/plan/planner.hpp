@@ -102,11 +102,11 @@ class Planner {
   void predict(double now);
   Prediction checked(Prediction p);
   PlannerView view(double now) const;
-  void rank(double now);  // priorities of the open candidates
-  double ranked_by(double priority);
-  void look(double now);           // before anything is ranked at this time
-  std::size_t best() const;        // index of the open candidate to solve next
-  void rank_for_many(double now);  // into the heap
+  void rank(double now);              // priorities of the open candidates
+  double ranked_by(double priority);  // counts those that break the contract of policies
+  void look(double now);              // before anything is ranked at this time
+  std::size_t best() const;           // index of the open candidate to solve next
+  void rank_for_many(double now);     // into the heap
   std::size_t best_of_many(double now, double& priority);
   std::vector<std::pair<double, Candidate>> neighbours_of(std::size_t chosen) const;
   std::vector<Candidate> take_neighbours(std::vector<std::pair<double, Candidate>> near);
@@ -151,7 +151,10 @@ class Planner {
   std::vector<DispatchRecord> dispatches_;
   StateCounts counts_;
   std::uint64_t audit_draws_ = 0;
-  std::size_t jobs_ = 0, not_numbers_ = 0, predictions_refused_ = 0;
+  std::size_t jobs_ = 0, predictions_refused_ = 0;
+  struct {
+    std::size_t not_numbers = 0, infinite = 0, negative = 0;
+  } priorities_refused_;
   std::size_t strays_ = 0, elsewhere_ = 0;  // results of no running job, for another position
   std::vector<std::string> notes_;
 };

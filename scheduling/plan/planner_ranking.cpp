@@ -11,16 +11,17 @@
 namespace forefeel {
 namespace {
 
-double finite(double priority) {
-  return std::isfinite(priority) ? priority : std::numeric_limits<double>::lowest();
-}
+constexpr double highest = std::numeric_limits<double>::max();
 
 }  // namespace
 
-// A NaN priority counts as the lowest; the number of such priorities is reported at the end.
+// A policy may be a user's own: its priorities are ranked as they compare, NaN last. Those that are not finite and at
+// least 0 are counted and reported at the end.
 double Planner::ranked_by(double priority) {
-  not_numbers_ += std::isnan(priority);
-  return finite(priority);
+  priorities_refused_.not_numbers += std::isnan(priority);
+  priorities_refused_.infinite += std::isinf(priority);
+  priorities_refused_.negative += priority < 0 && std::isfinite(priority);
+  return std::isnan(priority) ? -highest : std::clamp(priority, -highest, highest);
 }
 
 void Planner::predict(double now) {

@@ -23,6 +23,8 @@ Bytes packed(std::uint64_t cell, const StudyCellResult& row) {
     if (const auto* number = std::get_if<double>(&column.value)) message.add(*number);
     if (const auto* text = std::get_if<std::string>(&column.value)) message.add(std::string_view(*text));
   }
+  message.add(std::uint32_t(row.notes().size()));
+  for (const std::string& note : row.notes()) message.add(std::string_view(note));
   return message.take();
 }
 
@@ -50,8 +52,12 @@ StudyCellResult unpacked(std::uint64_t cell, Unpacker message) {
     std::string name = message.text();
     columns.push_back({std::move(name), unpacked_value(message)});
   }
+  std::vector<std::string> notes;
+  for (auto left = message.number<std::uint32_t>(); left > 0; --left) notes.push_back(message.text());
   message.expect_end();
-  return StudyCellResult(std::move(columns));
+  StudyCellResult row(std::move(columns));
+  row.set_notes(std::move(notes));
+  return row;
 }
 
 class CellWork final : public FarmWork {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geometry/common/quantiles.hpp"
+#include "scheduling/record/notes.hpp"
 
 namespace forefeel {
 namespace {
@@ -97,6 +98,12 @@ std::vector<Declared> declared_cells() {
   return rows;
 }
 
+std::vector<std::string> notes_of(std::span<const StudyCellResult> cells) {
+  std::vector<std::vector<std::string>> notes;
+  for (const StudyCellResult& cell : cells) notes.push_back(cell.notes());
+  return notes_in_common(notes);
+}
+
 double first_visits_within(const SessionResult& result, const SwitchOptions& jnd, double tolerance) {
   std::size_t visits = 0, within = 0;
   for (const FrameRecord& frame : result.frames) {
@@ -124,6 +131,7 @@ StudyCellResult cell_result(const SessionResult& result, const SessionInput& inp
   for (const Column& column : later) row.set(column.name, column.value);
   const double capacity = options.clock.seconds * options.workers.count;
   row.set("solver.busy_share", column_value(row.number("solver.busy") / capacity));
+  row.set_notes(shortened_notes(result.notes));
   return row;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 // The result of one cell of a study: named values in a fixed order, one row of cells.csv.
 
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "geometry/common/declared.hpp"
@@ -22,15 +24,22 @@ class StudyCellResult {
   double number(std::string_view name) const;
   // An existing column keeps its position; a new one is appended.
   void set(std::string_view name, ColumnValue value);
+  // Those of the cell's session: what its parts did against their contract, which solves failed …
+  const std::vector<std::string>& notes() const { return notes_; }
+  void set_notes(std::vector<std::string> notes) { notes_ = std::move(notes); }
 
  private:
   std::vector<Column> columns_;
+  std::vector<std::string> notes_;
 };
 
 // The result of one session: the columns of its summary, and those that a study adds (declared_cells()).
 // Values that depend on wall time are left empty, so a cell always has the same result.
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);
+
+// The notes of all cells, one line for each kind (record/notes.hpp).
+std::vector<std::string> notes_of(std::span<const StudyCellResult> cells);
 
 // The columns of cells.csv behind the varied keys and the seed, for `forefeel help`: those of the summary,
 // then those that only studies have.

@@ -281,3 +281,29 @@ TEST_CASE("summary and errors name a part given as an object, not the one that t
   CHECK_THROWS_WITH(make_plan(input, options),
                     Catch::Contains("object") && Catch::Contains("at 0.5 s is not finite"));
 }
+
+TEST_CASE("what the factory of a registered part throws names the part") {
+  static const bool once = [] {
+    register_policy("torn", [](FactoryContext&) -> std::unique_ptr<Policy> {
+      throw std::runtime_error("no weights in model.bin");
+    });
+    register_device("torn", [](FactoryContext& with) -> std::unique_ptr<Device> {
+      throw InputError(InputPlace{.file = with.arguments.text("file", "a.csv")}, "is empty");
+    });
+    register_predictor("torn", [](FactoryContext& with) -> std::unique_ptr<Predictor> {
+      with.arguments.number("gain", 1, 0, 2);
+      throw 7;
+    });
+    return true;
+  }();
+  REQUIRE(once);
+  CHECK(refusal([] { make_policy("torn"); }) == "policy torn: its factory failed: no weights in model.bin");
+  CHECK(refusal([] {
+          make_device(Registered("torn", {{"file", "b.csv"}}), {});
+        }) == "device torn:file=b.csv: b.csv: is empty");
+  CHECK(refusal([] {
+          make_predictor(Registered("torn", {{"gain", "9"}}));
+        }) == "predictor torn:gain=9: gain is 9, expected 0 to 2");
+  CHECK(refusal([] { make_predictor("torn"); }) ==
+        "predictor torn: its factory threw what is no std::exception");
+}

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,6 +23,27 @@ struct Careless final : Policy {
   double priority(const Candidate& candidate, const PlannerView& view) const override {
     if (candidate.order % 3 == 0) return std::numeric_limits<double>::quiet_NaN();
     return 1 / (1e-3 + (candidate.at - view.hip.at).norm());
+  }
+};
+
+// Nearest first, as the negative distance, unless it is shifted.
+struct Distance final : Policy {
+  double shift;
+  explicit Distance(double s) : shift(s) {}
+  std::string_view name() const override { return "distance"; }
+  double priority(const Candidate& candidate, const PlannerView& view) const override {
+    return shift - (candidate.at - view.hip.at).norm();
+  }
+};
+
+// Infinite for one candidate far from rest.
+struct Favourite final : Policy {
+  mutable Vec3 at = Vec3::Zero();
+  std::string_view name() const override { return "favourite"; }
+  double priority(const Candidate& candidate, const PlannerView& view) const override {
+    if (candidate.order != 20) return 1 / (1e-3 + (candidate.at - view.hip.at).norm());
+    at = candidate.at;
+    return std::numeric_limits<double>::infinity();
   }
 };
 
@@ -60,8 +82,39 @@ TEST_CASE("priorities that are not numbers are counted in a note that names the 
   input.parts.policy = std::make_shared<Careless>();
   const SessionResult result = run_session(input, options);
   CHECK_THAT(note_about(result, "not numbers"),
-             Catch::StartsWith("policy careless gave ") && Catch::EndsWith("they counted as the lowest"));
+             Catch::StartsWith("policy careless gave ") &&
+                 Catch::Contains(" not numbers, 0 infinite, 0 negative; ") && Catch::EndsWith("last"));
   CHECK(result.counts.solved > 0);
+}
+
+TEST_CASE("negative and infinite priorities are ranked as they compare, and counted") {
+  SessionInput input = small_input(Law::linear);
+  SessionOptions options = virtual_options(0.3);
+  options.planning.preempt = false;  // compares ratios, which negative numbers do not have
+  const auto order = [&](double shift, std::string& note) {
+    input.parts.policy = std::make_shared<Distance>(shift);
+    const SessionResult result = run_session(input, options);
+    note = note_about(result, "policy distance gave");
+    std::vector<Vec3> positions;
+    for (const DispatchRecord& job : result.dispatch) positions.push_back(job.at);
+    return positions;
+  };
+  std::string lawful, negative;
+  const std::vector<Vec3> expected = order(1, lawful);  // [m]: no priority is negative
+  CHECK(order(0, negative) == expected);
+  CHECK(lawful.empty());
+  CHECK_THAT(negative, Catch::Contains("finite numbers of at least 0: 0 not numbers, 0 infinite, ") &&
+                           !Catch::Contains(" 0 negative"));
+
+  const auto favourite = std::make_shared<Favourite>();
+  input.parts.policy = favourite;
+  const SessionResult result = run_session(input, options);
+  const auto first = std::ranges::find_if(result.dispatch, [](const auto& job) { return !job.at.isZero(0); });
+  REQUIRE(first != result.dispatch.end());
+  CHECK(favourite->at.norm() > 0);
+  CHECK(first->at == favourite->at);
+  CHECK_THAT(note_about(result, "policy favourite gave"),
+             Catch::Contains("0 not numbers, ") && !Catch::Contains(", 0 infinite"));
 }
 
 TEST_CASE("predictions that are not numbers are counted in a note, and the session goes on without them") {
