@@ -1,16 +1,18 @@
 #pragma once
-// The error above the JND (just noticeable difference) that is to be expected where the hand will be, and how much of
-// it one more state would remove per second.
+// The chance that the model misses the force by more than the JND (just noticeable difference) where the hand will be,
+// and how much of it one more state would remove per second.
 //   V(c) = sum_q w(q) [P(m(q, delta)) - P(m(q, min(delta, |q - c|)))] / T
 // q: the path ahead, and cubes that fill the box; w(q): the larger the sooner the hand may be there, the sum over all q
 // is 1; delta: distance from q to the nearest state that is known or being solved; T: time of a solve [s].
-// The error in JNDs at q is taken as lognormal with the median m and the deviation v of its logarithm. The expected
-// part above 1 is (Black, Scholes 1973, Eq. 13, with the error as the price)
-//   P(m) = m exp(v^2 / 2) N(ln m / v + v) - N(ln m / v),   N the normal distribution function
+// The error in JNDs at q is taken as lognormal with the median m and the deviation v of its logarithm. It exceeds 1 with
+// the chance
+//   P(m) = N(ln m / v),   N the normal distribution function
 //   ln m(q, delta) = a + b ln(delta / h) + c side(q) + r(q)
 // side: distance from q to the mean of the 8 states nearest to it, over their mean distance: about 0 among states, 1
 // outside of them. a, b, c, v are fitted by least squares to the errors that the model had at the states solved so far
 // (PlannerView::surprises), from a prior worth some states; r(q): mean of their residuals within about 3 h.
+// The chance and not the mean error: a place far from all states may miss by tens of JNDs, and a mean would spend most
+// solves there, where a single one helps little.
 
 #include <Eigen/Core>
 #include <array>
@@ -34,7 +36,7 @@ class ErrorNeed {
 
   void look(const PlannerView& view);        // once per planning step
   void pend(std::span<const Vec3> pending);  // replaces the states being solved [m]
-  // V of each candidate [JND/s]; never negative. out: #candidates.
+  // V of each candidate [1/s]; never negative. out: #candidates.
   void worth(std::span<const Candidate> candidates, std::span<double> out) const;
 
   double median(double delta_over_h, double side) const;  // m, without r

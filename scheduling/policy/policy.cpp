@@ -29,7 +29,8 @@ constexpr BuiltIn built_in[] = {
     {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
     {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
     {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"},
-    {"worth", make_worth, "error above the JND on the path ahead that a solve removes per second"},
+    {"worth", make_worth,
+     "chance of an error above the JND on the path ahead that a solve removes per second"},
     {"worth-shuffled", make_worth_shuffled, "placebo of worth: its estimates, permuted among the places"}};
 
 Registry<PolicyFactory>& registry() {

@@ -1,5 +1,5 @@
-// The priority of a state is the error above the JND that it removes where the hand will be, per second of its solve
-// (error_need.hpp). Where it removes none, states nearer to the predicted path come first.
+// The priority of a state is the chance of an error above the JND that it removes where the hand will be, per second of
+// its solve (error_need.hpp). Where it removes none, states nearer to the predicted path come first.
 //   worth            the estimates of the error as they are
 //   worth-shuffled   the placebo: the same estimates, permuted among the places
 // The loss of the placebo against the policy measures the value of the estimates. None has been shown yet:

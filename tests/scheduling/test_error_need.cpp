@@ -1,4 +1,4 @@
-// The expected error above the JND that a state removes: against numerical integration, what it learns from the
+// The chance of an error above the JND that a state removes: against numerical integration, what it learns from the
 // errors of states, and its placebo.
 
 #include <catch2/catch.hpp>
@@ -29,18 +29,18 @@ std::vector<Prediction> still_at(const Vec3& x) {
   return {{.horizon = 0, .at = x, .deviation = 0.0}, {.horizon = 0.1, .at = x, .deviation = 0.0}};
 }
 
-// E[(m e^{v Z} - 1)+] by the midpoint rule over the normal variable Z.
+// The share of m e^{v Z} above 1, by the midpoint rule over the normal variable Z.
 double above_one(double m, double v) {
   double sum = 0;
   constexpr double step = 1e-4;
   for (double z = -9 + step / 2; z < 9; z += step)
-    sum += std::max(0.0, m * std::exp(v * z) - 1) * std::exp(-0.5 * z * z) * step / std::sqrt(2 * M_PI);
+    sum += (m * std::exp(v * z) > 1 ? 1 : 0) * std::exp(-0.5 * z * z) * step / std::sqrt(2 * M_PI);
   return sum;
 }
 
 }  // namespace
 
-TEST_CASE("the worth of a state is the expected error above the JND that it removes, per second") {
+TEST_CASE("the worth of a state is the chance of an error above the JND that it removes, per second") {
   const StateSpace space = space_with({Vec3(0.01, 0, 0)});
   const Vec3 hand(0, 0, 0);
   const std::vector<Prediction> path = still_at(hand);
@@ -71,7 +71,7 @@ TEST_CASE("the worth of a state is the expected error above the JND that it remo
 TEST_CASE("the estimate learns the order of the error from the errors of states") {
   std::vector<Vec3> at;
   std::vector<float> surprises;
-  for (int i = 0; i < 60; ++i) {  // along a line, ever closer: the error is 3 (delta / h)^3
+  for (int i = 0; i < 120; ++i) {  // along a line, ever closer: the error is 3 (delta / h)^3
     const double gap = h * (0.4 + 0.02 * (i % 30));
     at.push_back(at.empty() ? Vec3(-0.029, 0, 0)
                             : Vec3(at.back() + Vec3(i % 2 ? gap : -0.6 * gap, 0.3 * gap, 0)));
@@ -80,12 +80,35 @@ TEST_CASE("the estimate learns the order of the error from the errors of states"
     surprises.push_back(static_cast<float>(3 * std::pow(delta / h, 3)));
   }
   const StateSpace space = space_with(at);
-  REQUIRE(space.size() == 60);
+  REQUIRE(space.size() == 120);
   const std::vector<Prediction> path = still_at(Vec3::Zero());
   ErrorNeed need({});
   need.look({.space = space, .hip = {}, .predicted = path, .pending = {}, .surprises = surprises});
   CHECK(std::log(need.median(1, 0.7) / need.median(0.5, 0.7)) / std::log(2.0) == Approx(3).margin(0.6));
   CHECK(need.deviation() < 1.2);  // the prior's
+}
+
+TEST_CASE("a state is worth more where states near it were surprises") {
+  std::vector<Vec3> at;
+  std::vector<float> surprises;
+  for (int i = 0; i < 12; ++i)  // mirror images; the model missed those at x > 0
+    for (const double side : {-1.0, 1.0}) {
+      at.emplace_back(side * (0.015 + 0.002 * (i % 3)), 0.004 * (i % 4) - 0.006, 0.005 * (i / 4) - 0.005);
+      surprises.push_back(side > 0 ? 5 : 0.2F);
+    }
+  const StateSpace space = space_with(at);
+  REQUIRE(space.size() == at.size());
+  const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(-0.02, 0, 0.012), .deviation = 0},
+                                     {.horizon = 0, .at = Vec3(0.02, 0, 0.012), .deviation = 0}};
+  ErrorNeed need({.path_share = 1});
+  need.look({.space = space, .hip = {}, .predicted = path, .pending = {}, .surprises = surprises});
+  std::vector<Candidate> candidates(2);
+  candidates[0].at = path[0].at;
+  candidates[1].at = path[1].at;
+  double worth[2];
+  need.worth(candidates, worth);
+  CHECK(worth[0] > 0);
+  CHECK(worth[1] > 1.5 * worth[0]);
 }
 
 TEST_CASE("the placebo permutes the estimates by its seed, and repeats") {
