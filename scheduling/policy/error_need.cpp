@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scheduling/motion/random.hpp"
+#include "scheduling/policy/candidate_rows.hpp"
 #include "scheduling/policy/prediction_weight.hpp"
 
 namespace forefeel {
@@ -78,6 +79,22 @@ void ErrorNeed::see(Place& place, std::size_t before) {
   if (distance > 0 && count >= 4) place.side = mean.norm() / distance;
 }
 
+void ErrorNeed::add(const Residual& residual, double sign, Place& place) const {
+  const double width = local * spacing_;
+  const double near = sign * std::exp(-(residual.at - place.at).squaredNorm() / (2 * width * width));
+  place.residuals += near * residual.value;
+  place.residual_count += near;
+}
+
+void ErrorNeed::remember(const Residual& residual) {
+  if (residuals_.size() == most_residuals) {
+    for (Place& place : box_) add(residuals_.front(), -1, place);
+    residuals_.erase(residuals_.begin());
+  }
+  for (Place& place : box_) add(residual, 1, place);
+  residuals_.push_back(residual);
+}
+
 // Takes in the new states: their errors teach, and places near them are seen anew.
 void ErrorNeed::learn(const PlannerView& view) {
   const std::size_t first = known_;
@@ -95,8 +112,7 @@ void ErrorNeed::learn(const PlannerView& view) {
     right_ += error * row;
     fit_ = normal_.ldlt().solve(right_);
     fit_[1] = std::max(fit_[1], 0.5);  // an error that does not grow away from states orders nothing
-    if (residuals_.size() == most_residuals) residuals_.erase(residuals_.begin());
-    residuals_.push_back({seen.at, residual});
+    remember({seen.at, residual});
   }
   for (std::size_t k = first; k < known_; ++k) {
     const Vec3 at = (*space_)[StateId{static_cast<std::uint32_t>(k)}].at;
@@ -130,6 +146,7 @@ void ErrorNeed::weigh(const PlannerView& view) {
     const double sure = 1 / (1 + std::pow(p.deviation / (surely * spacing_), 2));
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     see(place, known_);
+    for (const Residual& residual : residuals_) add(residual, 1, place);
     places_.push_back(place);
     const double width = std::max(p.deviation, spacing_), exponent = -0.5 / (width * width);
     double sum = 0;
@@ -146,16 +163,9 @@ void ErrorNeed::weigh(const PlannerView& view) {
 void ErrorNeed::estimate() {
   const double v = deviation();
   std::vector<double> log_scale;  // ln m without the part of delta
-  for (const Place& place : places_) {
-    double sum = 0, weight = local_strength;
-    for (const Residual& r : residuals_) {
-      const double near =
-          std::exp(-(r.at - place.at).squaredNorm() / (2 * local * local * spacing_ * spacing_));
-      sum += near * r.value;
-      weight += near;
-    }
-    log_scale.push_back(fit_[0] + fit_[2] * place.side + sum / weight);
-  }
+  for (const Place& place : places_)
+    log_scale.push_back(fit_[0] + fit_[2] * place.side +
+                        place.residuals / (place.residual_count + local_strength));
   if (options_.shuffle) {  // estimates change places, with their distances
     const std::uint64_t step = random::mix(options_.seed, known_);
     for (std::size_t i = places_.size(); i > 1; --i) {
@@ -211,19 +221,26 @@ void ErrorNeed::pend(std::span<const Vec3> pending) {
 
 void ErrorNeed::worth(std::span<const Candidate> candidates, std::span<double> out) const {
   std::ranges::fill(out, 0.0);
+  const std::size_t count = candidates.size();
+  if (count == 0) return;
+  const CandidateRows rows(candidates, 2 * spacing_);
+  const double *x = rows.xyz(), *y = x + count, *z = y + count;
+  std::vector<double> worth(count, 0.0);
   for (const Need& need : needs_left_) {
     const double squared = need.delta * need.delta, scale = levels / need.delta;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const double d2 = (candidates[i].at - need.at).squaredNorm();
-      if (!(d2 < squared)) continue;
-      const double place = std::sqrt(d2) * scale;
-      const int below = std::min(static_cast<int>(place), levels - 1);
-      const double w = place - below;
-      const auto row = static_cast<std::size_t>(below);
-      out[i] += need.table[levels] - (1 - w) * need.table[row] - w * need.table[row + 1];
-    }
+    rows.near(need.at, need.delta, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const double d2 = (Vec3(x[i], y[i], z[i]) - need.at).squaredNorm();
+        if (!(d2 < squared)) continue;
+        const double place = std::sqrt(d2) * scale;
+        const int below = std::min(static_cast<int>(place), levels - 1);
+        const double w = place - below;
+        const auto row = static_cast<std::size_t>(below);
+        worth[i] += need.table[levels] - (1 - w) * need.table[row] - w * need.table[row + 1];
+      }
+    });
   }
-  for (double& worth : out) worth /= solve_;
+  for (std::size_t i = 0; i < count; ++i) out[rows.candidate(i)] = worth[i] / solve_;
 }
 
 }  // namespace forefeel

@@ -46,8 +46,9 @@ class ErrorNeed {
   static constexpr int levels = 16;
   struct Place {
     Vec3 at = Vec3::Zero();
-    double weight = 0, delta = 0, side = 1;  // delta of known states [m]
-    double reach = 0;                        // to the 8th state [m]
+    double weight = 0, delta = 0, side = 1;    // delta of known states [m]
+    double reach = 0;                          // to the 8th state [m]
+    double residuals = 0, residual_count = 0;  // weighted sum of the residuals near it, and of their weights
   };
   // What is left of the need of a place, by the distance of its nearest state.
   struct Need {
@@ -62,6 +63,8 @@ class ErrorNeed {
   void begin(const StateSpace& space);
   void learn(const PlannerView& view);
   void see(Place& place, std::size_t before);
+  void add(const Residual& residual, double sign, Place& place) const;
+  void remember(const Residual& residual);
   void weigh(const PlannerView& view);
   void estimate();
 
