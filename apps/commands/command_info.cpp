@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
@@ -12,6 +14,7 @@
 #include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_summary.hpp"
 #include "geometry/meshing/surface_summary.hpp"
@@ -94,12 +97,21 @@ Json mesh_json(const MeshSummary& sum, const std::vector<std::string>& warnings)
   return document;
 }
 
+// A warning where a mesh or surface has an unlikely size; its file names no unit.
+std::vector<std::string> size_warning(const Box& box, const char* scaled_by) {
+  const std::string size = unlikely_size(box);
+  if (size.empty()) return {};
+  return {fmt::format("{}; {}", size, scaled_by)};
+}
+
 int info_mesh(const Globals& globals, const std::string& file) {
   TetMesh mesh = read_mesh(file);
-  const MeshCheck check = check_and_orient(mesh, file);
+  std::vector<std::string> warnings = check_and_orient(mesh, file).warnings;
   const MeshSummary sum = summarise(mesh);
-  for (const std::string& warning : check.warnings) warn(globals, file + ": " + warning);
-  if (globals.json) print_json(mesh_json(sum, check.warnings));
+  std::ranges::copy(size_warning(sum.box, "forefeel mesh --unit, or body.length in a scene, scales it"),
+                    std::back_inserter(warnings));
+  for (const std::string& warning : warnings) warn(globals, file + ": " + warning);
+  if (globals.json) print_json(mesh_json(sum, warnings));
   answer(globals,
          fmt::format("{}: {} tetrahedra, {} nodes ({} on the surface), {} part{}, {}, {:.4g} cm3, "
                      "dihedral angles {:.1f} to {:.1f} degrees",
@@ -117,6 +129,9 @@ int info_mesh(const Globals& globals, const std::string& file) {
 
 int info_surface(const Globals& globals, const std::string& file) {
   const SurfaceSummary sum = summarise(read_surface(file));
+  const std::vector<std::string> warnings =
+      size_warning(sum.box, "forefeel mesh --unit or --length scales it");
+  for (const std::string& warning : warnings) warn(globals, file + ": " + warning);
   if (globals.json)
     print_json({{"kind", "surface"},
                 {"nodes", sum.nodes},
@@ -126,7 +141,8 @@ int info_surface(const Globals& globals, const std::string& file) {
                 {"non_manifold_edges", sum.non_manifold_edges},
                 {"volume", number(sum.volume)},
                 {"longest_side", number(sum.box.size().maxCoeff())},
-                {"box", box_json(sum.box)}});
+                {"box", box_json(sum.box)},
+                {"warnings", warnings}});
   answer(globals, fmt::format("{}: {} triangles, {} nodes, {}, {} (unscaled)", file, sum.triangles, sum.nodes,
                               sum.closed() ? "closed"
                                            : fmt::format("open: {} border edges, {} shared by more than two",

@@ -19,6 +19,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/image/label_volume.hpp"
+#include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_summary.hpp"
 #include "geometry/meshing/deviation.hpp"
@@ -30,7 +31,7 @@ namespace forefeel {
 namespace {
 
 struct MeshArguments {
-  std::string input, output, phantom, labels;
+  std::string input, output, phantom, labels, unit;
   std::optional<long long> elements;
   std::optional<double> length, time_limit;
   bool study = false;
@@ -61,7 +62,17 @@ void check_arguments(const MeshArguments& arguments) {
                      fmt::format("{} is out of range, expected 1 to 20000000", *arguments.elements));
   if (arguments.length && !(*arguments.length > 0 && std::isfinite(*arguments.length)))
     throw InputError("--length", fmt::format("{} m, expected a positive number", *arguments.length));
+  if (!arguments.unit.empty() && !unit_of(arguments.unit))
+    throw InputError("--unit", fmt::format("'{:.40}', expected {}", arguments.unit, unit_names));
+  if (!arguments.unit.empty() && (arguments.length || !arguments.phantom.empty()))
+    throw InputError("--unit", arguments.length ? "has no effect with --length, expected one of them"
+                                                : "a phantom has its size in m, expected --length");
   check_writable(arguments.output);
+}
+
+// Of the lengths of a surface or mesh [m].
+double unit_in(const MeshArguments& arguments) {
+  return unit_of(arguments.unit).value_or(1);
 }
 
 // "filling it with tetrahedra: surface 2 of at most 14, 9 meshes tried"
@@ -70,6 +81,11 @@ std::string in_words(const MeshingProgress& p) {
   if (p.attempt > 0) text += fmt::format(": surface {} of at most {}", p.attempt, p.attempts);
   if (p.fills > 0) text += fmt::format(", {} mesh{} tried", p.fills, p.fills == 1 ? "" : "es");
   return text;
+}
+
+Surface scaled(Surface surface, double factor) {
+  for (Vec3& node : surface.nodes) node *= factor;
+  return surface;
 }
 
 MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name,
@@ -97,7 +113,7 @@ MadeMesh from_labels(const MeshArguments& arguments, Progress& progress) {
   if (!arguments.labels.empty()) options.labels = parse_labels(arguments.labels);
   if (arguments.elements) options.elements = static_cast<std::size_t>(*arguments.elements);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
-  made.labels = body_of_labels(arguments.input, options, progress);
+  made.labels = body_of_labels(arguments.input, options, arguments.unit, progress);
   made.mesh = std::move(made.labels->mesh);
   made.hausdorff = made.labels->report.hausdorff;
   for (const std::string& warning : made.labels->report.warnings)
@@ -123,12 +139,14 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   }
   if (is_label_volume_file(arguments.input)) return from_labels(arguments, progress);
   if (is_surface_file(arguments.input))
-    return from_surface(read_surface(arguments.input), arguments, arguments.input, progress);
+    return from_surface(scaled(read_surface(arguments.input), unit_in(arguments)), arguments, arguments.input,
+                        progress);
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
     throw InputError(arguments.input,
                      "unknown kind of file, expected a surface (.obj .off .stl .ply .vtp .vtk), a mesh "
                      "(.msh .vtk .vtu .mesh) or a label volume (.nii .nii.gz .mha .nrrd .vti)");
   TetMesh mesh = read_mesh(arguments.input);
+  for (Vec3& node : mesh.nodes) node *= unit_in(arguments);
   MeshCheck check = check_and_orient(mesh, arguments.input);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
   if (arguments.elements) {
@@ -197,8 +215,30 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, 
                                : std::string("of the surface unknown, since it is open")));
 }
 
+// A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read. What fails then is the
+// mesher's, not the file's.
+void check_made(MadeMesh& made, const MeshArguments& arguments) {
+  const std::string where = arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom;
+  try {
+    check_and_orient(made.mesh, where);
+  } catch (const InputError& error) {
+    throw InputError(where,
+                     fmt::format("the mesh made of it cannot be solved: {}; expected another --elements",
+                                 error.problem()));
+  }
+}
+
+// Most files name no unit. Nothing to say where the person has chosen the size.
+void warn_of_size(MadeMesh& made, const Box& box, const MeshArguments& arguments) {
+  if (!arguments.unit.empty() || arguments.length || !arguments.phantom.empty()) return;
+  const std::string size = unlikely_size(box, made.labels ? made.labels->unit : 1);
+  if (!size.empty())
+    made.warnings.push_back(fmt::format("{}: {}; --unit or --length scales it", arguments.input, size));
+}
+
 int run_study(const Globals& globals, const MeshArguments& arguments) {
-  if (arguments.elements || arguments.length || !arguments.phantom.empty() || !arguments.labels.empty())
+  if (arguments.elements || arguments.length || !arguments.phantom.empty() || !arguments.labels.empty() ||
+      !arguments.unit.empty())
     throw InputError("--study",
                      "takes its body from a scene, expected SCENE.toml, -o DIR/ and --error alone");
   if (arguments.input.empty()) throw InputError("mesh", "no scene given, expected SCENE.toml with --study");
@@ -212,9 +252,9 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
     throw InputError("--set", "is about keys of a scene, but mesh reads none, expected no --set, or --study");
   check_arguments(arguments);
   MadeMesh made = make(globals, arguments);
-  // A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read.
-  check_and_orient(made.mesh, arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom);
+  check_made(made, arguments);
   const MeshSummary sum = summarise(made.mesh);
+  warn_of_size(made, sum.box, arguments);
   write_mesh(arguments.output, made.mesh);
   for (const std::string& warning : made.warnings) warn(globals, warning);
   if (globals.json) print_json(document_of(made, sum, arguments.output));
@@ -243,6 +283,9 @@ void add_mesh(CommandLine& line) {
   sub.option("--labels", arguments->labels,
              "Labels of a label volume and names of their groups, 1=liver,7=tumour [all, as label_7]")
       .shows("LABEL=NAME,...");
+  sub.option("--unit", arguments->unit,
+             "Unit of the file's lengths: m, cm, mm or um [m; label volume: its own, or mm]")
+      .shows("UNIT");
   sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
   sub.option("--time-limit", arguments->time_limit,
              "Time for the surface, all tries together [s] [120; for above 600000 elements N/5000]")

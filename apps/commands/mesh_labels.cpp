@@ -10,6 +10,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/image/label_volume.hpp"
+#include "geometry/mesh/length_unit.hpp"
 
 namespace forefeel {
 namespace {
@@ -19,6 +20,13 @@ std::string taken_in_words(const LabelVolume& volume) {
   return fmt::format("{} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}",
                      volume.size[0], volume.size[1], volume.size[2], steps[0], steps[1], steps[2],
                      volume.unit, volume.unit_given ? "" : ", since the file names no unit");
+}
+
+// Lengths in another unit than the file's own.
+void take_in(LabelVolume& volume, const std::string& unit, double metres) {
+  volume.axes *= metres / volume.metres;
+  volume.origin *= metres / volume.metres;
+  volume.unit = unit, volume.metres = metres, volume.unit_given = true;
 }
 
 std::string in_words(const LabelMeshProgress& p) {
@@ -51,10 +59,12 @@ std::map<std::int64_t, std::string> parse_labels(const std::string& text) {
   return labels;
 }
 
-LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, Progress& progress) {
-  const LabelVolume volume = read_label_volume(file);
+LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, const std::string& unit,
+                         Progress& progress) {
+  LabelVolume volume = read_label_volume(file);
+  if (const std::optional<double> metres = unit_of(unit)) take_in(volume, unit, *metres);
   options.name = file;
-  LabelBody body{.mesh = {}, .report = {}, .taken = taken_in_words(volume)};
+  LabelBody body{.mesh = {}, .report = {}, .unit = volume.metres, .taken = taken_in_words(volume)};
   body.mesh = mesh_labels(volume, options, body.report,
                           [&](const LabelMeshProgress& p) { progress.show(in_words(p)); });
   return body;

@@ -11,6 +11,7 @@
 #include "apps/scene_input/phantom_cache.hpp"
 #include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/scene_materials.hpp"
+#include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 
@@ -147,6 +148,8 @@ Body make_body(const BodySections& sections, const fs::path& folder, const std::
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
   for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
   if (length) scale_to_length(body.mesh, *length);
+  if (const std::string size = unlikely_size(bounding_box(body.mesh)); !length && !size.empty())
+    warnings.push_back(mesh_where + ": " + size + "; body.length scales it");
   assign_materials(materials, body, warnings);
   body.clamp = read_clamp(sections.clamp, body.mesh, is_phantom);
   body.contact = read_contact(sections.contact, body.mesh, is_phantom);

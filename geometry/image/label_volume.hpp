@@ -24,9 +24,10 @@ struct LabelVolume {
   std::array<std::int64_t, 3> size{};  // voxels along i, j, k
   Mat3 axes = Mat3::Zero();            // column d: step from a voxel to the next along direction d [m]
   Vec3 origin = Vec3::Zero();          // centre of voxel (0, 0, 0) [m]
-  std::vector<std::int64_t> values;    // the labels that occur, ascending; at most 255
-  std::vector<std::uint8_t> voxels;    // position in `values`; i runs fastest
+  std::vector<std::int64_t> values;    // the labels that occur, ascending; at most 65535
+  std::vector<std::uint16_t> voxels;   // position in `values`; i runs fastest
   std::string unit = "mm";             // of the file's lengths, as they were taken
+  double metres = 1e-3;                // of that unit [m]
   bool unit_given = false;             // the file names it; otherwise mm are assumed
 
   std::size_t at(std::int64_t i, std::int64_t j, std::int64_t k) const {
@@ -40,7 +41,7 @@ inline constexpr const char* label_volume_extensions = ".nii .nii.gz .mha .mhd .
 bool is_label_volume_file(const std::filesystem::path& file);  // by extension
 
 // InputError names the file: unknown or damaged header, sizes that the data do not hold, values that are not whole
-// numbers, more than 255 different ones, axes without a volume, more voxels than memory is left for.
+// numbers, more than 65535 different ones, axes without a volume, more voxels than memory is left for.
 LabelVolume read_label_volume(const std::filesystem::path& file);
 
 }  // namespace forefeel

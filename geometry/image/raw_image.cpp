@@ -15,7 +15,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_labels = 255;
+constexpr std::size_t most_labels = 65'535;
 
 void check_axes(const ImageHeader& header, const std::string& file) {
   const double volume = std::abs(header.axes.determinant());
@@ -51,7 +51,8 @@ std::size_t checked_voxels(const ImageHeader& header, const std::string& file, s
                                                    header.size[0], header.size[1], header.size[2]));
     voxels *= static_cast<double>(n);
   }
-  const double needed = voxels * static_cast<double>(bytes_each + 1), left = available_memory();
+  const double needed = voxels * static_cast<double>(bytes_each + sizeof(std::uint16_t)),
+               left = available_memory();
   if (!(voxels < 1e15) || needed > left)
     throw InputError({.file = file}, fmt::format("{} x {} x {} voxels need {} of memory, {} are left",
                                                  header.size[0], header.size[1], header.size[2],
@@ -66,6 +67,7 @@ LabelCollector::LabelCollector(const ImageHeader& header, std::size_t voxels, co
   volume_.axes = header.unit * header.axes;
   volume_.origin = header.unit * header.origin;
   volume_.unit = header.unit_name;
+  volume_.metres = header.unit;
   volume_.unit_given = header.unit_given;
   volume_.voxels.resize(voxels);
 }
@@ -80,30 +82,29 @@ void LabelCollector::put(std::size_t at, double stored) {
   volume_.voxels[at] = last_position_;
 }
 
-std::uint8_t LabelCollector::position_of(std::int64_t label) {
-  const auto known = std::ranges::find(found_, label);
-  if (known == found_.end()) {
+std::uint16_t LabelCollector::position_of(std::int64_t label) {
+  const auto [at, is_new] = position_.emplace(label, static_cast<std::uint16_t>(found_.size()));
+  if (is_new) {
     if (found_.size() == most_labels)
       throw InputError({.file = file_},
                        fmt::format("more than {} different values, expected a volume of labels, not "
                                    "a scan",
                                    most_labels));
     found_.push_back(label);
-    return static_cast<std::uint8_t>(found_.size() - 1);
   }
-  return static_cast<std::uint8_t>(known - found_.begin());
+  return at->second;
 }
 
 LabelVolume LabelCollector::take() {
   std::vector<std::size_t> order(found_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t k) { return found_[k]; });
-  std::array<std::uint8_t, 256> position{};
+  std::vector<std::uint16_t> position(found_.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    position[order[k]] = static_cast<std::uint8_t>(k);
+    position[order[k]] = static_cast<std::uint16_t>(k);
     volume_.values.push_back(found_[order[k]]);
   }
-  for (std::uint8_t& voxel : volume_.voxels) voxel = position[voxel];
+  for (std::uint16_t& voxel : volume_.voxels) voxel = position[voxel];
   return std::move(volume_);
 }
 

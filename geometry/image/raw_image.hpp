@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "geometry/image/label_volume.hpp"
@@ -41,7 +42,7 @@ struct ImageHeader {
 // file, and the labels made of them) do not fit into the available memory.
 std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each);
 
-// Collects the values of the voxels, one at a time. InputError for more than 255 different values, or for a value that
+// Collects the values of the voxels, one at a time. InputError for more than 65535 different values, or for a value that
 // is not a whole number.
 class LabelCollector {
  public:
@@ -50,13 +51,14 @@ class LabelCollector {
   LabelVolume take();  // with values ascending
 
  private:
-  std::uint8_t position_of(std::int64_t value);
+  std::uint16_t position_of(std::int64_t value);
   const ImageHeader& header_;
   const std::string& file_;
   LabelVolume volume_;
   std::vector<std::int64_t> found_;
+  std::unordered_map<std::int64_t, std::uint16_t> position_;  // in found_
   std::int64_t last_ = 0;
-  std::uint8_t last_position_ = 0;
+  std::uint16_t last_position_ = 0;
 };
 
 // data: exactly the voxels, i fastest.

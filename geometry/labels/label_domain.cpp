@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace forefeel {
 namespace {
@@ -130,6 +131,58 @@ std::vector<LabelDomain::Part> LabelDomain::seeded() const {
     if (part.voxels >= std::min(smallest_seeded, largest[static_cast<std::size_t>(part.subdomain)]))
       result.push_back(part);
   return result;
+}
+
+// Towards the voxels of the same subdomain; `otherwise` where they lie on both sides, as in a sheet of one voxel.
+Vec3 LabelDomain::inward(const std::array<std::int64_t, 3>& at, const Vec3& otherwise) const {
+  const int own = voxel(at[0], at[1], at[2]);
+  Vec3 sum = Vec3::Zero();
+  for (std::int64_t k = -1; k <= 1; ++k)
+    for (std::int64_t j = -1; j <= 1; ++j)
+      for (std::int64_t i = -1; i <= 1; ++i)
+        if (voxel(at[0] + i, at[1] + j, at[2] + k) == own)
+          sum += volume_.axes * Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+  return sum.norm() > 0.5 * smallest_step() ? sum.normalized() : otherwise;
+}
+
+std::vector<std::array<Vec3, 2>> LabelDomain::across_interfaces(double apart) const {
+  struct Placed {
+    Vec3 at, inward;
+  };
+  std::vector<std::array<Vec3, 2>> pairs;
+  std::map<std::array<std::int64_t, 3>, std::vector<Placed>> grid;  // cells as wide as `apart`
+  const auto is_free = [&](const Placed& p, const std::array<std::int64_t, 3>& cell) {
+    for (std::int64_t k = -1; k <= 1; ++k)
+      for (std::int64_t j = -1; j <= 1; ++j)
+        for (std::int64_t i = -1; i <= 1; ++i) {
+          const auto near = grid.find({cell[0] + i, cell[1] + j, cell[2] + k});
+          if (near == grid.end()) continue;
+          for (const Placed& q : near->second)
+            if ((p.at - q.at).norm() < apart && p.inward.dot(q.inward) > 0) return false;
+        }
+    return true;
+  };
+  for (std::int64_t k = low_[2]; k <= high_[2]; ++k)
+    for (std::int64_t j = low_[1]; j <= high_[1]; ++j)
+      for (std::int64_t i = low_[0]; i <= high_[0]; ++i)
+        for (int side = 0; side < 6 && voxel(i, j, k) != 0; ++side) {
+          const std::array<std::int64_t, 3> at{i, j, k};
+          std::array<std::int64_t, 3> to = at, cell;
+          to[static_cast<std::size_t>(side / 2)] += side % 2 ? 1 : -1;
+          if (voxel(to[0], to[1], to[2]) == voxel(i, j, k)) continue;
+          const auto centre = [&](const std::array<std::int64_t, 3>& v) {
+            return volume_.position(
+                Vec3(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])));
+          };
+          const Vec3 from = centre(at), beyond = centre(to);
+          const Placed place{0.5 * (from + beyond), inward(at, (from - beyond).normalized())};
+          for (std::size_t d = 0; d < 3; ++d)
+            cell[d] = static_cast<std::int64_t>(std::floor(place.at[static_cast<Eigen::Index>(d)] / apart));
+          if (!is_free(place, cell)) continue;
+          grid[cell].push_back(place);
+          pairs.push_back({from, beyond});
+        }
+  return pairs;
 }
 
 }  // namespace forefeel

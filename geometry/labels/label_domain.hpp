@@ -35,7 +35,12 @@ class LabelDomain {
   // The parts from which the mesher starts: parts of fewer than 8 voxels are left out if their label has a larger one.
   std::vector<Part> seeded() const;
 
+  // Pairs of neighbouring voxel centres, the first in the body, that an interface separates [m]. Pairs on the same side
+  // of the body are at least `apart` from one another [m]; every face of voxels has a pair within that distance.
+  std::vector<std::array<Vec3, 2>> across_interfaces(double apart) const;
+
  private:
+  Vec3 inward(const std::array<std::int64_t, 3>& voxel, const Vec3& otherwise) const;
   void find_parts();
 
   const LabelVolume& volume_;
@@ -57,6 +62,11 @@ struct LabelledTets {
   std::vector<Tet> tets;
   std::vector<int> subdomain;  // #T, from 1
 };
+// Moves nodes of flat tetrahedra: inner ones freely, those of interfaces by a few hundredths of an edge. Does nothing
+// where no dihedral angle is below 5 degrees.
+void mend_slivers(LabelledTets& mesh);
+bool has_flat_tets(const LabelledTets& mesh);  // that check_and_orient() refuses
+
 // seconds: time limit of perturbation, and again of exudation [s].
 LabelledTets mesh_domain(const LabelDomain& domain, std::size_t elements, double seconds, LabelTold& told);
 

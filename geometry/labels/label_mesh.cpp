@@ -18,10 +18,17 @@ namespace {
 
 // ---- which labels
 
+constexpr std::size_t most_named = 40;     // labels listed in an error
+constexpr std::size_t most_at_once = 255;  // labels of a mesh; more are a scan, or an atlas to choose from
+
 std::string values_of(const LabelVolume& volume) {
   std::string text;
-  for (const std::int64_t value : volume.values)
-    if (value != 0) text += (text.empty() ? "" : ", ") + std::to_string(value);
+  std::size_t labels = 0;
+  for (const std::int64_t value : volume.values) {
+    if (value == 0 || ++labels > most_named) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(value);
+  }
+  if (labels > most_named) text += fmt::format(", ... ({} in all)", labels);
   return text.empty() ? "none but 0" : text;
 }
 
@@ -33,6 +40,11 @@ std::vector<LabelRegion> wanted_regions(const LabelVolume& volume, const LabelMe
                        fmt::format("has no label {}, expected those it has: {}", label, values_of(volume)));
     regions.push_back({.name = name, .label = label});
   }
+  if (options.labels.empty() && volume.values.size() > most_at_once)
+    throw InputError(options.name,
+                     fmt::format("holds {} different values, expected at most {}: a volume of labels "
+                                 "rather than a scan, or --labels that choose some of {}",
+                                 volume.values.size(), most_at_once, values_of(volume)));
   if (options.labels.empty())
     for (const std::int64_t value : volume.values)
       if (value != 0) regions.push_back({.name = fmt::format("label_{}", value), .label = value});
@@ -71,9 +83,22 @@ void take(const char*& at, std::vector<T>& values) {
   at += sizeof count + sizeof(T) * count;
 }
 
+// Another number of elements, within the 5 % that are allowed, gives another mesh, perhaps without flat tetrahedra.
+LabelledTets without_flat_tets(const LabelDomain& domain, std::size_t elements, double seconds,
+                               LabelTold& told) {
+  LabelledTets mesh;
+  for (const double share : {1.0, 1.025, 0.975}) {
+    mesh =
+        mesh_domain(domain, static_cast<std::size_t>(share * static_cast<double>(elements)), seconds, told);
+    mend_slivers(mesh);
+    if (mesh.tets.empty() || !has_flat_tets(mesh)) break;
+  }
+  return mesh;
+}
+
 int make_in_child(int out, const LabelDomain& domain, const Surface& voxels, const LabelMeshOptions& options,
                   double limit, LabelTold& told) {
-  Made made{.mesh = mesh_domain(domain, options.elements, 0.1 * limit, told)};
+  Made made{.mesh = without_flat_tets(domain, options.elements, 0.1 * limit, told)};
   told.step = static_cast<int>(LabelMeshStep::compare);
   const TetMesh mesh{.nodes = made.mesh.nodes, .tets = made.mesh.tets, .groups = {}};
   if (!mesh.tets.empty()) made.hausdorff = hausdorff_distance(voxels, boundary_surface(mesh));
@@ -112,8 +137,12 @@ Made received(const std::string& data) {
 void check_count(std::size_t made, const LabelMeshOptions& options) {
   const double ratio = static_cast<double>(made) / static_cast<double>(options.elements);
   if (!(std::abs(ratio - 1) <= 0.05))
-    throw InputError(options.name, fmt::format("{} elements cannot be met within 5 %, the nearest is {}",
-                                               options.elements, made));
+    throw InputError(
+        options.name,
+        fmt::format("{} elements cannot be met within 5 %, the nearest is {}{}", options.elements, made,
+                    ratio > 1 ? ": expected more, since sheets and rods need elements "
+                                "about as small as they are thick"
+                              : ""));
 }
 
 void measure(const TetMesh& mesh, const LabelledTets& made, const LabelVolume& volume,
@@ -214,6 +243,10 @@ TetMesh mesh_labels(const LabelVolume& volume, const LabelMeshOptions& options, 
   if (outcome.end != ChildOutcome::End::exited || outcome.code != 0) fail(outcome, options, limit);
   Made made = received(outcome.data);
   check_count(made.mesh.tets.size(), options);
+  if (has_flat_tets(made.mesh))
+    throw InputError(options.name,
+                     "the mesher left flat tetrahedra in three meshes; expected another number of "
+                     "elements, or --labels without parts that touch in single voxels");
   Box box{.low = made.mesh.nodes[0], .high = made.mesh.nodes[0]};
   for (const Vec3& x : made.mesh.nodes) box.low = box.low.cwiseMin(x), box.high = box.high.cwiseMax(x);
   const double scale = options.length ? *options.length / box.size().maxCoeff() : 1;

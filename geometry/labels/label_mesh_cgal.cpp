@@ -34,13 +34,37 @@ Domain domain_of(const LabelDomain& labels) {
   return Domain(function, bounds, parameters::relative_error_bound = error);
 }
 
-// Adds the first points on the interfaces: rays start inside each part and end where its label ends. CGAL's own first
-// points come from the middle of the box and miss small or remote parts.
-void seed(Complex& complex, const Domain& domain, const LabelDomain& labels) {
+Kernel::Point_3 point(const Vec3& x) {
+  return {x.x(), x.y(), x.z()};
+}
+
+// Adds the first points on the interfaces. CGAL's own come from the middle of the box and miss small, thin or remote
+// parts: refinement never finds a sheet on which no point lies.
+class Seeds {
+ public:
+  Seeds(Complex& complex, const Domain& domain) : complex_(complex), domain_(domain) {}
+
+  // Where the interface crosses the segment between a and b, which have different labels.
+  void add(const Vec3& a, const Vec3& b) {
+    const auto hit = domain_.construct_intersection_object()(Kernel::Segment_3(point(a), point(b)));
+    if (std::get<2>(hit) < 2) return;
+    const auto vertex = complex_.triangulation().insert(Triangulation::Weighted_point(std::get<0>(hit)));
+    if (vertex == Triangulation::Vertex_handle()) return;
+    complex_.set_dimension(vertex, std::get<2>(hit));
+    complex_.set_index(vertex, std::get<1>(hit));
+  }
+
+ private:
+  Complex& complex_;
+  const Domain& domain_;
+};
+
+// Rays start inside each part and end where its label ends. Between them, interfaces get points that are twice as far
+// apart as the nodes of the mesh will be.
+void seed(Complex& complex, const Domain& domain, const LabelDomain& labels, double cell) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
-  const auto intersect = domain.construct_intersection_object();
-  const auto point = [](const Vec3& x) { return Kernel::Point_3(x.x(), x.y(), x.z()); };
+  Seeds seeds(complex, domain);
   const double step = 0.5 * labels.smallest_step();
   for (const LabelDomain::Part& part : labels.seeded())
     for (int ray = 0; ray < 24; ++ray) {
@@ -48,20 +72,16 @@ void seed(Complex& complex, const Domain& domain, const LabelDomain& labels) {
       const Vec3 along = step * Vec3(x, y, z).normalized();
       Vec3 last = part.at, next = last + along;
       while (labels.at(next) == part.subdomain) last = next, next += along;
-      const auto hit = intersect(Kernel::Segment_3(point(last), point(next)));
-      if (std::get<2>(hit) < 2) continue;
-      const auto vertex = complex.triangulation().insert(Triangulation::Weighted_point(std::get<0>(hit)));
-      if (vertex == Triangulation::Vertex_handle()) continue;
-      complex.set_dimension(vertex, std::get<2>(hit));
-      complex.set_index(vertex, std::get<1>(hit));
+      seeds.add(last, next);
     }
+  for (const auto& [inside, outside] : labels.across_interfaces(2 * cell)) seeds.add(inside, outside);
 }
 
 // cell: circumradius of tetrahedra at most [m]. Triangles of the interfaces have the same bound, and stay within a
 // fourteenth of it of the interface.
 Complex mesh_with(const Domain& domain, const LabelDomain& labels, double cell) {
   Complex complex;
-  seed(complex, domain, labels);
+  seed(complex, domain, labels, cell);
   const Criteria criteria(parameters::facet_angle = 25, parameters::facet_size = cell,
                           parameters::facet_distance = 0.07 * cell, parameters::cell_radius_edge_ratio = 2,
                           parameters::cell_size = cell);
@@ -70,15 +90,15 @@ Complex mesh_with(const Domain& domain, const LabelDomain& labels, double cell) 
   return complex;
 }
 
-// Finds the size for a number of tetrahedra by secant steps between logarithms, since the number is about proportional
-// to size^-3.
+// Finds the size for a number of tetrahedra. The number is about proportional to size^-3, so secant steps between
+// logarithms lead there; where it jumps, as parts get lost or found, the interval between sizes on both sides is halved.
 class SizeSearch {
  public:
   SizeSearch(const Domain& domain, const LabelDomain& labels, LabelTold& told)
       : domain_(domain), labels_(labels), told_(told) {}
 
   Complex run(std::size_t elements) {
-    constexpr double near = 0.02;
+    constexpr double near = 0.02, narrow = 1e-3;
     constexpr int most_meshes = 14;
     const double wanted = std::log(static_cast<double>(elements));
     double size =
@@ -91,19 +111,29 @@ class SizeSearch {
       const double error =
           std::log(std::max(1.0, static_cast<double>(mesh.number_of_cells_in_complex()))) - wanted;
       if (std::abs(error) < best_error) best_error = std::abs(error), best.swap(mesh);
-      if (best_error < near) break;
+      if (best_error < near || std::abs(too_coarse_ - too_fine_) < narrow) break;
+      (error > 0 ? too_fine_ : too_coarse_) = size;
       if (k > 0 && std::abs(size - last_size) > 1e-6)
         slope = std::clamp((error - last_error) / (size - last_size), -6.0, -1.2);
       last_size = size, last_error = error;
-      size += std::clamp(-error / slope, -0.7, 0.7);
+      size = within(size + std::clamp(-error / slope, -0.7, 0.7));
     }
     return best;
   }
 
  private:
+  // The size, or the middle between the known sizes if it does not lie well between them.
+  double within(double size) const {
+    if (!std::isfinite(too_coarse_ - too_fine_)) return size;
+    const double margin = 0.1 * std::abs(too_coarse_ - too_fine_);
+    const double low = std::min(too_fine_, too_coarse_), high = std::max(too_fine_, too_coarse_);
+    return size > low + margin && size < high - margin ? size : 0.5 * (low + high);
+  }
+
   const Domain& domain_;
   const LabelDomain& labels_;
   LabelTold& told_;
+  double too_fine_ = -INFINITY, too_coarse_ = INFINITY;  // log of sizes with too many and too few tetrahedra
 };
 
 LabelledTets tets_of(const Complex& complex) {

@@ -21,7 +21,7 @@ inline constexpr const char* surface_extensions = ".obj .off .stl .ply .vtp, or 
 // Decided by the extension; for .vtk also by the content.
 bool is_surface_file(const std::filesystem::path& file);
 
-// .obj .off .stl .ply .vtp and legacy .vtk, ASCII and binary. InputError names file and line.
+// .obj .off .stl .ply .vtp, legacy .vtk; ASCII, binary. Coinciding points are one node. InputError: file, line.
 Surface read_surface(const std::filesystem::path& file);
 
 Surface boundary_surface(const TetMesh& mesh);   // outward; nodes in the order of the mesh, renumbered

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "geometry/common/scanner.hpp"
@@ -27,6 +28,9 @@ struct SurfaceBuilder {
   }
 };
 
+std::vector<std::string_view> words_of(std::string_view line);  // between blanks
+
+void read_ply(Scanner& in, SurfaceBuilder& out);
 void read_polydata(Scanner in, SurfaceBuilder& out);  // legacy .vtk, DATASET POLYDATA
 void read_vtp(Scanner in, SurfaceBuilder& out);       // XML
 

@@ -79,9 +79,11 @@ bool is_solid(const Mesh& mesh) {
   return !mesh.is_empty() && CGAL::is_closed(mesh) && !PMP::does_self_intersect(mesh);
 }
 
-// Repairs in place. False if local repair cannot make the mesh a closed solid.
-bool repair_locally(Mesh& mesh, RepairReport& report) {
+// Repairs in place. False if local repair cannot make the mesh a closed solid. patched: the surface with its holes
+// filled. A wrap of it stays outside, where one of an open surface enters through the holes and gives a thin shell.
+bool repair_locally(Mesh& mesh, RepairReport& report, Surface& patched) {
   report.holes = fill_holes(mesh);
+  if (report.holes > 0) patched = cgal::from_mesh(mesh);
   if (!CGAL::is_closed(mesh)) return false;
   report.components = drop_crumbs(mesh);
   if (report.self_intersections > 0 || PMP::does_self_intersect(mesh))
@@ -112,10 +114,10 @@ Surface repair_surface(const Surface& surface, RepairReport& report) {
   if (!(diagonal(surface) > 0)) throw InputError("surface", "has no extent, expected a closed surface");
   Mesh mesh = sewn(cgal::to_soup(surface), report.reoriented);
   report.self_intersections = count_self_intersections(mesh);
-  Surface result;
+  Surface result, patched = surface;
   bool solid = false;
   try {
-    solid = repair_locally(mesh, report);
+    solid = repair_locally(mesh, report, patched);
     if (solid) {
       const double before = PMP::volume(mesh);
       PMP::orient_to_bound_a_volume(mesh);
@@ -127,7 +129,7 @@ Surface repair_surface(const Surface& surface, RepairReport& report) {
   if (solid) {
     result = cgal::from_mesh(mesh);
   } else {
-    result = alpha_wrap(surface, diagonal(surface) / 60);
+    result = alpha_wrap(patched, diagonal(surface) / 60);
     report.wrapped = true;
     Mesh wrapped = cgal::to_mesh(result);
     report.components = drop_crumbs(wrapped);

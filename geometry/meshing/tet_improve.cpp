@@ -51,6 +51,10 @@ class Improver {
 
   void run() {
     if (mesh_.nodes.size() >= (1u << 21)) return;
+    if (!options_.flips) {
+      for (int k = 0; k < 3 * options_.rounds; ++k) smooth();
+      return;
+    }
     for (int round = 0; round < options_.rounds; ++round) {
       while (peel()) {
       }

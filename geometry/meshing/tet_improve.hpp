@@ -16,6 +16,7 @@ namespace forefeel {
 struct ImproveOptions {
   std::size_t fixed_nodes = 0;  // the first `fixed_nodes` nodes lie on the surface and stay in place
   int rounds = 4;
+  bool flips = true;          // false: only nodes move; tetrahedra and their numbers stay
   double peel_below_deg = 6;  // a flat tetrahedron on the surface is removed below this dihedral angle [deg]
 };
 

@@ -64,13 +64,22 @@ void tell(Told& told, MeshingStep step) {
   told.step = static_cast<int>(step);
 }
 
+// What check_and_orient() would blame on the surface is TetGen's doing.
+bool is_sound(TetMesh mesh) {
+  try {
+    check_and_orient(mesh, "mesh");
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 constexpr int most_attempts = 14;
 
 class Attempts {
  public:
-  Attempts(const Surface& input, Surface closed, const TetrahedraliseOptions& options,
-           RepairReport& repair_report, Told& told)
-      : input_(input), closed_(std::move(closed)), options_(options), repair_(repair_report), told_(told) {}
+  Attempts(Surface closed, const TetrahedraliseOptions& options, RepairReport& repair_report, Told& told)
+      : closed_(std::move(closed)), options_(options), repair_(repair_report), told_(told) {}
 
   TetMesh run() {
     double edge = edge_for(closed_, options_.elements);
@@ -81,7 +90,9 @@ class Attempts {
       tell(told_, MeshingStep::fill);
       CountedFill fill = fill_to_count(surface, options_.elements, close_enough,
                                        {.patience = patience_of(options_), .fills = &told_.fills});
-      if (meets(fill.mesh, options_.elements)) return std::move(*fill.mesh);
+      const bool met = meets(fill.mesh, options_.elements);
+      if (met && is_sound(*fill.mesh)) return std::move(*fill.mesh);
+      if (met) fill = {.mesh = std::nullopt, .problem = "TetGen left flat tetrahedra"};
       if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_))
         log_ratio_ = log_ratio(*fill.mesh);
       if (!fill.mesh && ++failures_ == 3) wrap();
@@ -106,7 +117,7 @@ class Attempts {
 
   void wrap() {
     if (repair_.wrapped) return;
-    closed_ = alpha_wrap(input_, bounding_box(input_).size().norm() / 60);
+    closed_ = alpha_wrap(closed_, bounding_box(closed_).size().norm() / 60);
     repair_.wrapped = true;
   }
 
@@ -117,7 +128,6 @@ class Attempts {
     return problem_.empty() ? "TetGen gives no mesh" : problem_;
   }
 
-  const Surface& input_;
   Surface closed_;
   const TetrahedraliseOptions& options_;
   RepairReport& repair_;
@@ -146,7 +156,7 @@ TetMesh make(const Surface& input, const TetrahedraliseOptions& options, bool me
   try {
     const Surface closed = repair_surface(input, report.repair);
     mesh = options.elements == 0 ? fill_as_given(closed, options, told)
-                                 : Attempts(input, closed, options, report.repair, told).run();
+                                 : Attempts(closed, options, report.repair, told).run();
   } catch (const InputError& error) {
     if (error.place().key != "surface" || options.name == "surface") throw;
     throw InputError(options.name, error.problem());

@@ -82,6 +82,31 @@ TEST_CASE("mesh and info say where the body lies, and a mesh can be written for 
   CHECK(again["box"] == info["box"]);
 }
 
+TEST_CASE("a surface in mm is said to be long, and --unit reads it in its unit", "[mesh]") {
+  const Workshop shop;
+  std::string large = "OFF\n8 12 0\n";
+  for (int i = 0; i < 8; ++i)
+    large += std::to_string(300 * (i & 1)) + " " + std::to_string(300 * (i >> 1 & 1)) + " " +
+             std::to_string(300 * (i >> 2 & 1)) + "\n";
+  const std::string cube = cube_off;
+  shop.write("mm.off", large + cube.substr(cube.find("3 0 2 1")));
+  const std::string said = "mm.off: is 300 m long; if its lengths are in mm, it is 0.3 m long";
+  const auto plain = shop.forefeel("mesh mm.off -o a.msh --elements 200 --json");
+  CHECK_THAT(plain.err, Catch::Contains(said + "; --unit or --length scales it"));
+  REQUIRE(plain.json()["warnings"].size() == 1);
+  CHECK_THAT(shop.forefeel("info mm.off").err, Catch::Contains(said + "; forefeel mesh --unit"));
+  CHECK_THAT(shop.forefeel("info a.msh").err, Catch::Contains("is 300 m long"));
+  const auto scaled = shop.forefeel("mesh mm.off -o b.msh --elements 200 --unit mm --json");
+  CHECK(scaled.json()["volume"].get<double>() == Approx(0.027));
+  CHECK(scaled.json()["hausdorff"].get<double>() < 1e-5);
+  CHECK(scaled.json()["warnings"].empty());
+  CHECK(shop.forefeel("mesh a.msh -o c.msh --unit mm --json").json()["volume"].get<double>() ==
+        Approx(0.027));
+  check_refused(shop, "mesh mm.off -o d.msh --unit inch", {"--unit", "'inch'", "m, cm, mm or um"});
+  check_refused(shop, "mesh mm.off -o d.msh --unit mm --length 0.2", {"--unit", "expected one of them"});
+  check_refused(shop, "mesh --phantom ball -o d.msh --unit mm", {"--unit", "--length"});
+}
+
 TEST_CASE("a mesh that lost volume is said to, with what to do", "[mesh]") {
   const Workshop shop;
   // Two cubes of which one lies in the other and becomes a cavity: together 1.125 m3, filled 0.875 m3.

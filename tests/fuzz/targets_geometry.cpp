@@ -53,7 +53,7 @@ void read_any_labels(std::string_view input) {
       read_label_volume(file_of("labels" + std::string(named.extension), named.content));
   if (volume.voxels.size() != static_cast<std::size_t>(volume.size[0] * volume.size[1] * volume.size[2]))
     throw std::logic_error("a volume without all of its voxels");
-  for (const std::uint8_t voxel : volume.voxels)
+  for (const std::uint16_t voxel : volume.voxels)
     if (voxel >= volume.values.size()) throw std::logic_error("a voxel without a label");
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "geometry/common/error.hpp"
+#include "geometry/labels/label_domain.hpp"
 #include "geometry/labels/label_mesh.hpp"
 #include "tests/support/label_samples.hpp"
 
@@ -103,6 +104,79 @@ TEST_CASE("labels that are not there, at the border, or too small") {
   volume.voxels.assign(volume.voxels.size(), 0);
   volume.values = {0};
   CHECK_THROWS_AS(mesh_labels(volume, {}, report), InputError);
+}
+
+TEST_CASE("two labels of an atlas with hundreds of them; without a choice it is refused") {
+  LabelVolume atlas = test::nested_spheres({24, 24, 24}, {1, 1, 1}, 10, 5);
+  for (int v = 0; v < 700; ++v) atlas.values.push_back(100 + v);
+  for (std::size_t v = 0; v < 700; ++v) atlas.voxels[v] = static_cast<std::uint16_t>(3 + v);  // in a corner
+  LabelMeshReport report;
+  try {
+    mesh_labels(atlas, {.elements = 2000, .name = "atlas.nii"}, report);
+    FAIL("no choice");
+  } catch (const InputError& error) {
+    CHECK_THAT(error.what(), Catch::Contains("atlas.nii: holds 703 different values, expected at most 255") &&
+                                 Catch::Contains("--labels that choose") && Catch::Contains("(702 in all)"));
+  }
+  const TetMesh mesh = mesh_labels(atlas, {.elements = 2000, .labels = {{1, "shell"}, {7, "core"}}}, report);
+  CHECK(mesh.tets.size() == Approx(2000).epsilon(0.05));
+  REQUIRE(report.regions.size() == 2);
+  CHECK(report.regions[1].mesh_volume == Approx(sphere(0.005)).epsilon(0.1));
+}
+
+// A sheet of two voxels, waved: it is found everywhere, at sizes below and above its thickness.
+TEST_CASE("a thin sheet gets the number of elements that is asked for") {
+  LabelVolume volume;
+  volume.size = {64, 64, 32};
+  volume.axes = 1e-3 * Mat3::Identity();
+  volume.values = {0, 1};
+  for (int k = 0; k < 32; ++k)
+    for (int j = 0; j < 64; ++j)
+      for (int i = 0; i < 64; ++i) {
+        const double height = 16 + 5 * std::sin(i / 10.0) * std::cos(j / 8.0);
+        const bool inside = std::min(i, j) > 3 && std::max(i, j) < 60 && std::abs(k - height) < 1;
+        volume.voxels.push_back(inside ? 1 : 0);
+      }
+  for (const std::size_t elements : {4000, 12'000}) {
+    LabelMeshReport report;
+    TetMesh mesh = mesh_labels(volume, {.elements = elements}, report);
+    CHECK(mesh.tets.size() == Approx(elements).epsilon(0.05));
+    CHECK_NOTHROW(check_and_orient(mesh, "sheet"));
+  }
+}
+
+TEST_CASE("flat tetrahedra are opened without a change of labels or neighbours") {
+  // Two cells of five tetrahedra each, one subdomain each, with a node in the first moved into one of its faces.
+  LabelledTets mesh;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 2; ++j)
+      for (int k = 0; k < 2; ++k) mesh.nodes.push_back(0.01 * Vec3(i, j, k));
+  const auto at = [](int i, int j, int k) { return 4 * i + 2 * j + k; };
+  const auto inner = static_cast<NodeIndex>(mesh.nodes.size());
+  mesh.nodes.push_back(0.01 * Vec3(0.5, 0.5, 1e-13));
+  const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                           {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  for (const auto& [a, b, c, d] : faces) {
+    const auto node = [&](int corner) { return at(corner >> 2, corner >> 1 & 1, corner & 1); };
+    mesh.tets.push_back({node(a), node(b), node(c), inner}), mesh.subdomain.push_back(1);
+    mesh.tets.push_back({node(a), node(c), node(d), inner}), mesh.subdomain.push_back(1);
+  }
+  mesh.tets.push_back({at(1, 0, 0), at(2, 0, 0), at(1, 1, 0), at(1, 0, 1)}), mesh.subdomain.push_back(2);
+  REQUIRE(has_flat_tets(mesh));
+  const LabelledTets before = mesh;
+  mend_slivers(mesh);
+  CHECK_FALSE(has_flat_tets(mesh));
+  CHECK(mesh.subdomain == before.subdomain);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    Tet was = before.tets[t], is = mesh.tets[t];
+    std::ranges::sort(was), std::ranges::sort(is);
+    CHECK(was == is);
+  }
+  for (NodeIndex node = 0; node < inner; ++node)  // on the interface or the boundary: not far
+    CHECK((mesh.nodes[static_cast<std::size_t>(node)] - before.nodes[static_cast<std::size_t>(node)]).norm() <
+          1e-3);
+  TetMesh body{.nodes = mesh.nodes, .tets = mesh.tets, .groups = {}};
+  CHECK(mesh_quality(body).min_dihedral_deg > 10);
 }
 
 }  // namespace forefeel

@@ -107,13 +107,20 @@ TEST_CASE("headers that claim what is not there are one line each") {
   refused("a.nii", files["a.nii"].substr(0, 100), "cut short");
 }
 
-TEST_CASE("a scan is no label volume") {
-  std::string text;
-  for (int v = 0; v < 400; ++v) text += std::to_string(v) + ' ';
+TEST_CASE("an atlas of many labels is read; more values than labels can be are not") {
+  const auto values = [](int n) {
+    std::string text =
+        "NRRD0004\ntype: int\ndimension: 3\nsizes: " + std::to_string(n) + " 1 1\nencoding: ascii\n\n";
+    for (int v = 0; v < n; ++v) text += std::to_string((v * 7919) % n) + ' ';
+    return text;
+  };
   const test::TemporaryFolder folder;
-  const auto file = folder.write(
-      "s.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 20 20 1\nencoding: ascii\n\n" + text);
-  CHECK_THAT(problem_of(file), Catch::Contains("255 different values"));
+  const LabelVolume atlas = read_label_volume(folder.write("atlas.nrrd", values(725)));
+  REQUIRE(atlas.values.size() == 725);
+  for (int v = 0; v < 725; ++v)
+    REQUIRE(atlas.values[atlas.voxels[static_cast<std::size_t>(v)]] == (v * 7919) % 725);
+  CHECK_THAT(problem_of(folder.write("scan.nrrd", values(70'000))),
+             Catch::Contains("65535 different values"));
 }
 
 }  // namespace forefeel

@@ -31,13 +31,13 @@ inline LabelVolume nested_spheres(std::array<std::int64_t, 3> size, const Vec3& 
 
 inline std::string label_bytes(const LabelVolume& v) {
   std::string bytes;
-  for (const std::uint8_t at : v.voxels) bytes += static_cast<char>(v.values[at]);
+  for (const std::uint16_t at : v.voxels) bytes += static_cast<char>(v.values[at]);
   return bytes;
 }
 
 inline std::string label_text(const LabelVolume& v) {
   std::string text;
-  for (const std::uint8_t at : v.voxels) text += std::to_string(v.values[at]) + ' ';
+  for (const std::uint16_t at : v.voxels) text += std::to_string(v.values[at]) + ' ';
   return text;
 }
 

@@ -1,0 +1,23 @@
+#pragma once
+// Units of length. Most mesh files name none; a body of an unlikely size has probably been read in the wrong one.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "geometry/common/types.hpp"
+
+namespace forefeel {
+
+inline constexpr const char* unit_names = "m, cm, mm or um";
+// The unit of that name [m]; nothing for other names.
+std::optional<double> unit_of(std::string_view name);
+
+// The longest side of a body [m] at which no other unit is suggested.
+inline constexpr double shortest_likely = 1e-3, longest_likely = 3;
+
+// Empty for a box of a likely size. Otherwise "is 213 m long; if its lengths are in mm, it is 0.213 m long".
+// taken: the unit in which the file's lengths were taken [m].
+std::string unlikely_size(const Box& box, double taken = 1);
+
+}  // namespace forefeel
