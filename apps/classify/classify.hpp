@@ -10,6 +10,7 @@
 
 #include "apps/console/console.hpp"
 #include "geometry/coverage/agreement.hpp"
+#include "geometry/coverage/coverage_map.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
@@ -30,14 +31,16 @@ struct ClassifyArguments {
   CoverageOptions coverage;
 };
 
-// States in the chosen index. The triangulation is built only for the index `delaunay`.
+// States in the chosen index. With the index `delaunay`, regions come from a map, which needs little memory, or from a
+// state space; questions about single places need the state space.
 struct Classified {
   std::vector<State> states;  // usable ones, in the order of the file
   std::size_t unusable = 0;
   double spacing = unknown;  // [m]
   bool spacing_estimated = false;
   Box box;
-  std::unique_ptr<StateSpace> space;      // index delaunay
+  std::unique_ptr<CoverageMap> map;       // index delaunay, one spacing
+  std::unique_ptr<StateSpace> space;      // index delaunay, where it is needed
   std::unique_ptr<OctreeIndex> octree;    // index octree
   std::vector<std::array<Vec3, 3>> body;  // triangles of the outline; empty without a scene
   RegionSummary regions;
@@ -48,6 +51,10 @@ struct Classified {
 
   Coverage coverage(const Vec3& q) const { return space ? space->coverage(q) : octree->coverage(q); }
   Label label(const Vec3& q) const { return space ? space->label(q) : octree->label(q); }
+  // Of the leaf that contains q, a place of the box.
+  Label region_label(const Vec3& q) const {
+    return map ? map->label_at(q) : space ? space->regions().label_at(q) : octree->label(q);
+  }
 };
 
 constexpr double largest_spacing = 1e6;  // [m]; larger values may overflow when squared
@@ -71,7 +78,7 @@ Classified classify_states(const Globals& globals, const ClassifyArguments& argu
 // Spacing, box and outline, without labels. If a box is given, the states may be empty.
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where,
                           std::vector<State> states, const OwnFrame& own, const Globals& globals);
-// Sorts the states by place, then builds the index and the regions.
+// Sorts the states by place, then builds the index (a state space or an octree) and the regions.
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals,
                    bool with_holes);
 

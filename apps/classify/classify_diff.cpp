@@ -70,10 +70,7 @@ Classified common_frame(const Globals& globals, const ClassifyArguments& argumen
 
 // Compares voxels of h/4 inside the leaves of B, because a leaf of B may contain several of A.
 void compare(DiffResult& result) {
-  const auto label_in_a = [&](const Vec3& q) {
-    const Classified& a = result.set[0];
-    return a.space ? a.space->regions().label_at(q) : a.octree->label(q);
-  };
+  const auto label_in_a = [&](const Vec3& q) { return result.set[0].region_label(q); };
   const double side = result.spacing / 4;
   for (const RegionLeaf& leaf : result.set[1].regions.leaves) {
     const Vec3 size = leaf.box.size();

@@ -1,6 +1,7 @@
 // States prepared for labelling: spacing, box, index, regions.
 
 #include <fmt/format.h>
+#include <omp.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -21,6 +22,7 @@
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
+#include "geometry/coverage/voxel_grid.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"
@@ -83,20 +85,46 @@ void check_extent(const Classified& set, const std::string& where) {
                     points, set.spacing));
 }
 
-// Memory of a classification, for each state: its two copies, the triangulation and the octree (measured).
-// Regions need additional memory: little if most places have the same label, up to three times as much if labels
-// alternate at the distance of states.
-constexpr double bytes_of_a_state = 1300;
+bool has_points(const ClassifyArguments& arguments) {
+  return !arguments.points.empty() || !arguments.line.empty() || arguments.grid.has_value();
+}
 
-void check_memory(std::size_t states, const std::string& where, const Globals& globals) {
-  const double bytes = bytes_of_a_state * static_cast<double>(states), left = available_memory();
+// What a classification with the index `delaunay` has to make.
+struct Wanted {
+  bool map = false, space = false, leaves = false;
+
+  Wanted(const Classified& set, const ClassifyArguments& arguments) {
+    const bool vtu = arguments.output.ends_with(".vtu");
+    map = arguments.index == "delaunay" && !set.lattice;
+    space = !map || has_points(arguments) || arguments.agreement || vtu;
+    leaves = vtu || (arguments.output.ends_with(".csv") && !has_points(arguments));
+  }
+};
+
+// Memory of a classification (measured): for each state its values, twice as much while a file is read, and for each
+// voxel its label and a share of the runs of equal labels.
+double bytes_needed(const Classified& set, const Wanted& wanted) {
+  const auto states = static_cast<double>(set.states.size());
+  const VoxelGrid grid(set.box, set.spacing / 4);
+  const double voxels = grid.count[0] * grid.count[1] * grid.count[2];
+  double bytes = 400 * states;
+  if (wanted.map) bytes += 4 * voxels + std::min(states, 9e4) * 1e3 * omp_get_max_threads();
+  if (wanted.space) bytes += 900 * states;
+  if (wanted.leaves) bytes += 30 * voxels;
+  return bytes;
+}
+
+void check_memory(const Classified& set, const Wanted& wanted, const std::string& where,
+                  const Globals& globals) {
+  const std::size_t states = set.states.size();
+  const double bytes = bytes_needed(set, wanted), left = available_memory();
   if (bytes > left)
-    throw InputError(where,
-                     fmt::format("the triangulation of its {} states needs about {}, expected fewer states "
-                                 "or more memory: {} are left",
-                                 states, bytes_in_words(bytes), bytes_in_words(left)));
+    throw InputError(
+        where, fmt::format("the coverage of its {} states needs about {}, expected fewer states, a larger "
+                           "spacing or more memory: {} are left",
+                           states, bytes_in_words(bytes), bytes_in_words(left)));
   if (states >= 1'000'000)
-    say(globals, fmt::format("{} states: at least {} of memory, {} are left", states, bytes_in_words(bytes),
+    say(globals, fmt::format("{} states: about {} of memory, {} are left", states, bytes_in_words(bytes),
                              bytes_in_words(left)));
 }
 
@@ -259,6 +287,30 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
   if (with_holes) measure_holes(result, *result.space);
 }
 
+namespace {
+
+// Regions from a map. The state space, where it is needed too, has no regions.
+void label_by_map(Classified& result, const ClassifyArguments& arguments, const Wanted& wanted,
+                  const Globals& globals) {
+  Progress progress(globals, "classify");
+  std::vector<Vec3> at;
+  at.reserve(result.states.size());
+  for (const State& state : result.states) at.push_back(state.at);
+  result.map = std::make_unique<CoverageMap>(
+      std::move(at),
+      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.coverage},
+      [&](double share) { progress.show(0.8 * share, "regions"); });
+  result.regions = result.map->summary(wanted.leaves);
+  result.fill_distance = result.map->fill_distance();
+  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
+  result.hole = result.map->largest_hole();
+  if (wanted.space)
+    result.space =
+        make_space(result, arguments, [&](double share) { progress.show(0.8 + 0.2 * share, "states"); });
+}
+
+}  // namespace
+
 StatesInFrame load_set(const std::string& file) {
   StatesInFrame set;
   if (!file.starts_with("setup:")) {
@@ -283,8 +335,12 @@ Classified classify_states(const Globals& globals, const ClassifyArguments& argu
                            const std::string& file) {
   StatesInFrame loaded = load_set(file);
   Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.own, globals);
-  check_memory(result.states.size(), file, globals);
-  label_regions(result, arguments, globals, true);
+  const Wanted wanted(result, arguments);
+  check_memory(result, wanted, file, globals);
+  if (wanted.map)
+    label_by_map(result, arguments, wanted, globals);
+  else
+    label_regions(result, arguments, globals, true);
   return result;
 }
 

@@ -82,7 +82,7 @@ nlohmann::ordered_json document_of(const ClassifyArguments& arguments, const Cla
   out["adaptive"] = set.lattice != nullptr;
   if (result.agreement) out["agreement"] = agreement_json(*result.agreement);
   if (result.errors) describe_errors(out, arguments, *result.errors);
-  out["leaves"] = set.regions.leaves.size();
+  out["leaves"] = set.regions.leaf_count;
   out["seconds"] = result.seconds;
   out["peak_bytes"] = peak_bytes();
   return out;

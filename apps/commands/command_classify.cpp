@@ -104,9 +104,7 @@ CoveragePicture picture_of(const Classified& set, const ClassifyArguments& argum
                                                      : set.box.centre();
   picture.spacing = set.spacing;
   for (const State& s : set.states) picture.states.push_back(s.at);
-  picture.label = [&set](const Vec3& q) {
-    return set.space ? set.space->regions().label_at(q) : set.octree->label(q);
-  };
+  picture.label = [&set](const Vec3& q) { return set.region_label(q); };
   picture.volume = set.regions.volume;
   picture.components = set.regions.component_count;
   picture.title =

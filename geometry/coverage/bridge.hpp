@@ -13,6 +13,8 @@
 
 namespace forefeel {
 
+inline constexpr std::size_t most_bridges = 1000;  // gaps whose sides are found, largest first
+
 double bridge_link_deg(double sparse_distance);  // link angle [deg] for kappa_p
 
 // offsets: states within the gap radius, relative to the place [m]. Nearest side first.

@@ -34,4 +34,20 @@ FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, c
   return {known, known + tolerance};
 }
 
+double largest_in_box(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
+                      double tolerance) {
+  double largest = known;
+  for (int corner = 0; corner < 8; ++corner)
+    largest =
+        std::max(largest, delta({(corner & 1 ? box.high : box.low).x(), (corner & 2 ? box.high : box.low).y(),
+                                 (corner & 4 ? box.high : box.low).z()}));
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool upper : {false, true}) {
+      Box face = box;
+      (upper ? face.low : face.high)[axis] = (upper ? face.high : face.low)[axis];
+      largest = largest_distance(delta, face, largest, tolerance, static_cast<std::size_t>(-1)).reached;
+    }
+  return largest;
+}
+
 }  // namespace forefeel

@@ -20,4 +20,8 @@ struct FillDistance {
 FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
                               double tolerance, std::size_t budget);
 
+// The largest delta at the corners and on the faces of a box, and `known`, if that is larger [m].
+double largest_in_box(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
+                      double tolerance);
+
 }  // namespace forefeel

@@ -11,36 +11,6 @@ constexpr std::uint32_t nobody = 0xffffffffu;
 
 }  // namespace
 
-// Unit directions from q to the states within the radius.
-void RegionTree::gather(const Vec3& q, double radius) {
-  directions_.clear();
-  query_.points().for_each_within(q, radius, [&](std::uint32_t, const Vec3& offset, double squared) {
-    directions_.push(offset / std::sqrt(squared));
-  });
-}
-
-// Turns `axis` until, seen from every point within e of q, each state within the radius is farther from it
-// than arccos(cosine). False if six turns do not suffice. The margin (1 + |c|) e covers the points within e:
-//   a . (d - s) <= a . d + e   and   c |d - s| >= c |d| - |c| e   for |s| <= e.
-bool RegionTree::find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const {
-  const double margin = (1 + std::abs(cosine)) * e;
-  constexpr double slack = 2e-9, spare = 0.01;
-  for (int turn = 0; turn < 6; ++turn) {
-    Vec3 d;
-    if (!query_.points().find_in_cone(q, axis, cosine - slack, margin, radius + e, d)) return true;
-    const double length = d.norm();
-    if (!(length > 0)) return false;
-    const Vec3 u = d / length;
-    const double wanted = cosine - margin / length - spare;
-    const Vec3 aside = axis - axis.dot(u) * u;
-    const double width = aside.norm();
-    if (wanted <= -1 || width < 1e-6) return false;
-    axis = wanted * u + std::sqrt(1 - wanted * wanted) / width * aside;
-    axis.normalize();
-  }
-  return false;
-}
-
 // For a node whose voxels are all farther than kappa_p h from every state: proves gap or blank for all of
 // them.
 bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
@@ -50,30 +20,15 @@ bool RegionTree::prove_far(RegionNode& node, const Thresholds& limits, const Vec
     return true;
   }
   Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
-  if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
-  axis.normalize();
-  if (find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) {
-    become_leaf(node, Label::blank, axis);
-    return true;
-  }
-  // A move by e turns a direction by at most asin(e / nearest), so a correspondingly smaller angle at q proves the label
-  // for all voxels.
-  gather(q, limits.gap_radius - e);
-  const double turn = std::asin(std::min(1.0, e / nearest.norm())) + 1e-9;
-  const double angle = std::acos(std::clamp(limits.gap_cos, -1.0, 1.0));
-  if (angle > turn && solver_.at_most(directions_, std::cos(angle - turn), &axis)) {
-    become_leaf(node, Label::gap);
-    return true;
-  }
-  if (!axis.allFinite() || !find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) return false;
-  become_leaf(node, Label::blank, axis);
-  return true;
+  const std::optional<Label> label = far_.label(limits, q, e, nearest, axis);
+  if (label) become_leaf(node, *label, *label == Label::blank ? axis : Vec3(Vec3::Zero()));
+  return label.has_value();
 }
 
 // For a node whose voxels are all within kappa_p h of a state: proves that none of them is enclosed.
 bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const Vec3& q, double e,
                               const Vec3& nearest) {
-  // If the corners of the cell around q are all among the states that find_axis() looks at, they enclose q:
+  // If the corners of the cell around q are all among the states that FarProof::find_axis() looks at, they enclose q:
   // no cone of 90 degrees is empty.
   const Spread spread = delaunay_.spread(q, walk_);
   const double looked_at = limits.safe_radius + e;
@@ -83,7 +38,7 @@ bool RegionTree::prove_sparse(RegionNode& node, const Thresholds& limits, const 
   if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
   if (!(axis.norm() > 0)) axis = Vec3::UnitX();
   axis.normalize();
-  if (!find_axis(q, limits.safe_radius, limits.safe_cos, e, axis)) return false;
+  if (!far_.find_axis(q, limits.safe_radius, limits.safe_cos, e, axis)) return false;
   become_leaf(node, Label::sparse, axis);
   return true;
 }
@@ -137,7 +92,7 @@ void RegionTree::resolve_voxel(std::int32_t index) {
   axis = Vec3(here.axis[0], here.axis[1], here.axis[2]);
   if (std::abs(axis.squaredNorm() - 1) < 0.1) {
     axis.normalize();
-    if (find_axis(q, limits.gap_radius, limits.gap_cos, 0, axis))
+    if (far_.find_axis(q, limits.gap_radius, limits.gap_cos, 0, axis))
       return become_leaf(here, Label::blank, axis);
   }
   if (query_.enclosed(q, limits.gap_radius, limits.gap_cos, limits.merge, &axis))

@@ -185,6 +185,7 @@ RegionSummary sample_regions(const Box& box, double spacing, double rim,
     for (std::int64_t j = 0; j < voxels.count[1]; j += root)
       for (std::int64_t i = 0; i < voxels.count[0]; i += root)
         collect(voxels, component, {i, j, k}, root, result);
+  result.leaf_count = result.leaves.size();
   for (const RegionLeaf& leaf : result.leaves) ++result.components[leaf.component].leaves;
   for (const RegionComponent& c : result.components) {
     result.volume[static_cast<std::size_t>(c.label)] += c.volume;

@@ -49,6 +49,7 @@ struct RegionSummary {
   std::vector<RegionComponent> components;  // by label, then by falling volume
   std::array<double, 4> volume{};           // per label [m^3]
   std::array<std::size_t, 4> component_count{};
+  std::size_t leaf_count = 0;  // also known where `leaves` is left out
 };
 
 }  // namespace forefeel

@@ -31,7 +31,8 @@ RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const
       link_deg_(bridge_link_deg(options.coverage.sparse_distance)),
       grid_(options.box, options.spacing / 4),
       voxel_(grid_.side),
-      root_level_(block_level + 3) {
+      root_level_(block_level + 3),
+      far_(points) {
   for (std::size_t axis = 0; axis < 3; ++axis) voxels_[axis] = static_cast<std::int32_t>(grid_.count[axis]);
   for (;; ++root_level_) {
     roots_ = 1;

@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "geometry/coverage/coverage_query.hpp"
+#include "geometry/coverage/far_proof.hpp"
 #include "geometry/coverage/state_space_options.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
 
@@ -127,8 +128,6 @@ class RegionTree {
   bool all_safe(const RegionNode& node, const Thresholds& limits);
   // The thresholds that hold throughout the node; null where h(q) varies.
   const Thresholds* limits_over(const RegionNode& node);
-  bool find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const;
-  void gather(const Vec3& q, double radius);
   void become_leaf(RegionNode& node, Label label, const Vec3& axis = Vec3::Zero());
   void branch(std::int32_t index);
   void collapse(std::int32_t index);
@@ -182,8 +181,7 @@ class RegionTree {
   std::vector<std::int32_t> free_waiting_;
   std::vector<std::int32_t> waiting_roots_;
   PathWalk walk_;
-  Directions directions_;
-  ConeSolver solver_;
+  FarProof far_;
   std::vector<std::int32_t> marked_;  // since settle() last resolved all leaves
   bool complete_ = false;             // settle() resolved all leaves once; unresolved ones lie below marked_
   std::size_t pending_ = 0;

@@ -13,12 +13,6 @@
 #include "geometry/coverage/region_tree.hpp"
 
 namespace forefeel {
-namespace {
-
-constexpr std::size_t most_bridges = 1000;
-
-}  // namespace
-
 struct Regions::Impl {
   RegionTree tree;
 };
@@ -238,6 +232,7 @@ RegionSummary Regions::summary() const {
   find_sides(tree, result.components);
   for (std::size_t root = 0; root < tree.root_count(); ++root)
     collect(tree, static_cast<std::int32_t>(root), table, component, result.leaves);
+  result.leaf_count = result.leaves.size();
   for (const RegionComponent& c : result.components) {
     result.volume[static_cast<std::size_t>(c.label)] += c.volume;
     ++result.component_count[static_cast<std::size_t>(c.label)];
@@ -253,21 +248,8 @@ double Regions::fill_distance() const {
   double largest = 0;
   for (const DelaunayIndex::Ball& ball : tree.query().delaunay().circumballs())
     if (tree.box().contains(ball.centre)) largest = std::max(largest, ball.radius);
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at((corner & 1 ? tree.box().high : tree.box().low).x(),
-                  (corner & 2 ? tree.box().high : tree.box().low).y(),
-                  (corner & 4 ? tree.box().high : tree.box().low).z());
-    largest = std::max(largest, std::sqrt(points.nearest(at).squared));
-  }
-  for (int axis = 0; axis < 3; ++axis)
-    for (const bool upper : {false, true}) {
-      Box face = tree.box();
-      (upper ? face.low : face.high)[axis] = (upper ? face.high : face.low)[axis];
-      const auto delta = [&](const Vec3& q) { return std::sqrt(points.nearest(q).squared); };
-      largest =
-          largest_distance(delta, face, largest, 4e-3 * tree.voxel(), static_cast<std::size_t>(-1)).reached;
-    }
-  return largest;
+  return largest_in_box([&](const Vec3& q) { return std::sqrt(points.nearest(q).squared); }, tree.box(),
+                        largest, 4e-3 * tree.voxel());
 }
 
 std::optional<LargestHole> Regions::largest_hole() const {

@@ -281,6 +281,16 @@ std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {
   return result;
 }
 
+std::vector<StateId> DelaunayIndex::hull_states() const {
+  std::vector<StateId> result;
+  if (dimension() < 3) return result;
+  std::vector<VertexHandle> corners;
+  impl_->triangulation.finite_adjacent_vertices(impl_->triangulation.infinite_vertex(),
+                                                std::back_inserter(corners));
+  for (const VertexHandle corner : corners) result.push_back({corner->info()});
+  return result;
+}
+
 std::vector<DelaunayIndex::Ball> DelaunayIndex::circumballs() const {
   std::vector<Ball> result;
   if (dimension() < 3) return result;

@@ -71,6 +71,7 @@ class DelaunayIndex {
   };
   std::vector<Cell> cells() const;  // finite ones
   std::size_t cell_count() const;
+  std::vector<StateId> hull_states() const;  // corners of the hull's facets
   struct Ball {
     Vec3 centre;        // [m]
     double radius = 0;  // [m]

@@ -13,5 +13,6 @@ namespace forefeel {
 // Indices of the states. Cells of side `spacing` [m], counted from the low corner of the box; equal cells
 // keep the order of the states. O(n log n).
 std::vector<std::uint32_t> morton_order(std::span<const State> states, const Box& box, double spacing);
+std::vector<std::uint32_t> morton_order(std::span<const Vec3> at, const Box& box, double spacing);
 
 }  // namespace forefeel
