@@ -115,6 +115,7 @@ nlohmann::ordered_json to_json(const Findings& found, double error) {
   document["at"] = vector3(found.at);
   document["force"] = number(found.limit.force);
   document["beyond"] = number(found.limit.beyond);
+  document["uncertainty"] = number(found.limit.uncertainty);
   document["rates"] = {{"linear", number(found.limit.rate[0])}, {"quadratic", number(found.limit.rate[1])}};
   document["error"] = error;
   document["cheapest"] = found.best ? row_json(found.rows[*found.best]) : nlohmann::ordered_json();
@@ -162,9 +163,11 @@ void tell(const Globals& globals, const Findings& found, double error) {
                     name(row.element), row.nodes, row.force, 100 * row.error, 1e3 * row.seconds));
   if (!found.limit.known()) return;
   say(globals,
-      fmt::format("extrapolated force {:.5g} N at ({:.3g}, {:.3g}, {:.3g}) m, {:.2g} % beyond the "
-                  "nearest of these",
-                  found.limit.force, found.at[0], found.at[1], found.at[2], 100 * found.limit.beyond));
+      fmt::format(
+          "extrapolated force {:.5g} N, uncertain by {:.2g} %, at ({:.3g}, {:.3g}, {:.3g}) m, {:.2g} % "
+          "beyond the nearest of these",
+          found.limit.force, 100 * found.limit.uncertainty, found.at[0], found.at[1], found.at[2],
+          100 * found.limit.beyond));
   if (found.best) {
     const MeshStudyRow& row = found.rows[*found.best];
     say(globals, fmt::format("cheapest below {:g} %: {} {} elements ({} nodes), {:.2g} %", 100 * error,
@@ -210,6 +213,10 @@ int study_meshes(const Globals& globals, const MeshStudyArguments& arguments) {
     warn(globals, "mesh_study.svg: not drawn, gnuplot was not found or failed");
   if (globals.json) print_json(document);
   tell(globals, found, arguments.error);
+  if (found.limit.uncertainty > arguments.error)
+    warn(globals,
+         fmt::format("the extrapolated force is uncertain by {:.2g} %, more than the error of {:g} %",
+                     100 * found.limit.uncertainty, 100 * arguments.error));
   if (!found.limit.known())
     warn(globals, "fewer than two meshes could be solved: the error is not known");
   else if (!found.best)

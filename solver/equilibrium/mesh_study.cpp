@@ -60,6 +60,39 @@ double last_step(const std::vector<MeshStudyRow>& rows, std::size_t of) {
   return std::max(std::abs(last - same[same.size() - 2].force), 1e-9 * std::abs(last));
 }
 
+std::vector<MeshStudyRow> without(const std::vector<MeshStudyRow>& rows, std::size_t left_out) {
+  std::vector<MeshStudyRow> others = rows;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
+  return others;
+}
+
+std::vector<MeshStudyRow> only(const std::vector<MeshStudyRow>& rows, std::size_t of) {
+  std::vector<MeshStudyRow> same;
+  std::ranges::copy_if(rows, std::back_inserter(same), [of](const auto& row) { return kind(row) == of; });
+  return same;
+}
+
+double uncertainty_of(const std::vector<MeshStudyRow>& rows, const Rates& rates, double force) {
+  double largest = 0;
+  const auto compare_with = [&](const std::vector<MeshStudyRow>& others, const Rates& at) {
+    const std::array steps{last_step(others, 0), last_step(others, 1)};
+    largest = std::max(largest, std::abs(fit(others, at, steps).force - force));
+  };
+  for (const std::size_t k : {0, 1}) {
+    const std::size_t count = only(rows, k).size();
+    if (count == 0) continue;
+    if (count < rows.size()) compare_with(only(rows, k), rates);
+    for (const double factor : {0.75, 1.25}) {
+      Rates other = rates;
+      other[k] *= factor;
+      compare_with(rows, other);
+    }
+    for (std::size_t i = 0; i < rows.size() && count > 2; ++i)
+      if (kind(rows[i]) == k) compare_with(without(rows, i), rates);
+  }
+  return largest / std::abs(force);
+}
+
 std::vector<double> tried_rates(std::size_t kind, std::size_t meshes) {
   if (meshes < 3) return {kind == 0 ? 1.2 : 1.5};
   std::vector<double> rates;
@@ -94,11 +127,13 @@ MeshLimit extrapolated(std::span<const MeshStudyRow> rows) {
   if (used.empty()) return limit;
   const std::array steps{last_step(used, 0), last_step(used, 1)};
   Fit best;
+  Rates at{};
   for (const double p : tried_rates(0, counts[0]))
     for (const double q : tried_rates(1, counts[1])) {
       const Fit found = fit(used, {p, q}, steps);
       if (!(found.residual < best.residual)) continue;
       best = found;
+      at = {p, q};
       limit.rate[0] = counts[0] > 2 ? p : unknown;
       limit.rate[1] = counts[1] > 2 ? q : unknown;
     }
@@ -106,6 +141,7 @@ MeshLimit extrapolated(std::span<const MeshStudyRow> rows) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const MeshStudyRow& row : used) nearest = std::min(nearest, std::abs(row.force - limit.force));
   limit.beyond = nearest / std::abs(limit.force);
+  limit.uncertainty = uncertainty_of(used, at, limit.force);
   return limit;
 }
 
@@ -113,10 +149,21 @@ void compare(std::vector<MeshStudyRow>& rows, const MeshLimit& limit) {
   for (MeshStudyRow& row : rows) row.error = std::abs(row.force - limit.force) / std::abs(limit.force);
 }
 
+namespace {
+
+bool stays_below(std::span<const MeshStudyRow> rows, std::size_t i, double error) {
+  return std::ranges::none_of(rows, [&](const MeshStudyRow& finer) {
+    return kind(finer) == kind(rows[i]) && finer.elements > rows[i].elements && finer.error > error;
+  });
+}
+
+}  // namespace
+
 std::optional<std::size_t> cheapest(std::span<const MeshStudyRow> rows, double error) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (rows[i].error <= error && (!best || rows[i].work < rows[*best].work)) best = i;
+    if (rows[i].error <= error && (!best || rows[i].work < rows[*best].work) && stays_below(rows, i, error))
+      best = i;
   return best;
 }
 

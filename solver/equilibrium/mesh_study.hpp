@@ -37,15 +37,18 @@ MeshStudyRow study_row(const std::shared_ptr<const Body>& body, const Vec3& x);
 struct MeshLimit {
   double force = unknown;               // f0 [N]
   double beyond = unknown;              // |f0 - f| / f0 of the row nearest to f0
+  double uncertainty = unknown;         // of f0, relative: see below
   double rate[2] = {unknown, unknown};  // p of linear and quadratic elements; unknown: not fitted
   bool known() const { return force == force; }
 };
-// Not known with fewer than two meshes of each kind. Rows without a force, and remeshed ones, are left out.
+// uncertainty: by how much f0 changes at most where one mesh is left out, one kind of elements is left out, or a rate is
+// a quarter larger or smaller. Not known with fewer than two meshes of each kind. Rows without a force, and remeshed ones, are left out.
 MeshLimit extrapolated(std::span<const MeshStudyRow> rows);
 // Fills the rows' errors.
 void compare(std::vector<MeshStudyRow>& rows, const MeshLimit& limit);
 
-// Of the rows with an error of at most `error`, that of the least work.
+// Of the rows with an error of at most `error`, that of the least work. A row does not count if a finer one of its kind
+// has a larger error than that: a coarse mesh with a small contact can hit the force by chance.
 std::optional<std::size_t> cheapest(std::span<const MeshStudyRow> rows, double error);
 
 }  // namespace forefeel

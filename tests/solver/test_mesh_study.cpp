@@ -2,11 +2,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "block_body.hpp"
 #include "solver/body/refined_body.hpp"
 #include "solver/equilibrium/mesh_study.hpp"
+#include "sphere_shell.hpp"
 
 using namespace forefeel;
 
@@ -84,4 +86,48 @@ TEST_CASE("a bent block: the limit of coarse meshes is near the force of a much 
   CHECK(limit.force == Approx(truth).epsilon(0.003));
   CHECK(rows[0].force > 1.1 * truth);  // which the coarse meshes are far from
   CHECK(limit.rate[0] > 1.2);          // of linear elements: 2, less what the clamp's edge costs
+}
+
+TEST_CASE("a body between two spheres: rate 2 towards the exact stiffness, within the uncertainty") {
+  const Material material{Law::neo_hookean, 5e3, 0.3};
+  const double a = 0.04, b = 0.06, exact = 1e-3 * shell_stiffness(a, b, material.young, material.poisson);
+  const Vec3 x(0, 0.6e-3, 0.8e-3);
+  std::vector<MeshStudyRow> rows;
+  for (const int times : {1, 2, 3, 4})
+    rows.push_back(study_row(sphere_shell(times, 1 << (times - 1), a, b, material), x));
+  const auto error = [&](std::size_t i) { return std::abs(rows[i].force - exact) / exact; };
+  const double rate = std::log2(error(2) / error(3));
+  CAPTURE(exact, rows[1].force, rows[2].force, rows[3].force, rate);
+  CHECK(error(3) < 0.003);
+  CHECK(rate > 1.85);
+  CHECK(rate < 2.15);
+  const MeshLimit limit = extrapolated(rows);
+  CAPTURE(limit.force, limit.uncertainty, limit.rate[0]);
+  CHECK(limit.rate[0] > 1.6);
+  CHECK(limit.rate[0] < 2.15);
+  CHECK(std::abs(limit.force - exact) < limit.uncertainty * exact);
+  CHECK(limit.uncertainty < 0.02);
+}
+
+TEST_CASE("a coarse mesh that hits the force by chance is not the cheapest") {
+  std::vector<MeshStudyRow> rows{row(500, Element::linear, 1.01), row(2000, Element::linear, 1.5),
+                                 row(16000, Element::linear, 1.2), row(2000, Element::quadratic, 1.05)};
+  rows.back().work = 4000;
+  compare(rows, {.force = 1});
+  REQUIRE(cheapest(rows, 0.1));
+  CHECK(*cheapest(rows, 0.1) == 3);
+  CHECK(*cheapest(rows, 0.6) == 0);
+}
+
+TEST_CASE(
+    "the uncertainty of the limit is small where all meshes follow one law, and large where they do not") {
+  std::vector<MeshStudyRow> rows;
+  for (const std::size_t n : {1000, 8000, 64'000}) {
+    rows.push_back(row(n, Element::linear, 2 + 3 * std::pow(size_of(n), 2.0)));
+    rows.push_back(row(n, Element::quadratic, 2 + 9 * std::pow(size_of(n), 3.0)));
+  }
+  const double regular = extrapolated(rows).uncertainty;
+  CHECK(regular < 1e-3);
+  rows[2].force *= 1.01, rows[4].force *= 0.98;
+  CHECK(extrapolated(rows).uncertainty > 5 * regular);
 }
