@@ -1,4 +1,4 @@
-// forefeel bench approx|solver|coverage|switch|loop [SCENE]: speed, error, and ratios to named baselines measured
+// forefeel bench approx|solver|coverage|switch|loop|viscosity [SCENE]: speed, error, and ratios to named baselines measured
 // in the same run.
 
 #include <fmt/format.h>
@@ -27,10 +27,11 @@ struct BenchOptions {
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
-  if (!options.output.empty() && options.what != "approx" &&
+  if (!options.output.empty() && options.what != "approx" && options.what != "viscosity" &&
       !(options.what == "solver" && options.scene == "hard-cases"))
-    throw InputError("--output",
-                     "only bench approx and bench solver hard-cases write files, expected none here");
+    throw InputError(
+        "--output",
+        "only bench approx, bench viscosity and bench solver hard-cases write files, expected none here");
   if (options.what != "loop" && (options.seconds || options.blocks))
     throw InputError(options.seconds ? "--seconds" : "--blocks",
                      "only bench loop takes it, expected none here");
@@ -55,6 +56,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
   if (options.what == "solver" && options.scene == "elements") return bench_elements(globals);
   if (options.what == "solver") return bench_solver(globals, options.scene, options.states);
   if (options.what == "approx") return bench_approx(globals, options.scene, options.output);
+  if (options.what == "viscosity") return bench_viscosity(globals, options.scene, options.output);
   if (options.what == "loop") {
     const LoopBench usual;
     return bench_loop(globals, options.scene,
@@ -71,16 +73,20 @@ void add_bench(CommandLine& line) {
   const auto options = std::make_shared<BenchOptions>();
   Command sub = line.add("bench", "Measure speed and error beside named baselines in the same run");
   sub.runs([options](const Globals& globals) { return run_bench(globals, *options); });
-  sub.option("WHAT", options->what,
-             "approx, solver, coverage, switch or loop: the 1 kHz loop of a session beside a bare loop\n"
-             "that only waits for its deadlines, at the same time and under full load")
+  sub.option(
+         "WHAT", options->what,
+         "approx, solver, coverage, switch,\n"
+         "loop: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines, at the\n"
+         "same time and under full load; viscosity: relaxation, creep and hysteresis of a viscous scene")
       .required()
-      .one_of({"approx", "solver", "coverage", "switch", "loop"});
+      .one_of({"approx", "solver", "coverage", "switch", "loop", "viscosity"});
   sub.option("SCENE", options->scene,
              "Scene to take states from; default: the built-in one of each bench.\n"
              "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
-  sub.option("-o,--output", options->output,
-             "Folder: approx.csv and .svg of approx, hard_cases.csv and .html of hard-cases")
+  sub.option(
+         "-o,--output", options->output,
+         "Folder: approx.csv and .svg of approx, viscosity.csv and .svg of viscosity, hard_cases.csv and\n"
+         ".html of hard-cases")
       .shows("DIR");
   sub.option(
          "--states", options->states,
