@@ -8,6 +8,8 @@
 namespace forefeel {
 namespace {
 
+constexpr double coupled_often = 0.01;  // share of the frames
+
 std::string pressed_in(const SessionSummary::Motion& motion) {
   const std::string end =
       std::isfinite(motion.start_within_jnd)
@@ -86,11 +88,17 @@ void add_faults(const SessionSummary::Loop& loop, std::vector<std::string>& line
 }
 
 std::string controlled(const ControlSummary& control) {
-  return fmt::format(
+  std::string line = fmt::format(
       "passivity control changed the force sent by {:.2g} % (p50), {:.2g} % (p95); the errors are those of "
-      "the "
-      "rendered force, before it",
+      "the rendered force, before it",
       100 * control.added_p50, 100 * control.added_p95);
+  if (control.coupled_share > coupled_often)
+    line += fmt::format(
+        "; in {:.2g} % of the frames the body is stiffer than {:.4g} N/m, the most that the loop of this "
+        "device and "
+        "hand can render without swinging",
+        100 * control.coupled_share, control.report.coupling);
+  return line;
 }
 
 std::string samples(const char* what, std::size_t n) {

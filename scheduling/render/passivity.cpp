@@ -30,6 +30,12 @@ double largest_stiffness(const Mat3& jacobian, double enough) noexcept {
   return std::max(0.0, solver.eigenvalues()[2]);
 }
 
+// U [J] of a force f [N] at x, at most `limit` [N] of which is sent. share: U / (-f . x) without the limit.
+double stored_energy(const Vec3& force, const Vec3& x, double share, double limit) noexcept {
+  const double size = force.norm(), work_home = std::max(0.0, -force.dot(x));
+  return size > limit ? work_home * limit / size * (1 - (1 - share) * limit / size) : share * work_home;
+}
+
 Vec3 within(const Vec3& force, const ForceRoom& room) {
   Vec3 out = force;
   if (const double size = out.norm(); size > room.size) out *= room.size / size;
@@ -50,19 +56,21 @@ void PassivityControl::note_model(const Vec3& x, const ModelView& model, bool ta
   since_ = 0;
   stiffness_ = largest_stiffness(model.jacobian, options_.coupling);
   const double end = -model.here.dot(x), middle = -model.half_way.dot(x);
+  // Simpson's rule against the energies of tight solves on a liver phantom, 60 places: within 1 % of U for the neo-Hookean
+  // law; for St. Venant-Kirchhoff p50 1 %, p95 50 %, since a model of states near x is poor half way to rest. A wrong U
+  // costs force or work of the controller; the tank's own energy E does not depend on it.
   share_ = end > 0 ? std::clamp((4 * middle / end + 1) / 6, 0.1, 1.0) : 0.5;
-  if (taken) report_.refused += std::max(0.0, gain_ * coupling_ * share_ * end - energy_ - quantum());
+  if (!taken) return;
+  const double now = stored_energy(coupling_ * model.here, x, share_, options_.force_limit);
+  report_.refused += std::max(0.0, gain_ * now - std::max(energy_ + quantum(), gain_ * potential_));
 }
 
 Vec3 PassivityControl::shape(const Vec3& force, const Vec3& x) noexcept {
   const double s = stiffness_ > options_.coupling ? options_.coupling / stiffness_ : 1;
   coupling_ = followed(coupling_, s, rise_);
   const Vec3 coupled = coupling_ * force;
-  const double size = coupled.norm(), limit = options_.force_limit,
-               work_home = std::max(0.0, -coupled.dot(x));
-  potential_ =
-      size > limit ? work_home * limit / size * (1 - (1 - share_) * limit / size) : share_ * work_home;
-  most_ = std::max(most_, std::min(size, limit));
+  potential_ = stored_energy(coupled, x, share_, options_.force_limit);
+  most_ = std::max(most_, std::min(coupled.norm(), options_.force_limit));
   const double work = begun_ ? -coupled.dot(x - last_x_) : 0, room = energy_ + quantum();
   const double g = 2 * room >= potential_ ? 1 : std::max(0.0, 2 * room / potential_);
   if (work > 0)  // the hand presses in: its work fills the tank

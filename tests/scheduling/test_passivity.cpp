@@ -167,6 +167,24 @@ TEST_CASE("the tank holds back what a switch would generate: a body that is stif
     }
 }
 
+TEST_CASE("a switch is charged for what it adds to the stored energy, of the force that can be sent") {
+  const double limit = 8, stiffness = 1e4;
+  PassivityControl control({.mode = Passivity::control, .force_limit = limit}, frame);
+  const Vec3 x(0, 0, -0.01);
+  const auto take = [&](double k) {
+    control.note_model(x, {-k * x, -0.5 * k * x, -k * Mat3::Identity()}, true);
+    control.shape(-k * x, x);
+  };
+  // A spring of 10 kN/m would send 100 N: clamped to 8 N its energy on the way home is 8 N * 10 mm, less the first part.
+  take(stiffness);
+  const double clamped = limit * 0.01 * (1 - 0.5 * limit / (stiffness * 0.01));
+  CHECK(control.report().refused == Approx(clamped));
+  for (int i = 0; i < 100; ++i) take(stiffness);  // the same again adds nothing
+  CHECK(control.report().refused == Approx(clamped));
+  take(stiffness / 2);  // nor does a softer one
+  CHECK(control.report().refused == Approx(clamped));
+}
+
 TEST_CASE("the controller stays within slew and force limits") {
   const SafetyOptions rules{
       .force_limit = 2, .slew_limit = 100, .ramp_seconds = 0, .passivity = Passivity::control};

@@ -1,7 +1,9 @@
 // Passivity control in sessions.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
 #include "small_body.hpp"
 
@@ -30,6 +32,9 @@ TEST_CASE(
   CHECK(on.energy.control.report.on);
   CHECK(on.energy.control.added_p95 > 0.01);
   CHECK(on.energy.control.coupled_share > 0.5);
+  CHECK(std::ranges::any_of(attention(on), [](const std::string& line) {
+    return line.find("the most that the loop of this device and hand can render") != std::string::npos;
+  }));
 }
 
 TEST_CASE("where the session is stable anyway, control adds at most 1 % to the force") {
