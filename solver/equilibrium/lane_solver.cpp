@@ -10,11 +10,11 @@
 namespace forefeel {
 namespace {
 
-constexpr int most_iterations = 14;
-// If the last correction of V changed K by the relative amount g, and a step with the factor leaves the share
-// e of an error, the relative error of K that remains is about e g.
-constexpr double settled_share = 1e-4, largest_gain = 3e-3, least_contraction = 0.03,
-                 unknown_contraction = 0.2;
+constexpr int most_iterations = 20, most_retreats = 6;
+constexpr double allowed_growth = 2;   // of the residual in one step without progress
+constexpr int most_stale = 2;          // steps without progress
+constexpr int factor_life = 7;         // iterations before a new factor is made
+constexpr double worth_a_factor = 30;  // residual over tolerance
 
 double& lane(std::vector<double>& v, std::size_t row, int l) {
   return v[row * lane_count + static_cast<std::size_t>(l)];
@@ -27,10 +27,7 @@ LaneSolver::LaneSolver(std::shared_ptr<const Discretisation> discretisation)
   for (auto* v : {&u_, &residual_, &step_, &last_step_, &last_move_}) v->resize(size_);
   tangent_.resize(3 * size_);
   product_.resize(3 * size_);
-  for (int i = 0; i < depth_; ++i) {
-    step_change_[static_cast<std::size_t>(i)].resize(size_);
-    move_[static_cast<std::size_t>(i)].resize(size_);
-  }
+  history_.resize(2 * depth_ * size_);
 }
 
 void LaneSolver::load(const std::vector<LocalField*>& fields) {
@@ -48,33 +45,31 @@ void LaneSolver::load(const std::vector<LocalField*>& fields) {
   }
 }
 
-// Stores the change of the step over the last move, and that move, as pair number `known` of a ring.
-void LaneSolver::remember(int known) {
-  const std::array<double, lane_count> minus = [] {
-    std::array<double, lane_count> a{};
-    a.fill(-1);
-    return a;
-  }();
-  const auto at = static_cast<std::size_t>(known % depth_);
-  step_change_[at] = step_;
-  front_kernels().add_lanes(static_cast<std::int64_t>(3 * d_->free_nodes), minus.data(), last_step_.data(),
-                            step_change_[at].data());
-  move_[at].swap(last_move_);
+// Stores the change of the step over the last move, and that move, as pair number `known` of a ring. Lanes that did not
+// move get an empty pair.
+void LaneSolver::remember(int known, const LaneMask& moved) {
+  const std::size_t at = static_cast<std::size_t>(known) % depth_;
+  double *change = step_change(at), *moves = move(at);
+  for (std::size_t i = 0; i < size_; i += lane_count)
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      change[i + l] = moved[l] != 0 ? step_[i + l] - last_step_[i + l] : 0.0;
+      moves[i + l] = moved[l] != 0 ? last_move_[i + l] : 0.0;
+    }
 }
 
 // Replaces the step s by Anderson's: u + s - (Y + S) g, g = argmin |s - S g|, with S the changes of the step
 // over the last iterations and Y the moves that caused them. Lanes that have ended get no step.
-void LaneSolver::mix(int pairs, const std::array<double, lane_count>& active) {
+void LaneSolver::mix(int pairs, const LaneMask& active) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
-  const int known = std::min(pairs, depth_);
+  const int known = std::min(pairs, static_cast<int>(depth_));
   std::array<std::array<double, lane_count>, depth_ * depth_> gram{};
   std::array<std::array<double, lane_count>, depth_> right{}, weight{};
   for (int i = 0; i < known; ++i) {
-    const auto& si = step_change_[static_cast<std::size_t>(i)];
-    k.dot_lanes(rows, si.data(), step_.data(), right[static_cast<std::size_t>(i)].data());
+    const double* si = step_change(static_cast<std::size_t>(i));
+    k.dot_lanes(rows, si, step_.data(), right[static_cast<std::size_t>(i)].data());
     for (int j = 0; j <= i; ++j)
-      k.dot_lanes(rows, si.data(), step_change_[static_cast<std::size_t>(j)].data(),
+      k.dot_lanes(rows, si, step_change(static_cast<std::size_t>(j)),
                   gram[static_cast<std::size_t>(i * depth_ + j)].data());
   }
   for (std::size_t l = 0; l < lane_count; ++l) {
@@ -93,121 +88,165 @@ void LaneSolver::mix(int pairs, const std::array<double, lane_count>& active) {
   }
   for (int i = 0; i < known; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    k.add_lanes(rows, weight[at].data(), move_[at].data(), step_.data());
-    k.add_lanes(rows, weight[at].data(), step_change_[at].data(), step_.data());
+    k.add_lanes(rows, weight[at].data(), move(at), step_.data());
+    k.add_lanes(rows, weight[at].data(), step_change(at), step_.data());
   }
 }
 
-bool LaneSolver::iterate(const Factorisation& factor, int count, double tolerance,
+// Evaluates all lanes and decides for each: it has converged, goes on, goes back half of its last move, or is given up.
+void LaneSolver::judge(int count, double tolerance, int iteration, LaneProgress& at,
+                       std::array<LaneResult, lane_count>& results) {
+  const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
+  LaneMask energy{}, min_jacobian{}, squares{};
+  at.worst = 0;
+  std::fill(residual_.begin(), residual_.end(), 0.0);
+  d_->elements.gradient_lanes(u_.data(), residual_.data(), energy.data(), min_jacobian.data());
+  front_kernels().dot_lanes(rows, residual_.data(), residual_.data(), squares.data());
+  for (std::size_t l = 0; l < static_cast<std::size_t>(count); ++l) {
+    const bool open = at.active[l] != 0 || at.retreat[l] != 0;
+    if (!open) continue;
+    LaneResult& result = results[l];
+    Vec3 force;
+    for (int i = 0; i < 3; ++i)
+      force[i] = -lane(residual_, static_cast<std::size_t>(rows + i), static_cast<int>(l));
+    const double residual = std::sqrt(squares[l]) / std::max(force.norm(), d_->force_floor);
+    const bool finite = std::isfinite(energy[l]) && std::isfinite(residual);
+    const bool progress = at.iterations[l] == 0 || residual <= tolerance || residual < 0.9 * at.best[l] ||
+                          energy[l] < at.least_energy[l] - 1e-12 * std::abs(at.least_energy[l]);
+    const bool good =
+        finite && (progress || (residual <= allowed_growth * result.residual && at.stale[l] < most_stale));
+    const bool given_up =
+        iteration == most_iterations || (!good && (at.iterations[l] == 0 || at.retreats[l] == most_retreats));
+    at.active[l] = at.retreat[l] = at.moved[l] = 0;
+    if (good) {
+      if (at.iterations[l] > 0) {
+        result.contraction = std::max(result.contraction, residual / at.best[l]);
+        at.slow = at.slow || residual > 0.125 * at.best[l];
+        at.moved[l] = 1;
+      }
+      at.best[l] = std::min(at.best[l], residual);
+      at.least_energy[l] = std::min(at.least_energy[l], energy[l]);
+      at.stale[l] = progress ? 0 : at.stale[l] + 1;
+      at.worst = std::max(at.worst, residual);
+      at.retreats[l] = 0;
+      result.force = force;
+      result.energy = energy[l];
+      result.min_jacobian = min_jacobian[l];
+      result.residual = residual;
+      result.iterations = at.iterations[l]++;
+      result.converged = residual <= tolerance;
+      if (result.converged) continue;
+    }
+    if (given_up) {  // finite values, so that the other lanes are not slowed down
+      for (std::size_t i = 0; i < size_ / lane_count; ++i) lane(u_, i, static_cast<int>(l)) = 0;
+      continue;
+    }
+    (good ? at.active : at.retreat)[l] = 1;
+    at.retreats[l] += good ? 0 : 1;
+  }
+}
+
+// Mean of u over the lanes of the mask.
+std::vector<double> LaneSolver::mean_of(const LaneMask& mask) const {
+  double count = 0;
+  for (const double m : mask) count += m;
+  std::vector<double> mean(size_ / lane_count, 0.0);
+  for (std::size_t i = 0; i < mean.size(); ++i)
+    for (std::size_t l = 0; l < lane_count; ++l)
+      if (mask[l] != 0) mean[i] += u_[i * lane_count + l] / count;
+  return mean;
+}
+
+bool LaneSolver::iterate(const Factorisation& factor, NewtonSolver* newton, int count, double tolerance,
                          std::array<LaneResult, lane_count>& results) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
-  std::array<double, lane_count> active{}, energy{}, min_jacobian{}, squares{}, best{};
-  for (int l = 0; l < count; ++l) active[static_cast<std::size_t>(l)] = 1;
-  best.fill(std::numeric_limits<double>::infinity());
+  LaneProgress at;
+  for (int l = 0; l < count; ++l) at.active[static_cast<std::size_t>(l)] = 1;
+  at.best.fill(std::numeric_limits<double>::infinity());
+  at.least_energy = at.best;
   bool mixing = false, previous = false;
-  int pairs = 0;
+  int pairs = 0, age = 0;
+  const auto any = [](const LaneMask& mask) {
+    return std::ranges::any_of(mask, [](double m) { return m != 0; });
+  };
   for (int iteration = 0;; ++iteration) {
-    std::fill(residual_.begin(), residual_.end(), 0.0);
-    d_->elements.gradient_lanes(u_.data(), residual_.data(), energy.data(), min_jacobian.data());
-    k.dot_lanes(rows, residual_.data(), residual_.data(), squares.data());
-    bool any = false, slow = false;
-    for (int l = 0; l < count; ++l) {
-      const auto at = static_cast<std::size_t>(l);
-      if (active[at] == 0) continue;
-      LaneResult& result = results[at];
-      for (int i = 0; i < 3; ++i) result.force[i] = -lane(residual_, static_cast<std::size_t>(rows + i), l);
-      result.energy = energy[at];
-      result.min_jacobian = min_jacobian[at];
-      result.residual = std::sqrt(squares[at]) / std::max(result.force.norm(), d_->force_floor);
-      result.iterations = iteration;
-      result.converged = result.residual <= tolerance && std::isfinite(result.energy);
-      const bool hopeless = !std::isfinite(result.energy) || !std::isfinite(result.residual) ||
-                            result.residual > 20 * best[at] || iteration == most_iterations;
-      if (iteration > 0) result.contraction = std::max(result.contraction, result.residual / best[at]);
-      slow = slow || (iteration > 0 && result.residual > 0.125 * best[at]);
-      best[at] = std::min(best[at], result.residual);
-      if (result.converged || hopeless) active[at] = 0;
-      if (hopeless && !result.converged)  // finite values, so that the other lanes are not slowed down
-        for (std::size_t i = 0; i < size_ / lane_count; ++i) lane(u_, i, l) = 0;
-      any = any || active[at] != 0;
+    judge(count, tolerance, iteration, at, results);
+    if (any(at.retreat)) {
+      LaneMask half, back;
+      for (std::size_t l = 0; l < lane_count; ++l) {
+        half[l] = -0.5 * at.retreat[l];
+        back[l] = -at.retreat[l];
+      }
+      k.add_lanes(rows, half.data(), last_move_.data(), last_move_.data());
+      k.add_lanes(rows, back.data(), last_move_.data(), u_.data());
+      mixing = true;
     }
-    if (!any) break;
+    if (!any(at.active)) {
+      if (any(at.retreat)) continue;
+      break;
+    }
+    if (newton && ++age > factor_life && at.worst > worth_a_factor * tolerance) {
+      if (!newton->factorise_shifted(mean_of(at.active))) break;
+      age = pairs = 0;
+      previous = false;
+    }
     for (std::size_t i = 0; i < size_; ++i) step_[i] = -residual_[i];
     factor.solve_lanes(step_.data());
     // Mixing costs as much as an element loop, so it starts only when a plain step reduces the residual less
     // than eightfold.
-    mixing = mixing || slow;
-    if (mixing) {
-      if (previous) remember(pairs++);
-      last_step_ = step_;
-      mix(pairs, active);
-      std::fill(last_move_.begin(), last_move_.end(), 0.0);
-      k.add_lanes(rows, active.data(), step_.data(), last_move_.data());
-      previous = true;
-    }
-    k.add_lanes(rows, active.data(), step_.data(), u_.data());
+    mixing = mixing || at.slow;
+    if (mixing && previous) remember(pairs++, at.moved);
+    replace_lanes(at.active, step_, last_step_);
+    if (mixing) mix(pairs, at.active);
+    previous = true;
+    replace_lanes(at.active, step_, last_move_);
+    k.add_lanes(rows, at.active.data(), step_.data(), u_.data());
   }
-  for (int l = 0; l < count; ++l)
-    if (results[static_cast<std::size_t>(l)].converged) return true;
-  return false;
+  return std::any_of(results.begin(), results.begin() + count,
+                     [](const LaneResult& r) { return r.converged; });
 }
 
-void LaneSolver::finish(const Factorisation& factor, int count, int rounds,
-                        std::array<LaneResult, lane_count>& results) {
-  const FrontKernels& k = front_kernels();
+void LaneSolver::scale_lanes(const LaneMask& factor, double* v, std::size_t size) {
+  for (std::size_t i = 0; i < size; i += lane_count)
+    for (std::size_t l = 0; l < lane_count; ++l) v[i + l] *= factor[l];
+}
+
+// Copies the lanes of the mask.
+void LaneSolver::replace_lanes(const LaneMask& mask, const std::vector<double>& from,
+                               std::vector<double>& to) {
+  for (std::size_t i = 0; i < to.size(); i += lane_count)
+    for (std::size_t l = 0; l < lane_count; ++l) to[i + l] = mask[l] != 0 ? from[i + l] : to[i + l];
+}
+
+std::array<double, lane_count> LaneSolver::residuals(const std::vector<LocalField*>& fields) {
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    const std::vector<double>& u = fields[l < fields.size() ? l : 0]->u;
+    for (std::size_t i = 0; i < u.size(); ++i) u_[i * lane_count + l] = u[i];
+  }
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
-  std::array<double, lane_count> dot{}, one{};
-  one.fill(1);
-  for (int round = 0; round < rounds; ++round) {
-    std::fill(product_.begin(), product_.end(), 0.0);
-    d_->elements.product_lanes(static_cast<std::int64_t>(size_), u_.data(), tangent_.data(), product_.data());
-    std::array<Mat3, lane_count> plain, gain;
-    for (int a = 0; a < 3; ++a)
-      for (int b = a; b < 3; ++b) {
-        const double* y = &product_[static_cast<std::size_t>(b) * size_];
-        k.dot_lanes(rows, &tangent_[static_cast<std::size_t>(a) * size_], y, dot.data());
-        for (int l = 0; l < count; ++l)
-          plain[static_cast<std::size_t>(l)](a, b) = plain[static_cast<std::size_t>(l)](b, a) =
-              dot[static_cast<std::size_t>(l)] + y[(rows + a) * lane_count + l];
-      }
-    for (int c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < size_; ++i) step_[i] = -product_[static_cast<std::size_t>(c) * size_ + i];
-      factor.solve_lanes(step_.data());
-      for (int a = 0; a <= c; ++a) {
-        k.dot_lanes(rows, &product_[static_cast<std::size_t>(a) * size_], step_.data(), dot.data());
-        for (int l = 0; l < count; ++l)
-          gain[static_cast<std::size_t>(l)](a, c) = gain[static_cast<std::size_t>(l)](c, a) =
-              -dot[static_cast<std::size_t>(l)];
-      }
-      k.add_lanes(rows, one.data(), step_.data(), &tangent_[static_cast<std::size_t>(c) * size_]);
-    }
-    bool settled = true;
-    for (int l = 0; l < count; ++l) {
-      LaneResult& result = results[static_cast<std::size_t>(l)];
-      result.stiffness = plain[static_cast<std::size_t>(l)] - gain[static_cast<std::size_t>(l)];
-      const double share = gain[static_cast<std::size_t>(l)].norm() / result.stiffness.norm();
-      const double left =
-          result.iterations > 0 ? std::max(result.contraction, least_contraction) : unknown_contraction;
-      result.stiffness_settled = share <= largest_gain && left * share <= settled_share;
-      settled = settled && (result.stiffness_settled || !result.converged);
-    }
-    if (settled) break;
+  LaneMask energy{}, min_jacobian{}, found{};
+  std::fill(residual_.begin(), residual_.end(), 0.0);
+  d_->elements.gradient_lanes(u_.data(), residual_.data(), energy.data(), min_jacobian.data());
+  front_kernels().dot_lanes(rows, residual_.data(), residual_.data(), found.data());
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    Vec3 force;
+    for (int i = 0; i < 3; ++i)
+      force[i] = lane(residual_, static_cast<std::size_t>(rows + i), static_cast<int>(l));
+    const double residual = std::sqrt(found[l]) / std::max(force.norm(), d_->force_floor);
+    found[l] = std::isfinite(energy[l]) && std::isfinite(residual) ? residual
+                                                                   : std::numeric_limits<double>::infinity();
   }
-  for (int c = 0; c < 3; ++c) {
-    k.dot_lanes(rows, &tangent_[static_cast<std::size_t>(c) * size_], residual_.data(), dot.data());
-    for (int l = 0; l < count; ++l)
-      if (results[static_cast<std::size_t>(l)].stiffness_settled)
-        results[static_cast<std::size_t>(l)].force[c] -= dot[static_cast<std::size_t>(l)];
-  }
+  return found;
 }
 
 void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fields,
-                       double residual_tolerance, std::array<LaneResult, lane_count>& results, int rounds) {
+                       double residual_tolerance, std::array<LaneResult, lane_count>& results, int rounds,
+                       NewtonSolver* newton) {
   results.fill({});
   const auto count = static_cast<int>(fields.size());
   load(fields);
-  if (!iterate(factor, count, residual_tolerance, results)) return;
+  if (!iterate(factor, newton, count, residual_tolerance, results)) return;
   finish(factor, count, rounds, results);
   const std::size_t rows = size_ / lane_count;
   for (int l = 0; l < count; ++l) {

@@ -2,7 +2,9 @@
 // Solves up to eight neighbouring states at once, in the lanes of vector instructions, with one factor M of a
 // tangent H near them:
 //   u <- u - M^{-1} r_f(u), accelerated by Anderson mixing (Walker, Ni 2011) over the last steps.
-// Then V = du/dx is corrected once or more by M^{-1}. With rho = -(H [V; I])_f and delta = M^{-1} rho,
+// A step that makes neither the energy nor the residual smaller is halved. Where the iteration is slow, a solver that may
+// do so makes a new M at the mean of the states.
+// Then V = du/dx is corrected by conjugate gradients with M. With rho = -(H [V; I])_f and delta = M^{-1} rho,
 //   K = [V; I]^T H [V; I] - sym(rho^T delta)   [N/m], error of second order in that of V, times M's misfit
 //   f = -(g_c + V^T r_f)                       [N], error of second order in that of u
 // r_f: residual of the free nodes, g_c: row of the contact in dW/du. If the iteration of a state does not contract,
@@ -47,25 +49,46 @@ class LaneSolver {
 
   // fields: 1 to 8 predictions with the contact's rows of u at the states' positions; out: the equilibria of
   // those that converge. residual_tolerance: on |r_f| / max(|f|, floor). rounds: largest number of
-  // corrections of V and K; after one, V is good enough for a prediction, but K has seldom settled.
+  // corrections of V and K; after one, V is good enough for a prediction, but K has seldom settled. newton: makes new
+  // factors where the iteration is slow (the given factor must be its own); null: the given factor serves to the end.
   void solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
-             std::array<LaneResult, lane_count>& results, int rounds = 3);
+             std::array<LaneResult, lane_count>& results, int rounds = 10, NewtonSolver* newton = nullptr);
+
+  // |r_f| / max(|f|, floor) of 1 to 8 predictions; infinite where the energy is.
+  std::array<double, lane_count> residuals(const std::vector<LocalField*>& fields);
 
  private:
+  using LaneMask = std::array<double, lane_count>;  // 1 or 0 by lane, or another value
   void load(const std::vector<LocalField*>& fields);
-  bool iterate(const Factorisation& factor, int count, double tolerance,
+  std::vector<double> mean_of(const LaneMask& mask) const;
+  static void scale_lanes(const LaneMask& factor, double* v, std::size_t size);
+  bool condense_lanes(const double* z, int count, std::array<LaneResult, lane_count>& results,
+                      std::array<LaneMask, 3>& square) const;
+  bool iterate(const Factorisation& factor, NewtonSolver* newton, int count, double tolerance,
                std::array<LaneResult, lane_count>& results);
-  void mix(int known, const std::array<double, lane_count>& active);
-  void remember(int known);
+  struct LaneProgress {
+    LaneMask active{}, retreat{}, moved{};  // takes a step, goes back, has taken a step
+    LaneMask best{}, least_energy{};
+    std::array<int, lane_count> iterations{}, retreats{}, stale{};
+    bool slow = false;
+    double worst = 0;  // residual
+  };
+  void judge(int count, double tolerance, int iteration, LaneProgress& at,
+             std::array<LaneResult, lane_count>& results);
+  static void replace_lanes(const LaneMask& mask, const std::vector<double>& from, std::vector<double>& to);
+  void mix(int known, const LaneMask& active);
+  void remember(int known, const LaneMask& moved);
   void finish(const Factorisation& factor, int count, int rounds,
               std::array<LaneResult, lane_count>& results);
 
   std::shared_ptr<const Discretisation> d_;
   std::size_t size_;  // length of a local vector in lanes
   std::vector<double> u_, residual_, step_, tangent_, product_;
-  static constexpr int depth_ = 3;                              // of the mixing
-  std::array<std::vector<double>, depth_> step_change_, move_;  // of the last iterations
+  static constexpr std::size_t depth_ = 5;                             // of the mixing
+  double* step_change(std::size_t i) { return &history_[i * size_]; }  // of the last iterations
+  double* move(std::size_t i) { return &history_[(depth_ + i) * size_]; }
   std::vector<double> last_step_, last_move_;
+  std::vector<double> history_;  // 2 depth_ vectors; then the nine of the conjugate gradients
 };
 
 }  // namespace forefeel

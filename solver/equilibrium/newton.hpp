@@ -43,13 +43,14 @@ class NewtonSolver {
   }  // of the last steps with the factor; 0: it belongs to H(u)
   const Factorisation& factor() const { return factor_; }
   bool factorise(const std::vector<double>& u);  // factor of H(u); false unless positive definite
+  // Factor of H(u), or of H(u) plus a multiple of the stiffness at rest that makes it positive definite.
+  bool factorise_shifted(const std::vector<double>& u);
 
   const Discretisation& discretisation() const { return *d_; }
 
  private:
   double residual() const;
   void evaluate(const std::vector<double>& u, NewtonReport& report);
-  bool factorise_shifted(const std::vector<double>& u);
   bool line_search(std::vector<double>& u, NewtonReport& report);
 
   std::shared_ptr<const Discretisation> d_;

@@ -157,7 +157,7 @@ std::size_t SolverBasis::bytes_per_solver() {
   const std::shared_ptr<const Discretisation> d = discretisation();
   const FactorCost factor = cost_of_factor(*d);
   const std::int64_t blocks = 2 * 9 * (d->pattern.size() + 1);
-  constexpr std::int64_t alone = 16, in_lanes = 18 + 8;  // vectors; of a batch's fields too
+  constexpr std::int64_t alone = 16, in_lanes = 21 + 8;  // vectors; of a batch's fields too
   return static_cast<std::size_t>(factor.factor_bytes + factor.stack_bytes +
                                   8 * (blocks + (alone + in_lanes * lane_count) * d->local_size()));
 }

@@ -75,11 +75,10 @@ class Sweep {
     }
   }
 
-  // Solves the fine states by coarse cells, outward from rest.
+  // Solves the fine states by groups, outward from rest.
   void fill_cells() {
-    for_each(plan_.cells().size(), [&](SweepWorker& worker, std::size_t i) {
-      const std::vector<LatticeIndex> fine = plan_.fine_of(plan_.cells()[i]);
-      for (const SweepNode& node : solve_fine_nodes(worker, fine, options_.spacing, solved_))
+    for_each(plan_.groups().size(), [&](SweepWorker& worker, std::size_t i) {
+      for (const SweepNode& node : solve_fine_nodes(worker, plan_.groups()[i], options_.spacing, solved_))
         if (plan_.is_wanted(node.index)) emit(node);
     });
   }

@@ -35,7 +35,7 @@ std::shared_ptr<CoarseNodes> make_coarse_nodes() {
 
 namespace {
 
-enum class PieceKind : std::uint8_t { coarse, cell };
+enum class PieceKind : std::uint8_t { coarse, cell };  // cell: a group of fine states
 
 void pack(Packer& message, const LatticeIndex& k) {
   for (const int i : k) message.add(std::int32_t{i});
@@ -68,7 +68,7 @@ SweepNode unpack_node(Unpacker& message) {
 struct LatticePieces::Impl {
   struct Piece {
     PieceKind kind;
-    LatticeIndex index;                    // of the coarse node, or of the cell's lowest corner
+    LatticeIndex index;                    // of the coarse node, or of the first fine state
     std::vector<LatticeIndex> fine;        // what it solves
     std::size_t waits_for = 0;             // pieces
     std::vector<std::size_t> before = {};  // pieces that wait for it
@@ -104,14 +104,10 @@ struct LatticePieces::Impl {
     }
   }
   void add_cells() {
-    for (const LatticeIndex& cell : plan.cells()) {
+    for (const std::vector<LatticeIndex>& group : plan.groups()) {
       const std::size_t id = pieces.size();
-      pieces.push_back({.kind = PieceKind::cell, .index = cell, .fine = plan.fine_of(cell)});
-      for (int m = 0; m < 8; ++m) {
-        LatticeIndex corner = cell;
-        for (std::size_t axis = 0; axis < 3; ++axis) corner[axis] += (m >> axis) & 1;
-        wait_for(id, corner);
-      }
+      pieces.push_back({.kind = PieceKind::cell, .index = group.front(), .fine = group});
+      for (const LatticeIndex& corner : corners_of(group)) wait_for(id, corner);
     }
   }
   void wait_for(std::size_t id, const LatticeIndex& coarse) {

@@ -19,6 +19,8 @@ constexpr double coarse_tolerance = 1e-7;
 constexpr int prediction_iterations = 12;  // of Newton from a prediction, before the straight path is used
 constexpr double fallback_tolerance = 1e-8;
 constexpr int fallback_iterations = 60;
+constexpr int stiffness_rounds = 10;
+constexpr double far_off = 0.15;  // relative residual of a prediction
 
 // One corner's contribution in predict_hermite.
 FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v,
@@ -111,15 +113,29 @@ void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
   node.field = path_.field();
 }
 
-void SweepWorker::run_lanes(std::vector<SweepNode*>& nodes) {
-  std::vector<double> middle(static_cast<std::size_t>(d_->local_size()), 0.0);
-  for (const SweepNode* node : nodes)
-    scale_into(node->field.u, 1.0 / static_cast<double>(nodes.size()), middle);
-  if (!path_.newton().factorise(middle)) return;
+// Solves up to eight states with one factor at the mean of their predictions. States whose prediction is far from an
+// equilibrium would need another factor and are left out.
+void SweepWorker::run_lanes(std::vector<SweepNode*> nodes) {
   std::vector<LocalField*> fields;
-  for (SweepNode* node : nodes) fields.push_back(&node->field);
+  const auto take_fields = [&] {
+    fields.clear();
+    for (SweepNode* node : nodes) fields.push_back(&node->field);
+  };
+  take_fields();
+  const std::array<double, lane_count> residual = lanes_.residuals(fields);
+  std::vector<SweepNode*> near;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (residual[i] <= far_off) near.push_back(nodes[i]);
+  if (near.empty()) return;
+  nodes = near;
+  take_fields();
+  std::vector<double> middle(fields.front()->u.size(), 0.0);
+  for (const LocalField* field : fields)
+    scale_into(field->u, 1.0 / static_cast<double>(fields.size()), middle);
+  if (!path_.newton().factorise_shifted(middle)) return;
   std::array<LaneResult, lane_count> results;
-  lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results);
+  lanes_.solve(path_.newton().factor(), fields, options_.residual_tolerance, results, stiffness_rounds,
+               &path_.newton());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!results[i].converged) continue;
     if (!results[i].stiffness_settled && !detail::condense_alone(path_.newton(), nodes[i]->field, results[i]))
@@ -153,32 +169,84 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
   node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-// u = mean of u_c + V_c (x - x_c)/2 over the corners; along an axis j between two corners the tangent is the
-// derivative of the cubic there, 3/2 (u+ - u-)/(2h) - V_j/2, and elsewhere the corners' mean.
-bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const {
-  std::array<bool, 3> between{};
+// The axes along which the node lies between two corners, and the step [m] by which it lies beyond all corners along
+// the others (zero inside). Nothing if some of the corners that this needs are not known.
+std::optional<SweepWorker::Place> SweepWorker::place_of(const SweepNode& node,
+                                                        const std::vector<const SweepNode*>& corners) const {
+  Place place;
   std::size_t wanted = 1;
   for (std::size_t j = 0; j < 3; ++j) {
-    between[j] = node.index[j] % 2 != 0;
-    if (between[j]) wanted *= 2;
+    if (node.index[j] % 2 == 0) continue;
+    const auto axis = static_cast<int>(j);
+    const auto low = std::ranges::count_if(
+        corners, [&](const SweepNode* c) { return c->state.at[axis] < node.state.at[axis]; });
+    const auto all = static_cast<std::ptrdiff_t>(corners.size());
+    place.between[j] = low > 0 && low < all;
+    if (place.between[j])
+      wanted *= 2;
+    else
+      place.beyond[axis] = low > 0 ? options_.spacing : -options_.spacing;
   }
-  if (corners.size() != wanted) return false;
-  const double share = 1.0 / static_cast<double>(wanted), h = options_.spacing;
+  if (corners.size() != wanted) return std::nullopt;
+  return place;
+}
+
+// The field at c + d, outside of the corners, from the cubic through u and V of c and of the corner c - 2d:
+//   u = u_b + 3/4 V_b d + 9/4 V_c d    V = 3/2 V_c - 1/2 V_b
+// or from the tangent of c if c - 2d is not nearer to rest or not known.
+LocalField SweepWorker::extrapolated(const SweepNode& corner, const Vec3& step) const {
+  LatticeIndex b = corner.index;
+  bool inward = true;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const double along = step[static_cast<int>(j)];
+    b[j] -= along > 0 ? 1 : along < 0 ? -1 : 0;
+    inward = inward && std::abs(b[j]) <= std::abs(corner.index[j]);
+  }
+  const SweepNode* inner = inward && options_.coarse ? options_.coarse(b) : nullptr;
+  LocalField field;
+  if (!inner) {
+    field.tangent = corner.field.tangent;
+    detail::predict(*d_, corner.field, step, corner.state.at + step, field.u);
+    return field;
+  }
+  const std::size_t size = corner.field.u.size();
+  field.u = inner->field.u;
+  field.tangent.resize(3 * size);
+  const double *vb = inner->field.tangent.data(), *vc = corner.field.tangent.data();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double along = step[static_cast<int>(c)];
+    for (std::size_t i = 0; i < size; ++i)
+      field.u[i] += along * (0.75 * vb[c * size + i] + 2.25 * vc[c * size + i]);
+  }
+  for (std::size_t i = 0; i < 3 * size; ++i) field.tangent[i] = 1.5 * vc[i] - 0.5 * vb[i];
+  return field;
+}
+
+// u = mean of u_c + V_c (x - x_c)/2 over the corners; along an axis j between two corners the tangent is the
+// derivative of the cubic there, 3/2 (u+ - u-)/(2h) - V_j/2, and elsewhere the corners' mean. Where the node lies
+// outside of the corners, each is first moved outward with it.
+bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const {
+  const std::optional<Place> place = place_of(node, corners);
+  if (!place) return false;
+  const double share = 1.0 / static_cast<double>(corners.size()), h = options_.spacing;
   LocalField& f = node.field;
   const std::size_t size = static_cast<std::size_t>(d_->local_size());
   f.u.assign(size, 0.0);
   f.tangent.assign(3 * size, 0.0);
   for (const SweepNode* corner : corners) {
+    LocalField moved;
+    if (!place->beyond.isZero(0)) moved = extrapolated(*corner, place->beyond);
+    const LocalField& from = moved.u.empty() ? corner->field : moved;
     Vec3 move = node.state.at - corner->state.at, slope, keep;
     for (int j = 0; j < 3; ++j) {
-      const bool mid = between[static_cast<std::size_t>(j)];
+      const bool mid = place->between[static_cast<std::size_t>(j)];
       if (!mid) move[j] = 0;
       // the state lies at +h along j from this corner: the corner is on the low side
       slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
       keep[j] = (mid ? -0.5 : 1.0) * share;
     }
-    add_corner(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(), slope.data(),
-               keep.data(), f.u.data(), f.tangent.data());
+    add_corner(size, from.u.data(), from.tangent.data(), share, move.data(), slope.data(), keep.data(),
+               f.u.data(), f.tangent.data());
   }
   return true;
 }
@@ -205,6 +273,8 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes,
     together.push_back(&nodes[i]);
   }
   if (!together.empty()) run_lanes(together);
+  for (SweepNode* node : together)
+    if (!node->solved()) correct_alone(*node);
   const double each = std::chrono::duration<double>(SteadyClock::now() - start).count() /
                       static_cast<double>(std::max<std::size_t>(1, nodes.size()));
   const auto later = SteadyClock::now();

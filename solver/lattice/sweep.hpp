@@ -2,9 +2,10 @@
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
 // 1. The coarse lattice (2h) outward from rest. Each state is predicted to second order from its parent and
 //    corrected by Newton, which reuses a factor while it contracts.
-// 2. The fine states of each coarse cell (seven of its eight). They are predicted from the coarse corners
-//    around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite value of error O(h^4), and
-//    solved together with one factor.
+// 2. The fine states of each coarse cell (seven of its eight), or of a few small cells at the border of the box. They
+//    are predicted from the coarse corners around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite
+//    value of error O(h^4), and outside of the corners by the cubic through two of them. They are solved together with
+//    one factor, except those whose prediction is far from an equilibrium: these are solved by Newton alone.
 // A state whose iteration does not contract, or that does not fit the states around it, is solved along its
 // straight path from rest (sweep_rays.cpp), which defines the reference branch. A state's value depends on
 // the body, the lattice and its position alone: not on the number of threads, and not on what a resumed file
@@ -53,13 +54,21 @@ class SweepWorker {
 
  private:
   void predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
+  // Where a fine state lies among the corners around it.
+  struct Place {
+    std::array<bool, 3> between{};
+    Vec3 beyond = Vec3::Zero();  // [m]
+  };
+  std::optional<Place> place_of(const SweepNode& node, const std::vector<const SweepNode*>& corners) const;
+  LocalField extrapolated(const SweepNode& corner, const Vec3& step) const;
   bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
   void take(SweepNode& node, const NewtonReport& report);  // of path_
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void correct_alone(SweepNode& node);
   bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;
   bool jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const;
-  void run_lanes(std::vector<SweepNode*>& nodes);
+
+  void run_lanes(std::vector<SweepNode*> nodes);
 
   // Where a straight path is entered: step number `step` of `steps` equal steps to the node; 0: at rest.
   struct Anchor {

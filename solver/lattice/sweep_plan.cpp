@@ -40,6 +40,36 @@ std::vector<LatticeIndex> corners_of(const LatticeIndex& k) {
   return between(low, high);
 }
 
+// Fine positions that are solved together, and the coarse cells that hold them.
+struct CellGroup {
+  std::vector<LatticeIndex> cells, fine;
+};
+
+// Joins neighbouring groups while they fill at most half of the lanes each.
+void join_small(std::vector<CellGroup>& groups, std::map<LatticeIndex, std::size_t>& group_of) {
+  constexpr int passes = 3;
+  for (int pass = 0; pass < passes; ++pass)
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (groups[g].fine.empty() || 2 * groups[g].fine.size() > lane_count) continue;
+      std::size_t best = g, most = 0;
+      for (const LatticeIndex& cell : groups[g].cells)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          for (const int side : {-1, 1}) {
+            LatticeIndex next = cell;
+            next[axis] += side;
+            const auto at = group_of.find(next);
+            if (at == group_of.end() || at->second == g) continue;
+            const std::size_t size = groups[at->second].fine.size();
+            if (size > most && size + groups[g].fine.size() <= lane_count) best = at->second, most = size;
+          }
+      if (best == g) continue;
+      for (const LatticeIndex& cell : groups[g].cells) group_of[cell] = best;
+      groups[best].cells.insert(groups[best].cells.end(), groups[g].cells.begin(), groups[g].cells.end());
+      groups[best].fine.insert(groups[best].fine.end(), groups[g].fine.begin(), groups[g].fine.end());
+      groups[g] = {};
+    }
+}
+
 // The node opposite to `coarse` across its parent.
 LatticeIndex beyond(const LatticeIndex& coarse, const LatticeIndex& parent) {
   LatticeIndex b = parent;
@@ -84,14 +114,15 @@ SweepPlan::SweepPlan(const GenerateOptions& options, const std::vector<State>& k
     const LatticeIndex k = fine_index(state.at, options.spacing);
     if ((state.at - position_of(k, options.spacing)).norm() < 1e-6 * options.spacing) there.insert(k);
   }
-  for (const Vec3& x : lattice(options.box, options.spacing)) {
+  const std::vector<Vec3> outward = lattice(options.box, options.spacing);
+  for (const Vec3& x : outward) {
     const LatticeIndex k = fine_index(x, options.spacing);
     all_.insert(k);
     if (!there.contains(k)) missing_.push_back(k);
   }
   wanted_.insert(missing_.begin(), missing_.end());
+  plan_groups(outward, options.spacing);
   plan_coarse();
-  plan_cells();
 }
 
 void SweepPlan::plan_coarse() {
@@ -100,13 +131,10 @@ void SweepPlan::plan_coarse() {
   const auto need = [&](const LatticeIndex& c) {
     if (all_.contains(twice(c)) && needed.insert(c).second) open.push_back(c);
   };
-  for (const LatticeIndex& k : missing_) {
-    const LatticeIndex cell = cell_of(k);
-    if (is_coarse(k))
-      need(cell);
-    else  // a cell is solved as a whole, so all its corners are needed
-      for (const LatticeIndex& corner : between(cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1})) need(corner);
-  }
+  for (const LatticeIndex& k : missing_)
+    if (is_coarse(k)) need(cell_of(k));
+  for (const auto& group : groups_)
+    for (const LatticeIndex& corner : corners_of(group)) need(corner);
   while (!open.empty()) {
     const LatticeIndex c = open.back();
     open.pop_back();
@@ -115,20 +143,27 @@ void SweepPlan::plan_coarse() {
   coarse_.assign(needed.begin(), needed.end());
 }
 
-void SweepPlan::plan_cells() {
-  std::set<LatticeIndex> seen;
-  for (const LatticeIndex& k : missing_)
-    if (!is_coarse(k) && seen.insert(cell_of(k)).second) cells_.push_back(cell_of(k));
+void SweepPlan::plan_groups(const std::vector<Vec3>& outward, double spacing) {
+  std::vector<CellGroup> cells;
+  std::map<LatticeIndex, std::size_t> group_of;
+  for (const Vec3& x : outward) {
+    const LatticeIndex k = fine_index(x, spacing);
+    if (is_coarse(k)) continue;
+    const auto [at, added] = group_of.emplace(cell_of(k), cells.size());
+    if (added) cells.push_back({{at->first}, {}});
+    cells[at->second].fine.push_back(k);
+  }
+  join_small(cells, group_of);
+  for (CellGroup& group : cells)
+    if (std::ranges::any_of(group.fine, [&](const LatticeIndex& k) { return wanted_.contains(k); }))
+      groups_.push_back(std::move(group.fine));
 }
 
-std::vector<LatticeIndex> SweepPlan::fine_of(const LatticeIndex& cell) const {
-  std::vector<LatticeIndex> fine;
-  for (int m = 1; m < 8; ++m) {
-    LatticeIndex k = twice(cell);
-    for (std::size_t axis = 0; axis < 3; ++axis) k[axis] += (m >> axis) & 1;
-    if (all_.contains(k)) fine.push_back(k);
-  }
-  return fine;
+std::vector<LatticeIndex> corners_of(std::span<const LatticeIndex> fine) {
+  std::set<LatticeIndex> corners;
+  for (const LatticeIndex& k : fine)
+    for (const LatticeIndex& c : corners_of(k)) corners.insert(c);
+  return {corners.begin(), corners.end()};
 }
 
 SweepOptions sweep_options(const Body& body, const GenerateOptions& options, const std::stop_token& stop,
@@ -191,7 +226,15 @@ State state_of(const SweepNode& node, const Discretisation& d, const Body& body,
 std::vector<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing) {
   std::vector<LatticeIndex> nodes;
   for (const LatticeIndex& k : fine) {
-    for (const LatticeIndex& c : corners_of(k)) nodes.push_back(c);
+    for (const LatticeIndex& c : corners_of(k)) {
+      LatticeIndex inner = c;  // from which a prediction is extrapolated outward
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        inner[axis] -= k[axis] % 2 == 0 || c[axis] == 0 ? 0 : c[axis] > 0 ? 1 : -1;
+      for (const LatticeIndex& n :
+           between({std::min(c[0], inner[0]), std::min(c[1], inner[1]), std::min(c[2], inner[2])},
+                   {std::max(c[0], inner[0]), std::max(c[1], inner[1]), std::max(c[2], inner[2])}))
+        nodes.push_back(n);
+    }
     if (is_coarse(k))
       for (const LatticeIndex& p : towards_rest(cell_of(k))) {
         nodes.push_back(p);

@@ -1,7 +1,7 @@
 #pragma once
 // Plans a sweep (sweep.hpp): which pieces must be solved, and which solved nodes each piece needs. A piece is a coarse
-// node or a cell, identified by the coarse index of the node or of the cell's lowest corner. A coarse node needs only
-// coarse nodes nearer to rest; a cell may also need its corners.
+// node, or a group of fine states. A coarse node needs only coarse nodes nearer to rest; a group may also need the
+// corners of its cells.
 
 #include <functional>
 #include <map>
@@ -31,19 +31,21 @@ class SweepPlan {
   bool is_wanted(const LatticeIndex& fine) const { return wanted_.contains(fine); }
   // The coarse nodes that missing states depend on, with all on the paths from rest to them; sorted by index.
   const std::vector<LatticeIndex>& coarse() const { return coarse_; }
-  const std::vector<LatticeIndex>& cells() const {
-    return cells_;
-  }  // with missing fine states, outward from rest
-  // All fine positions of a cell in the box, also those already known: so the values do not depend on what a resumed
-  // file holds.
-  std::vector<LatticeIndex> fine_of(const LatticeIndex& cell) const;
+  // The fine positions with missing states, in groups that are solved together, outward from rest. A group holds all
+  // fine positions of a coarse cell, or of a few small neighbouring cells at the border of the box, also those already
+  // known: so the values do not depend on what a resumed file holds.
+  const std::vector<std::vector<LatticeIndex>>& groups() const { return groups_; }
 
  private:
   void plan_coarse();
-  void plan_cells();
+  void plan_groups(const std::vector<Vec3>& outward, double spacing);
   std::set<LatticeIndex> all_, wanted_;
-  std::vector<LatticeIndex> missing_, coarse_, cells_;
+  std::vector<LatticeIndex> missing_, coarse_;
+  std::vector<std::vector<LatticeIndex>> groups_;
 };
+
+// The coarse nodes at the corners of the cells, or on the edges and faces, on which fine positions lie.
+std::vector<LatticeIndex> corners_of(std::span<const LatticeIndex> fine);
 
 // The solved coarse node of that index, or null.
 using SolvedNodes = std::function<const SweepNode*(const LatticeIndex&)>;

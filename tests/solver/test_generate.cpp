@@ -87,6 +87,34 @@ TEST_CASE("St. Venant-Kirchhoff with inverted elements: states that are not mark
   CHECK(marked < states.size() / 2);
 }
 
+TEST_CASE(
+    "large steps, and states outside of the coarse lattice, equal tight solves along the straight path") {
+  for (const double poisson : {0.4, 0.49}) {
+    const auto body = block_body(Law::neo_hookean, poisson, 2);
+    GenerateOptions options;
+    options.spacing = 0.012;
+    options.box = {Vec3(-0.036, -0.024, -0.036), Vec3(0.036, 0.012, 0.012)};
+    options.threads = 2;
+    std::vector<State> states;
+    const GenerateReport report =
+        generate_lattice(body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+    CHECK(report.failed == 0);
+    REQUIRE(states.size() == lattice(options.box, options.spacing).size());
+    Solver solver(body);
+    std::size_t checked = 0;
+    for (const State& state : states) {
+      const Vec3 k = state.at / options.spacing;
+      const bool outside = k.cwiseAbs().maxCoeff() > 2.5;
+      if (state.multivalued || state.at.norm() == 0 || (!outside && ++checked % 7 != 0)) continue;
+      const State tight = solver.reference(state.at, options.spacing).state;
+      REQUIRE(tight.status == SolveStatus::converged);
+      INFO("at " << k.transpose() << ", nu " << poisson);
+      CHECK((state.force - tight.force).norm() < 1e-6 * tight.force.norm());
+      CHECK((state.stiffness - tight.stiffness).norm() < 1e-4 * tight.stiffness.norm());
+    }
+  }
+}
+
 TEST_CASE("the states are the same whatever the thread count, bit for bit") {
   const auto body = block_body(Law::neo_hookean);
   const auto one = generate(body, small_box(1));
