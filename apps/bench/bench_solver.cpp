@@ -1,8 +1,9 @@
 // forefeel bench solver [SCENE]: states per second over the scene's whole lattice. With a limit on states,
 // the box is shrunk towards rest until its lattice fits, for the baselines as well. The baselines are full
 // Newton on Eigen's SimplicialLDLT and on CHOLMOD, in the same run and on the same number of threads. A
-// baseline solves a sample of the lattice and starts each state from its lattice neighbour towards rest.
-// Errors are relative to tight solves on the reference branch, at a random sample.
+// baseline solves a sample of the lattice and starts each state from its lattice neighbour towards rest. Eigen is left
+// out above 20,000 tetrahedra. Errors are relative to tight solves on the reference branch, at a random sample. The
+// parts are limited in time, so that 40 thousand tetrahedra take less than ten minutes.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -76,26 +78,44 @@ Box shrunk(const StateSpaceOptions& space, std::size_t most) {
   return box;
 }
 
+constexpr std::size_t error_sample = 60;
+constexpr int rounds = 3;
+constexpr double tolerance = 1e-6;
+constexpr double enough = 40;                  // [s]; no further round starts after this
+constexpr double time_for_errors = 120;        // [s]
+constexpr double most_alone = 240;             // [s]; longest run on one thread
+constexpr std::size_t most_for_eigen = 20000;  // elements; above, its factor takes seconds
+
+using ShowShare = std::function<void(double)>;  // of a part of the bench
+
 struct Errors {
   std::vector<double> values;
   double at(double share) const { return quantile_of(values, share); }
 };
 
-// Relative force errors of a random sample of states against tight solves on the reference branch.
-Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::size_t count,
-                     std::uint64_t seed, int threads) {
+// Relative force errors of a random sample of states against tight solves on the reference branch, as many as fit into
+// the time for errors.
+Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::uint64_t seed,
+                     int threads, const ShowShare& show) {
   std::mt19937_64 random(seed + 1);
   std::vector<const State*> sample;
   for (const State& s : states)
     if (s.usable() && s.at.norm() > 0) sample.push_back(&s);
   std::shuffle(sample.begin(), sample.end(), random);
-  sample.resize(std::min(sample.size(), count));
+  sample.resize(std::min(sample.size(), error_sample));
   std::vector<double> values(sample.size(), unknown);
+  SolverBasis basis(bench.body);
+  const auto start = SteadyClock::now();
+  std::size_t done = 0;
 #pragma omp parallel num_threads(threads)
   {
-    Solver solver(bench.body);
+    Solver solver(basis);
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < sample.size(); ++i) {
+      if (seconds_since(start) > time_for_errors) continue;
+#pragma omp critical(forefeel_bench_solver)
+      show(std::max(static_cast<double>(++done) / static_cast<double>(sample.size()),
+                    seconds_since(start) / time_for_errors));
       const State tight = solver.reference(sample[i]->at, bench.space.spacing).state;
       if (tight.usable())
         values[i] = (sample[i]->force - tight.force).norm() / std::max(tight.force.norm(), 0.05);
@@ -109,14 +129,15 @@ struct BaselineRun {
   double per_state = 0;  // [s], all threads together
   std::size_t states = 0, failed = 0;
   double iterations = 0;
+  double factor_bytes = unknown;  // of one solver
   std::vector<State> solved;
 };
 
 // Solves the sample, each state from the displacements of its neighbour one spacing nearer to rest. The time
 // of the neighbours does not count. No state is started after `budget` seconds.
 BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
-                         const std::vector<std::size_t>& sample, int threads, double tolerance,
-                         double budget) {
+                         const std::vector<std::size_t>& sample, int threads, double budget,
+                         const ShowShare& show) {
   const auto d = std::make_shared<const Discretisation>(discretise(*bench.body));
   const double h = bench.space.spacing;
   const auto key = [&](const Vec3& x) {
@@ -149,10 +170,14 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
   const auto start = SteadyClock::now();
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (std::size_t i = 0; i < starts.size(); ++i)
-    if (seconds_since(start) < budget)
+    if (seconds_since(start) < budget) {
       run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(
           starts[i].second, starts[i].first, tolerance);
+#pragma omp critical(forefeel_bench_solver)
+      show(seconds_since(start) / budget);
+    }
   const double seconds = seconds_since(start);
+  run.factor_bytes = solvers.front()->factor_bytes();
   std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });  // not started
   for (const State& s : run.solved) {
     run.failed += !s.usable();
@@ -172,7 +197,7 @@ double peak_bytes() {
 }
 
 nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours,
-                                double theirs, Errors& errors, std::size_t n, int threads, double tolerance) {
+                                double theirs, Errors& errors, std::size_t n, int threads) {
   nlohmann::ordered_json row;
   row["name"] = "generate";
   row["baseline"] = baseline;
@@ -195,44 +220,56 @@ nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& basel
 struct SolverRounds {
   std::vector<double> our_times, eigen_times, cholmod_times;
   BaselineRun last_eigen, last_cholmod;
-  GenerateReport report;      // of the last round
-  std::vector<State> states;  // of the last round
-  double scaling = unknown;   // states per second relative to one thread
-  std::size_t whole = 0;      // states of the scene's whole lattice
+  GenerateReport report;              // of the last round
+  std::vector<State> states;          // of the last round
+  double scaling = unknown;           // states per second relative to one thread
+  std::size_t whole = 0;              // states of the scene's whole lattice
+  double bytes_per_thread = unknown;  // of our solver: its factor and all that one thread works on
   Errors errors;
+  bool has_eigen() const { return !eigen_times.empty(); }
   double ours() const { return median(our_times); }
   double eigen() const { return median(eigen_times); }
   double cholmod() const { return median(cholmod_times); }
 };
 
-constexpr std::size_t error_sample = 60;
-constexpr int rounds = 3;
-constexpr double tolerance = 1e-6;
-constexpr double enough = 40;  // [s]; no further round starts after this
+// A random share of the lattice, new in each round, that takes no longer than about our whole lattice.
+std::vector<std::size_t> draw_sample(const Globals& globals, int round, std::size_t states) {
+  std::vector<std::size_t> sample(states);
+  for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
+  std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
+  std::shuffle(sample.begin(), sample.end(), random);
+  sample.resize(std::min(sample.size(), std::max<std::size_t>(20, states / 20)));
+  return sample;
+}
 
 void run_round(const Globals& globals, const BenchCase& bench, const GenerateOptions& options, int round,
                Progress& progress, SolverRounds& m) {
-  progress.show(static_cast<double>(round) / rounds, "whole lattice");
+  const auto show = [&](const char* what, double first, double last) {
+    return [&progress, what, first, last, round](double share) {
+      progress.show((round + first + (last - first) * std::min(1.0, share)) / (rounds + 1), what);
+    };
+  };
+  const auto whole = show("whole lattice", 0, 0.5);
+  whole(0);
   m.states.clear();
-  m.report =
-      generate_lattice(bench.body, options, {}, [&](State s) { m.states.push_back(std::move(s)); }, {});
+  m.report = generate_lattice(
+      bench.body, options, {}, [&](State s) { m.states.push_back(std::move(s)); },
+      [&](std::size_t done, std::size_t total) {
+        whole(static_cast<double>(done) / static_cast<double>(total));
+      });
   m.our_times.push_back(m.report.seconds / static_cast<double>(std::max<std::size_t>(1, m.report.solved)));
   std::sort(m.states.begin(), m.states.end(), [](const State& a, const State& b) {
     return std::lexicographical_compare(a.at.data(), a.at.data() + 3, b.at.data(), b.at.data() + 3);
   });
-  // A random share of the lattice, new in each round, that takes no longer than about our whole lattice.
-  std::vector<std::size_t> sample(m.states.size());
-  for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = i;
-  std::mt19937_64 random(globals.seed + static_cast<std::uint64_t>(round));
-  std::shuffle(sample.begin(), sample.end(), random);
-  sample.resize(std::min(sample.size(), std::max<std::size_t>(20, m.states.size() / 20)));
+  const std::vector<std::size_t> sample = draw_sample(globals, round, m.states.size());
   const double budget = std::max(2.0, m.report.seconds);
-  progress.show((round + 0.5) / rounds, "baselines");
-  m.last_eigen =
-      run_baseline(Baseline::eigen_ldlt, bench, m.states, sample, options.threads, tolerance, budget);
-  m.last_cholmod =
-      run_baseline(Baseline::cholmod, bench, m.states, sample, options.threads, tolerance, budget);
-  m.eigen_times.push_back(m.last_eigen.per_state);
+  if (bench.body->mesh.tets.size() <= most_for_eigen) {
+    m.last_eigen = run_baseline(Baseline::eigen_ldlt, bench, m.states, sample, options.threads, budget,
+                                show("Eigen", 0.5, 0.75));
+    m.eigen_times.push_back(m.last_eigen.per_state);
+  }
+  m.last_cholmod = run_baseline(Baseline::cholmod, bench, m.states, sample, options.threads, budget,
+                                show("CHOLMOD", 0.75, 1));
   m.cholmod_times.push_back(m.last_cholmod.per_state);
 }
 
@@ -242,16 +279,21 @@ SolverRounds run_rounds(const Globals& globals, const BenchCase& bench, const Ge
   const auto begun = SteadyClock::now();
   for (int round = 0; round < rounds && (round == 0 || seconds_since(begun) < enough); ++round)
     run_round(globals, bench, options, round, progress, m);
-  if (options.threads > 1 && seconds_since(begun) < enough) {
-    progress.show(0.9, "one thread");
+  m.bytes_per_thread = static_cast<double>(SolverBasis(bench.body).bytes_per_solver());
+  if (options.threads > 1 && m.report.seconds * options.threads < most_alone) {
     GenerateOptions alone = options;
     alone.threads = 1;
-    std::size_t count = 0;
-    const GenerateReport one = generate_lattice(bench.body, alone, {}, [&](const State&) { ++count; }, {});
+    const auto show = [&](std::size_t done, std::size_t total) {
+      progress.show((rounds + 0.5 * static_cast<double>(done) / static_cast<double>(total)) / (rounds + 1),
+                    "one thread");
+    };
+    const GenerateReport one = generate_lattice(
+        bench.body, alone, {}, [](const State&) {}, show);
     m.scaling = one.seconds / static_cast<double>(std::max<std::size_t>(1, one.solved)) / m.ours();
   }
-  progress.show(1, "errors");
-  m.errors = sample_errors(bench, m.states, error_sample, globals.seed, options.threads);
+  m.errors = sample_errors(bench, m.states, globals.seed, options.threads, [&](double share) {
+    progress.show((rounds + 0.5 + 0.5 * std::min(1.0, share)) / (rounds + 1), "errors");
+  });
   return m;
 }
 
@@ -259,10 +301,11 @@ nlohmann::ordered_json document_of(const BenchCase& bench, int threads, SolverRo
   nlohmann::ordered_json document;
   document["rows"] = nlohmann::ordered_json::array();
   const std::size_t n = m.report.solved;
-  document["rows"].push_back(make_row(bench, "Eigen SimplicialLDLT full Newton", m.ours(), m.eigen(),
-                                      m.errors, n, threads, tolerance));
+  if (m.has_eigen())
+    document["rows"].push_back(
+        make_row(bench, "Eigen SimplicialLDLT full Newton", m.ours(), m.eigen(), m.errors, n, threads));
   document["rows"].push_back(
-      make_row(bench, "CHOLMOD full Newton", m.ours(), m.cholmod(), m.errors, n, threads, tolerance));
+      make_row(bench, "CHOLMOD full Newton", m.ours(), m.cholmod(), m.errors, n, threads));
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();
   document["failed"] = m.report.failed;
@@ -270,8 +313,10 @@ nlohmann::ordered_json document_of(const BenchCase& bench, int threads, SolverRo
   document["speedup_over_one_thread"] = number(m.scaling);
   document["errors_drawn"] = m.errors.values.size();
   document["baseline_states"] = {m.last_eigen.states, m.last_cholmod.states};
-  document["baseline_iterations"] = number(m.last_eigen.iterations);
+  document["baseline_iterations"] = number(m.last_cholmod.iterations);
   document["baseline_failed"] = m.last_eigen.failed + m.last_cholmod.failed;
+  document["bytes_per_thread"] = number(m.bytes_per_thread);
+  document["cholmod_factor_bytes"] = number(m.last_cholmod.factor_bytes);
   document["peak_bytes"] = number(peak_bytes());
   document["provenance"] = provenance("");
   return document;
@@ -287,11 +332,15 @@ void print_text(const Globals& globals, const BenchCase& bench, int threads, Sol
         fmt::format("the {} states nearest to rest, of {} in the scene's box", n + m.report.failed, m.whole));
   say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
   say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * m.ours()));
-  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * m.eigen(),
-                           m.eigen() / m.ours()));
+  if (m.has_eigen())
+    say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * m.eigen(),
+                             m.eigen() / m.ours()));
   say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * m.cholmod(),
                            m.cholmod() / m.ours(), cholmod_blas()));
   if (std::isfinite(m.scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, m.scaling));
+  say(globals, fmt::format("memory of a thread: {:.0f} MB, CHOLMOD's factor alone {:.0f} MB, ratio {:.2f}",
+                           1e-6 * m.bytes_per_thread, 1e-6 * m.last_cholmod.factor_bytes,
+                           m.bytes_per_thread / m.last_cholmod.factor_bytes));
   say(globals,
       fmt::format(
           "baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 extern "C" {
@@ -55,6 +56,7 @@ class EigenSolver : public SparseSolver {
   EigenSolver& operator=(const EigenSolver&) = delete;
   bool factor(const double* values) override { return functions_.factor(ldlt_, values); }
   void solve(const double* b, double* x) override { functions_.solve(ldlt_, b, x); }
+  double factor_bytes() const override { return std::numeric_limits<double>::quiet_NaN(); }
 
  private:
   LdltFunctions functions_;
@@ -94,6 +96,10 @@ class CholmodSolver : public SparseSolver {
     cholmod_dense* result = cholmod_solve(CHOLMOD_A, factor_, right_, &common_);
     std::copy_n(static_cast<const double*>(result->x), matrix_->nrow, x);
     cholmod_free_dense(&result, &common_);
+  }
+  double factor_bytes() const override {
+    if (!factor_->is_super) return 12.0 * static_cast<double>(factor_->nzmax);
+    return 8.0 * static_cast<double>(factor_->xsize) + 4.0 * static_cast<double>(factor_->ssize);
   }
 
  private:

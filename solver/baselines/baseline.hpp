@@ -26,6 +26,7 @@ struct SparseSolver {
   virtual ~SparseSolver() = default;
   virtual bool factor(const double* values) = 0;
   virtual void solve(const double* b, double* x) = 0;
+  virtual double factor_bytes() const = 0;  // after factor(); NaN: not known
 };
 
 std::unique_ptr<SparseSolver> make_eigen_ldlt(
@@ -43,6 +44,7 @@ class BaselineNewton {
   BaselineNewton(std::shared_ptr<const Discretisation> discretisation, Baseline which);
   // u: in, the neighbour's equilibrium (local vector); out, the equilibrium at x.
   State solve(std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations = 30);
+  double factor_bytes() const { return solver_->factor_bytes(); }
 
  private:
   bool factorise(const std::vector<double>& u);
