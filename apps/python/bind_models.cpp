@@ -5,9 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <mutex>
 
 #include "approx/evaluate/evaluate.hpp"
 #include "approx/judge/leave_one_out.hpp"
+#include "approx/judge/offline_bar.hpp"
 #include "approx/select/updater.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/space.hpp"
@@ -69,13 +71,16 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
         chosen(cast_to<std::string>(value, key, "a text"), "select", {Select::label, Select::nearest});
   } else if (key == "ridge") {
     set_ridge(options, value);
+  } else if (key == "bars") {
+    options.bars = cast_to<bool>(value, key, "True or False");
   } else if (key == "spacing") {
     options.spacing = cast_to<double>(value, key, "a number");
     if (!(options.spacing > 0) || !std::isfinite(options.spacing))
       throw InputError("spacing", fmt::format("is {} m, expected a positive number", options.spacing));
   } else {
     throw py::type_error(fmt::format(
-        "unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge or spacing", key));
+        "unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge, spacing or bars",
+        key));
   }
 }
 
@@ -86,6 +91,15 @@ EvaluateOptions options_of(const py::kwargs& given) {
   for (const auto& [key, value] : given)
     if (!value.is_none()) set_option(options, py::cast<std::string>(key), value);
   return options;
+}
+
+// Half-widths (m, levels) [N]; infinite where they are not known.
+py::array_t<double> widths(std::span<const BarWidths> bars) {
+  py::array_t<double> out(
+      {static_cast<py::ssize_t>(bars.size()), static_cast<py::ssize_t>(bar_levels.size())});
+  double* to = out.mutable_data();
+  for (const BarWidths& bar : bars) to = std::copy(bar.begin(), bar.end(), to);
+  return out;
 }
 
 // The settings in use, and the error to expect where they were chosen.
@@ -99,6 +113,12 @@ py::dict description(const Evaluation& made) {
   out["ridge"] = model.ridge;
   out["spacing"] = made.options.spacing;
   out["averaged"] = made.repeated.averaged;
+  if (made.bars) {
+    out["bars"] = widths(made.bars->at);
+    const BarCover cover = made.bars->measured.cover();
+    out["error_bar"] = py::dict(py::arg("levels") = bar_levels, py::arg("coverage") = cover.inside,
+                                py::arg("samples") = cover.samples, py::arg("width_p50") = cover.width_p50);
+  }
   if (!made.chosen) return out;
   py::dict error;
   error["p50"] = made.chosen->p50, error["p95"] = made.chosen->p95;
@@ -138,7 +158,43 @@ ModelOptions model_options(const EvaluateOptions& given, const PySpace& from) {
 struct PyModel {
   std::shared_ptr<const Model> model;
   std::vector<std::int64_t> rows;
+  PySpace space;
+  ModelOptions options;
+  // Measured when they are first asked for.
+  struct Bars {
+    std::once_flag once;
+    OfflineBars made;
+  };
+  std::shared_ptr<Bars> bars = std::make_shared<Bars>();
 };
+
+std::size_t level_index(double level) {
+  for (std::size_t i = 0; i < bar_levels.size(); ++i)
+    if (level == bar_levels[i]) return i;
+  throw InputError("level", fmt::format("is {}, expected {}", level, fmt::join(bar_levels, ", ")));
+}
+
+py::array_t<double> error_bars(const PyModel& self, const Points& points, double level) {
+  const std::size_t which = level_index(level);
+  // The space of a PlannerView lives as long as the view, which may be over.
+  if (self.space.space.use_count() == 0)
+    throw InputError("error_bar",
+                     "the model is of a planner's view, expected one of a StateSpace of your own");
+  py::array_t<double> out(static_cast<py::ssize_t>(points.size()));
+  double* to = out.mutable_data();
+  const py::gil_scoped_release released;
+  const StateSpace& space = *self.space.space;
+  std::call_once(self.bars->once, [&] {
+    self.bars->made =
+        measure_bars(self.space.states(), {.model = self.options, .spacing = space.options().spacing});
+  });
+#pragma omp parallel for schedule(dynamic, 256)
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 at = points[i];
+    to[i] = self.bars->made.at(space.label(at), scale_at(space, at, self.model->force(at)))[which];
+  }
+  return out;
+}
 
 py::array_t<double> jacobians(const Model& model, const Points& points) {
   py::array_t<double> out({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}, py::ssize_t{3}});
@@ -191,6 +247,19 @@ void bind_models(py::module_& module) {
           "jacobian",
           [](const PyModel& self, const Doubles& at) { return jacobians(*self.model, Points(at, "points")); },
           py::arg("points"), "Derivatives of the force (m, 3, 3) [N/m]: [k, i, j] is df_i/dx_j at points[k].")
+      .def(
+          "error_bar",
+          [](const PyModel& self, const Doubles& at, double level) {
+            return error_bars(self, Points(at, "points"), level);
+          },
+          py::arg("points"), py::arg("level") = 0.95,
+          "Half-widths (m,) [N] of the error bars at points (m, 3) [m]: the force() there is nearer to the "
+          "true force "
+          "than this at the share `level` (0.9, 0.95 or 0.99) of the places. From known forces left out in "
+          "groups, "
+          "measured at the first call (a second or so); inf where the states are too few. The model is of "
+          "one place: "
+          "far from it, use StateSpace.error_bar().")
       .def("_loop_seconds", &loop_seconds, py::arg("points"))
       .def_property_readonly(
           "states", [](const PyModel& self) { return py::array_t<std::int64_t>(py::cast(self.rows)); },
@@ -224,7 +293,7 @@ void bind_models(py::module_& module) {
         const py::gil_scoped_release released;
         if (wanted.choose_ridge) options.ridge = choose_ridge(*space.space, options).ridge;
         ModelUpdater updater(*space.space, options);
-        PyModel made{std::make_shared<const Model>(updater.model_at(at.front())), {}};
+        PyModel made{std::make_shared<const Model>(updater.model_at(at.front())), {}, space, options};
         for (const StateId id : made.model->states()) made.rows.push_back(space.row(id));
         return made;
       },

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, module) {
   bind_states(module);
   bind_models(module);
   bind_body(module);
+  bind_inputs(module);
   bind_scene(module);
   bind_session(module);
   bind_command(module);

@@ -67,6 +67,21 @@ class LikeTheCommand(unittest.TestCase):
             forces = ff.evaluate(states, field(states), points, **{"method": "rbf", **options})
             self.assertTrue(np.array_equal(forces, np.array(said["forces"])), options)
 
+    def test_error_bars(self):
+        states, points = cloud(300, 3), cloud(100, 4)
+        save("f.csv", "x,y,z,fx,fy,fz", states, field(states))
+        save("q.csv", "x,y,z", points)
+        for options in ({"method": "rbf", "kernel": "cubic", "neighbours": 60}, {}):
+            flags = [text for key, value in options.items() for text in ("--" + key, str(value))]
+            said = json.loads(run("evaluate", "f.csv", "--points", "q.csv", "--json", *flags))
+            for level in (90, 95, 99):
+                bars = ff.error_bar(states, field(states), points, level=level / 100, **options)
+                known = np.array([np.inf if v is None else v for v in said[f"bar{level}"]])
+                self.assertTrue(np.array_equal(bars, known), (level, options))
+            used = ff.evaluation(states, field(states), points, bars=True, **options)[1]
+            self.assertEqual(used["error_bar"]["samples"], said["error_bar"]["samples"])
+            self.assertEqual(used["error_bar"]["width_p50"], said["error_bar"]["width_p50"])
+
     def test_chosen_model(self):
         states, points = cloud(120, 8), cloud(30, 9)
         noisy = field(states) + np.random.default_rng(10).normal(0, 0.05, states.shape)

@@ -115,9 +115,63 @@ class Files(unittest.TestCase):
         self.assertEqual(len(run_files["frames"]["t"]), 300)
         self.assertEqual(run_files["summary"]["frames"], 300)
         self.assertGreater(len(ff.read("run/session.states")), 0)
-        for file in set(pathlib.Path("run").iterdir()) - {pathlib.Path("run/session.inputs")}:
-            if file.suffix not in (".html", ".svg", ".toml", ""):
-                ff.read(file)
+        self.check_all_of("run")
+
+    def check_all_of(self, folder):
+        """Reads every file below a folder; pictures, pages and the command's own marks (no ending) are left out."""
+        seen = set()
+        for file in pathlib.Path(folder).rglob("*"):
+            if file.is_file() and file.suffix not in (".html", ".svg", ".png", ".pdf", ""):
+                self.assertIsNotNone(ff.read(file), file)
+                seen.add(file.suffix)
+        return seen
+
+    def test_the_inputs_of_a_run_are_those_of_its_frames(self):
+        run("session", SCENE, *SHORT, "-o", "kept")
+        inputs, table = ff.read("kept/session.inputs"), ff.read_run("kept")
+        frames = inputs["frames"]
+        self.assertTrue(inputs["whole"])
+        self.assertEqual((inputs["clock"], inputs["frame_seconds"], inputs["frames_planned"]), ("virtual", 0.001, 300))
+        self.assertEqual(frames["frame"].tolist(), list(range(300)))
+        for field, columns in (("at", "x y z"), ("sent", "fx fy fz")):
+            written = np.stack([table["frames"][name] for name in columns.split()], axis=1)
+            self.assertTrue(np.array_equal(frames[field], written), field)
+        self.assertEqual(len(inputs["states"]), len(table["states"]))
+        self.assertEqual(sorted(map(tuple, inputs["states"]["at"])), sorted(map(tuple, table["states"]["at"])))
+        self.assertEqual(len(inputs["failed"]), 0)
+        self.assertGreater(inputs["models"]["published"].sum(), 0)
+        self.assertEqual(inputs["box"].tolist(), ff.Scene(SCENE).box.tolist())
+        whole = pathlib.Path("kept/session.inputs").read_bytes()
+        pathlib.Path("cut.inputs").write_bytes(whole[:len(whole) * 2 // 3])
+        cut = ff.read("cut.inputs")
+        self.assertFalse(cut["whole"])
+        self.assertTrue(0 < len(cut["frames"]) < 300)
+        pathlib.Path("other.inputs").write_text("something else")
+        with self.assertRaisesRegex(ff.InputError, "other.inputs"):
+            ff.read("other.inputs")
+
+    def test_every_file_of_each_kind_of_folder_is_read(self):
+        pathlib.Path("s.toml").write_text(f"""scene = "{SCENE}"
+seeds = [1]
+[session]
+seconds = 0.2
+cost = "constant:0.02"
+[vary]
+policy = ["nearest", "coverage"]
+""")
+        run("study", "s.toml", "-o", "s", "--quiet")
+        run("study", "s.toml", "-o", "s", "--gantt", "1", "--quiet")
+        self.assertEqual(self.check_all_of("s"), {".csv", ".json"})
+        self.assertEqual(len(ff.read("s")["cells"]["policy"]), 2)
+        run("session", SCENE, *SHORT, "--shape-rate", "20", "-o", "shaped")
+        self.assertEqual(self.check_all_of("shaped"), {".csv", ".json", ".states", ".inputs", ".pvd", ".vtu"})
+        pathlib.Path("series").mkdir()
+        run("classify", "shaped", "-o", "series/coverage.pvd")
+        self.assertLessEqual({".pvd", ".vtu"}, self.check_all_of("series"))
+        pathlib.Path("empty").mkdir()
+        with self.assertRaisesRegex(ff.InputError, "empty: expected a folder"):
+            ff.read("empty")
+        self.assertEqual(ff.read(SCENE)["state_space"]["spacing"], ff.Scene(SCENE).spacing)
 
     def test_a_frame_without_pandas_is_a_structured_array(self):
         states = ff.States(ff.measured([[0, 0, 0.001]], [[1, 2, 3]]), 0.01, None, {}, {})
@@ -189,6 +243,32 @@ class Vectorised(unittest.TestCase):
         self.assertEqual(set(model.states) - set(range(200)), set())
         self.assertTrue(np.allclose(np.sort(np.linalg.norm(at[model.states], axis=1)),
                                     np.sort(np.linalg.norm(at, axis=1))[:40]) or len(model.states) == 40)
+
+    def test_error_bars_hold_the_truth_and_are_those_of_single_points(self):
+        random = np.random.default_rng(5)
+        at = random.uniform(-0.01, 0.01, (400, 3))
+
+        def truth(x):
+            return -300 * x - 2 * np.sin(400 * x)
+
+        points = random.uniform(-0.009, 0.009, (600, 3))
+        options = {"method": "rbf", "kernel": "cubic", "neighbours": 40}
+        space = ff.StateSpace(ff.measured(at, truth(at)), spacing=0.003)
+        error = np.linalg.norm(space.evaluate(points, **options) - truth(points), axis=1)
+        inside = [(error <= space.error_bar(points, level, **options)).mean() for level in (0.9, 0.95, 0.99)]
+        self.assertTrue(0.85 < inside[0] <= inside[1] <= inside[2], inside)
+        model = space.model_at([0, 0, 0], kernel="cubic", neighbours=40)
+        bars = model.error_bar(points, 0.9)
+        self.assertTrue(np.array_equal(bars[:20], np.concatenate([model.error_bar(q, 0.9) for q in points[:20]])))
+        self.assertTrue((bars <= model.error_bar(points, 0.99)).all())
+        near = np.linalg.norm(points, axis=1) < 0.004
+        error = np.linalg.norm(model.force(points[near]) - truth(points[near]), axis=1)
+        self.assertGreater((error <= bars[near]).mean(), 0.8)
+        for call in (lambda: model.error_bar(points, 0.5), lambda: space.error_bar(points, level=0.5)):
+            with self.assertRaisesRegex(ff.InputError, "level: is 0.5, expected 0.9, 0.95"):
+                call()
+        with self.assertRaisesRegex(ff.InputError, "which has no error bars"):
+            space.error_bar(points[:3], method="offline-rbf")
 
     def test_built_in_priorities_are_those_of_the_built_in_policy(self):
         checked = []

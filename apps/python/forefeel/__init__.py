@@ -6,7 +6,8 @@ Units are SI: m, N, N/m, J, s. Arrays of positions have the shape (n, 3). States
 
     import forefeel as ff
     labels = ff.classify(positions, points, spacing=0.006)       # which places are known how well
-    forces = ff.evaluate(positions, forces, points)               # the force between and beyond states
+    there = ff.evaluate(positions, forces, points)                # the force between and beyond states
+    bars = ff.error_bar(positions, forces, points, level=0.95)    # and how far it may be off [N]
     scene = ff.Scene("liver.toml")
     exact = scene.solve([[0, 0, -0.01]])["force"]                 # one exact force, slow
     run = scene.session(clock="virtual", seconds=5, policy=MyPolicy())
@@ -25,15 +26,15 @@ from ._core import (InputError, Model, PlannerView, Thresholds, candidate_dtype,
                     register_policy, state_dtype, status_names, switch_cause_names)
 from .bodies import Body, Run, Scene, generate, solve
 from .commands import command, study
-from .files import read, read_pvd, read_run, read_study, read_table, read_vtu
+from .files import read, read_inputs, read_pvd, read_run, read_study, read_table, read_vtu
 from .placement import Placement
-from .space import StateSpace, classify, evaluate, evaluation
+from .space import StateSpace, classify, error_bar, evaluate, evaluation
 from .states import States, measured, read_states, write_states
 
 SAFE, SPARSE, GAP, BLANK = range(4)
 
 __all__ = ["BLANK", "Body", "GAP", "InputError", "Model", "Placement", "PlannerView", "Run", "SAFE", "SPARSE", "Scene",
            "StateSpace", "States", "Thresholds", "candidate_dtype", "classify", "command", "dispatch_status_names",
-           "evaluate", "evaluation", "generate", "label_names", "measured", "read", "read_pvd", "read_run",
-           "read_states", "read_study", "read_table", "read_vtu", "register_policy", "solve", "state_dtype",
+           "error_bar", "evaluate", "evaluation", "generate", "label_names", "measured", "read", "read_inputs",
+           "read_pvd", "read_run", "read_states", "read_study", "read_table", "read_vtu", "register_policy", "solve", "state_dtype",
            "status_names", "study", "switch_cause_names", "write_states"]

@@ -7,6 +7,7 @@ import csv
 import json
 import pathlib
 import re
+import tomllib
 import xml.etree.ElementTree
 from typing import Any
 
@@ -22,11 +23,15 @@ def read(file: Any) -> Any:
 
     .states                  States
     .csv                     dict of arrays by column: states, points, frames, cells, tables of bench and reproduce
-    .json                    what JSON gives
+    .inputs                  read_inputs(): all that came into a run
+    .json .toml              what JSON and TOML give: summaries, records of a study's cells; scenes
     .msh .mesh .vtk          dict: nodes (v, 3) [m], tets (t, 4), groups of nodes
     .vtu                     dict: points, cells, types, point_data, cell_data
     .pvd                     list of (time, file)
     a folder with frames.csv, or cells.csv   read_run(), read_study()
+    another folder (of mesh --study, classify --calibrate, bench, reproduce)   dict of its .csv and .json files by name
+
+    Pictures and pages (.svg .png .pdf .html) are for people, and are not read.
     """
     path = pathlib.Path(file)
     if path.is_dir():
@@ -34,9 +39,14 @@ def read(file: Any) -> Any:
             return read_run(path)
         if (path / "cells.csv").exists():
             return read_study(path)
-        raise _core.InputError(f"{path}: expected a folder with frames.csv (a run) or cells.csv (a study)")
-    readers = {".states": read_states, ".csv": read_table, ".json": _read_json, ".msh": _core.read_mesh,
-               ".mesh": _core.read_mesh, ".vtk": _core.read_mesh, ".vtu": read_vtu, ".pvd": read_pvd}
+        found = {file.name: read(file) for file in sorted(path.iterdir()) if file.suffix in (".csv", ".json")}
+        if not found:
+            raise _core.InputError(f"{path}: expected a folder with frames.csv (a run), cells.csv (a study), or other "
+                                   ".csv and .json files")
+        return found
+    readers = {".states": read_states, ".csv": read_table, ".json": _read_json, ".toml": _read_toml,
+               ".inputs": read_inputs, ".msh": _core.read_mesh, ".mesh": _core.read_mesh, ".vtk": _core.read_mesh,
+               ".vtu": read_vtu, ".pvd": read_pvd}
     if path.suffix not in readers:
         raise _core.InputError(f"{path}: has the ending '{path.suffix}', expected {', '.join(readers)}")
     if not path.exists():
@@ -71,6 +81,29 @@ def _read_json(file: Any) -> Any:
         return json.loads(pathlib.Path(file).read_text(encoding="utf-8"))
     except ValueError as error:
         raise _core.InputError(f"{file}: is not JSON: {error}") from None
+
+
+def _read_toml(file: Any) -> dict[str, Any]:
+    try:
+        return tomllib.loads(pathlib.Path(file).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise _core.InputError(f"{file}: is not TOML: {error}") from None
+
+
+def read_inputs(file: Any) -> dict[str, Any]:
+    """RUN/session.inputs, all that came into a run (`forefeel replay` renders it again). A dict:
+
+    frames   structured array (n,), one row a frame of the loop: frame (its number), known (number of known states),
+             model (serial number of the model that came, 0: none), ended, held (the device's position was not finite,
+             the last one was kept), started and now (wall clock [s]), beat (last step of the planner [s]), at (3,) [m],
+             rendered (3,) and sent (3,) [N]
+    states   structured array with state_dtype: the states in the order in which they became known
+    failed   the same, of solves that failed or were set aside
+    models   structured array (k,): hip (3,) [m], states (number known then), serial, published
+    whole    False: the run was cut; what it wrote until then is here
+    made_by, clock ("real" or "virtual"), frame_seconds [s], frames_planned, spacing [m], box (2, 3) [m]
+    """
+    return _core.read_inputs(str(file))
 
 
 def read_run(folder: Any) -> dict[str, Any]:

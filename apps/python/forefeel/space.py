@@ -35,7 +35,8 @@ def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffne
     """Forces (m, 3) [N] at points (m, 3) [m], approximated from states at positions (n, 3) [m].
 
     forces (n, 3) [N]; stiffness (n, 3, 3) [N/m] with K = -df/dx, or None. Options as of `forefeel evaluate`:
-    method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m]. Same forces as the command.
+    method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m]. Same forces as the command;
+    error_bar() gives their error bars.
     States without stiffness have method="auto" if nothing is given: it chooses kernel, neighbours and ridge by
     leaving out groups of neighbouring states; evaluation() says what it chose.
     """
@@ -45,9 +46,35 @@ def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffne
 def evaluation(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffness: ArrayLike | None = None,
                **options: Any) -> tuple[NDArray[np.float64], dict[str, Any]]:
     """evaluate(), and a dict of what was used: method, kernel, data, neighbours, ridge, spacing [m], averaged (states
-    that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N]."""
+    that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N]. With bars=True
+    also bars (m, 3) [N], the half-widths of 90, 95 and 99 %, and error_bar: how well they cover known forces that are
+    left out (levels, coverage, samples, width_p50 [N])."""
     return _core.evaluate(numbers(positions, "positions"), numbers(forces, "forces"), numbers(points, "points"),
                           None if stiffness is None else numbers(stiffness, "stiffness"), **options)
+
+
+def _column(level: float) -> int:
+    """The column of a level in the arrays of bars."""
+    levels = (0.9, 0.95, 0.99)
+    if level not in levels:
+        raise _core.InputError(f"level: is {level!r}, expected 0.9, 0.95 or 0.99")
+    return levels.index(level)
+
+
+def _bars(used: dict[str, Any], level: float) -> NDArray[np.float64]:
+    if "bars" not in used:
+        raise _core.InputError(f"method: is {used['method']}, which has no error bars, expected rbf or auto")
+    return np.ascontiguousarray(used["bars"][:, _column(level)])
+
+
+def error_bar(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffness: ArrayLike | None = None,
+              level: float = 0.95, **options: Any) -> NDArray[np.float64]:
+    """Half-widths (m,) [N] of the error bars of evaluate() at points (m, 3) [m]: |evaluated - true force| is at most
+    this at the share `level` (0.9, 0.95 or 0.99) of the places. They come from known forces that are left out in groups
+    of neighbouring positions; inf where the states are too few for the level. Arguments and options as of evaluate();
+    same bars as `forefeel evaluate`."""
+    _column(level)
+    return _bars(evaluation(positions, forces, points, stiffness, bars=True, **options)[1], level)
 
 
 class StateSpace:
@@ -107,6 +134,12 @@ class StateSpace:
     def evaluate(self, points: ArrayLike, **options: Any) -> NDArray[np.float64]:
         """Forces (m, 3) [N] at points (m, 3) [m]; each has the model of its own neighbours. Options: evaluate()."""
         return _core.evaluate_in(self._space, numbers(points, "points"), **options)[0]
+
+    def error_bar(self, points: ArrayLike, level: float = 0.95, **options: Any) -> NDArray[np.float64]:
+        """Half-widths (m,) [N] of the error bars of evaluate() at points (m, 3) [m], at the share `level` (0.9, 0.95 or
+        0.99) of the places. Function error_bar() says how they are made."""
+        _column(level)
+        return _bars(_core.evaluate_in(self._space, numbers(points, "points"), bars=True, **options)[1], level)
 
     def model_at(self, hip: ArrayLike, **options: Any) -> _core.Model:
         """The Model around a HIP position (3,) [m]; evaluate it anywhere near. Options as of evaluate()."""
