@@ -90,3 +90,15 @@ TEST_CASE("the Python example of ask and tell learns a solver of SciPy to 2 % wi
   CHECK(done.out.starts_with("40 states"));
   CHECK(number_after(done.out, "median ") < 2);
 }
+
+TEST_CASE("the Python example of ask and tell learns hyperelastic solves of FEniCSx") {
+  if (is_missing()) return;
+  if (!has_python_module("dolfinx")) return skip("python3-dolfinx is not installed");
+  const Workshop shop;
+  const Workshop::Outcome done = python(shop, "apps/examples/ask_and_tell_fenicsx.py", "");
+  INFO(done.err);
+  REQUIRE(done.code == 0);
+  CHECK_THAT(done.out, Catch::StartsWith("24 states of FEniCSx"));
+  CHECK(number_after(done.out, "median ") < 2);
+  CHECK(number_after(done.out, "largest ") < 7);  // the JND
+}
