@@ -19,6 +19,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/laboratory/laboratory.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
@@ -92,7 +93,7 @@ std::string script_of(const Curves& curves) {
         "{0}$loop{1} using 1:3 with lines lw 1.5 lc rgb '{2}' title '{3:.3g} s', $loop{1} every {4} using "
         "1:2 with points "
         "pt 7 ps 0.35 lc rgb '{5}' notitle",
-        i > 0 ? ", " : "", i, line_colour(i), curves.loops[i].period, every, ink::rendered);
+        i > 0 ? ", " : "", i, line_colour(i), curves.loops[i].period, every, colours_in_use().rendered);
   }
   const auto panel = [](const std::string& name, const std::string& title, const std::string& y) {
     return fmt::format(
@@ -100,7 +101,7 @@ std::string script_of(const Curves& curves) {
         "1:3 with lines "
         "lw 2 lc rgb '{3}' title 'exact', ${0} every 6 using 1:2 with points pt 7 ps 0.4 lc rgb '{4}' title "
         "'filter'\n",
-        name, title, y, ink::reference_light, ink::rendered);
+        name, title, y, colours_in_use().reference_light, colours_in_use().rendered);
   };
   return data + plot_style + "set key top right samplen 1\nset yrange [0:*]\nset multiplot layout 1,3\n" +
          panel("relaxation", fmt::format("held at {:.3g} mm", 1e3 * curves.depth), "force, N") +

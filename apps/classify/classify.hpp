@@ -28,6 +28,7 @@ struct ClassifyArguments {
   bool list = false;           // print every point
   bool bars = false;           // error bars, from forces left out
   std::string tolerance = {};  // for the error; empty: the scene's, else 7 %
+  std::string palette = {};
   CoverageOptions coverage;
 };
 

@@ -14,6 +14,7 @@
 #include "apps/classify/offline_bars.hpp"
 #include "apps/classify/print_classified.hpp"
 #include "apps/commands/commands.hpp"
+#include "apps/commands/figure_files.hpp"
 #include "apps/commands/help_topics.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
@@ -140,8 +141,8 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
     return write_vtu(set, arguments.output, globals, arguments.bars ? errors : std::nullopt);
   if (extension == ".svg") {
     write_coverage_svg(arguments.output, picture_of(set, arguments));
-  } else if (extension == ".png") {
-    write_coverage_png(arguments.output, picture_of(set, arguments));
+  } else if (extension == ".png" || extension == ".pdf") {
+    write_coverage_drawn(arguments.output, picture_of(set, arguments));
   } else if (points.empty()) {
     write_regions_csv(arguments.output, set.regions.leaves);
   } else {
@@ -163,8 +164,9 @@ void check_effect(const Globals& globals, const ClassifyArguments& arguments, bo
     throw InputError("--tolerance", "is the tolerance of the error bars, expected it with --bars");
   if (arguments.bars && (run || !arguments.diff.empty()))
     throw InputError("--bars", "is for one set of states, expected it without --diff or a run");
-  if (!arguments.through.empty() && extension != ".svg" && extension != ".png")
-    throw InputError("--through", "places the slices of a picture, expected it with -o OUT.svg or OUT.png");
+  if (!arguments.through.empty() && extension != ".svg" && extension != ".png" && extension != ".pdf")
+    throw InputError("--through",
+                     "places the slices of a picture, expected it with -o OUT.svg, OUT.png or OUT.pdf");
   const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
   if (points && (run || !arguments.diff.empty()))
     throw InputError(
@@ -191,10 +193,10 @@ void check_arguments(const Globals& globals, const ClassifyArguments& arguments)
   if (arguments.output.empty()) return;
   const std::string extension = fs::path(arguments.output).extension();
   const bool series = !arguments.states.empty() && fs::is_directory(arguments.states);
-  const std::vector<std::string> known = series ? std::vector<std::string>{".pvd"}
-                                         : !arguments.diff.empty()
-                                             ? std::vector<std::string>{".csv", ".vtu"}
-                                             : std::vector<std::string>{".vtu", ".csv", ".svg", ".png"};
+  const std::vector<std::string> known =
+      series                    ? std::vector<std::string>{".pvd"}
+      : !arguments.diff.empty() ? std::vector<std::string>{".csv", ".vtu"}
+                                : std::vector<std::string>{".vtu", ".csv", ".svg", ".png", ".pdf"};
   if (std::ranges::find(known, extension) == known.end())
     throw InputError(arguments.output,
                      fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
@@ -218,6 +220,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
                                       .output = arguments.output});
   }
   check_arguments(globals, arguments);
+  use_palette(arguments.palette);
   if (!arguments.diff.empty()) return classify_diff(globals, arguments);
   if (fs::is_directory(arguments.states)) return classify_run(globals, arguments);
   const auto start = std::chrono::steady_clock::now();
@@ -247,6 +250,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
 
 void add_classify(CommandLine& line) {
   const auto arguments = std::make_shared<ClassifyArguments>();
+  arguments->palette = usual_palette;
   Command sub =
       line.add("classify",
                "Show where the force is known from states: safe (densely), sparse, gap (a bridge between "
@@ -266,7 +270,7 @@ void add_classify(CommandLine& line) {
   sub.option("--line", arguments->line, "Label N positions along a line").shows("X,Y,Z:X,Y,Z:N");
   sub.option("--grid", arguments->grid, "Label a grid of this step over the box [m]").shows("H");
   sub.option("-o,--output", arguments->output,
-             ".vtu .csv .svg .png; .pvd for a run, .vtu or .csv with --diff")
+             ".vtu .csv .svg .png .pdf; .pvd for a run, .vtu or .csv with --diff")
       .shows("OUT");
   sub.option("--diff", arguments->diff, "Compare two sets of states: changes from A to B")
       .takes(2)
@@ -307,6 +311,7 @@ void add_classify(CommandLine& line) {
   threshold("--sparse-distance", limits.sparse_distance, "Sparse: a state within this many h");
   threshold("--gap-cone-radius", limits.gap_cone_radius, "Gap: states on both sides within this many h");
   angle("--gap-angle", limits.gap_angle_deg, "Gap: largest empty cone at most this half-angle [deg]");
+  add_palette(sub, arguments->palette);
 }
 
 }  // namespace forefeel

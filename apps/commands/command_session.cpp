@@ -218,6 +218,7 @@ void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
 
 int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
+  take_figures(given.figures);
   const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
   const ShapeOptions shape = shape_options(globals, given);
   SessionPlan plan = plan_of(globals, given, scene, ranks, shape.rate > 0);
@@ -278,6 +279,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
     file.commit();
   });
   salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
+  if (!given.figures.formats.empty())
+    salvage.attempt("figures", [&] {
+      write_figures(globals, figures_in(run), given.figures.formats,
+                    run_figures(result, scene.space, view_of(scene.space, options, limit)));
+    });
   document["failures"] = salvage.failures();
   if (globals.json) print_json(document);
   if (!globals.json) tell(globals, summary, shapes.in_words(), run);
@@ -336,6 +342,7 @@ void add_session(CommandLine& line) {
   sub.option("--seconds", given->seconds, "Length [s]");
   sub.option("--workers", given->workers, "Workers that solve");
   sub.option("--workers-kind", given->workers_kind, "threads, or a kind that this program registers");
+  add_figures(sub, given->figures, "RUN/figures");
   add_mpi_options(sub, given->mpi,
                   "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
   sub.option(

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/figure_files.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/scene_input/given_states.hpp"
@@ -29,7 +30,7 @@ namespace fs = std::filesystem;
 
 struct ShowArguments {
   ShowRequest request;
-  std::string output;
+  std::string output, palette{usual_palette};
 };
 
 struct ShowResult {
@@ -107,7 +108,10 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
                    {"elements", body.mesh.tets.size()},
                    {"clamp", std::ranges::count(body.role, Role::clamp)},
                    {"contact", std::ranges::count(body.role, Role::contact)},
-                   {"groups", groups}};
+                   {"groups", groups},
+                   {"regions", nlohmann::ordered_json::array()}};
+    for (const ShownRegion& region : body.regions)
+      out["body"]["regions"].push_back({{"name", region.name}, {"volume", region.volume}});
   }
   out["box"] = nullptr;
   if (content.box) out["box"] = {vector3(content.box->low), vector3(content.box->high)};
@@ -123,6 +127,7 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
 
 int run_show(const Globals& globals, const ShowArguments& arguments) {
   check_arguments(globals, arguments);
+  use_palette(arguments.palette);
   const ShowResult result = make(globals, arguments);
   for (const std::string& warning : result.content.warnings) warn(globals, warning);
   if (globals.json) print_json(to_json(result));
@@ -157,6 +162,7 @@ void add_show(CommandLine& line) {
          "unchanged")
       .shows("SCENE");
   sub.flag("--foreign", arguments->request.foreign, foreign_help);
+  add_palette(sub, arguments->palette);
 }
 
 }  // namespace forefeel

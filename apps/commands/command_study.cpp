@@ -12,6 +12,7 @@
 #include <set>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/figure_files.hpp"
 #include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
@@ -21,8 +22,6 @@
 #include "apps/console/suggest.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/console/values.hpp"
-#include "apps/picture/palette.hpp"
-#include "apps/picture/plot.hpp"
 #include "apps/picture/report.hpp"
 #include "apps/picture/study_figures.hpp"
 #include "apps/picture/study_gantt.hpp"
@@ -45,8 +44,7 @@ namespace fs = std::filesystem;
 struct StudyArguments {
   std::string study, output;
   std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
-  std::string palette{usual_palette};
-  std::vector<std::string> figures;  // formats of the files of figures: svg, png, pdf
+  FigureArguments figures;
   MpiArguments mpi;
 };
 
@@ -55,48 +53,6 @@ void write_whole(const fs::path& file, const std::string& text) {
   out.write(text);
   out.commit();
 }
-
-// ---- figures as files
-
-std::optional<std::string> drawn_as(const std::string& format, const Figure& figure) {
-  const auto& [name, caption, width, height, script] = figure;
-  return format == "svg"   ? draw_svg(name, width, height, script)
-         : format == "png" ? draw_png(width, height, script)
-                           : draw_pdf(width, height, script);
-}
-
-// Writes FOLDER/NAME.FORMAT for each wanted format. If one cannot be written, warns and returns false.
-bool write_figures(const Globals& globals, const fs::path& folder, const std::vector<std::string>& formats,
-                   const std::vector<Figure>& figures) {
-  bool whole = true;
-  for (const std::string& format : formats)
-    for (const Figure& figure : figures) {
-      const fs::path file = folder / (figure.name + "." + format);
-      if (const auto picture = drawn_as(format, figure)) {
-        write_whole(file, *picture);
-      } else {
-        warn(globals, file.string() + ": not drawn, gnuplot was not found or failed");
-        whole = false;
-      }
-    }
-  return whole;
-}
-
-// DIR/figures, made if it is missing.
-fs::path figures_in(const fs::path& folder) {
-  claim_folder(folder / "figures", {"*.pdf", "*.png", "*.svg"});
-  return folder / "figures";
-}
-
-void check_figures(const StudyArguments& arguments) {
-  palette_from_text(arguments.palette);
-  for (const std::string& format : arguments.figures)
-    if (format != "svg" && format != "png" && format != "pdf")
-      throw InputError("--figures",
-                       fmt::format("is '{}', expected svg, png, pdf, or several as pdf,png", format));
-}
-
-// ---- the study that DIR/ was started with
 
 nlohmann::ordered_json manifest(const PlannedStudy& planned) {
   nlohmann::ordered_json document;
@@ -163,7 +119,7 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
                begin_pictures(result, begin_slices(result, scene.space),
                               view_of(scene.space, options, summary.safety.force_limit)));
   const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
-  std::vector<std::string> formats = arguments.figures;
+  std::vector<std::string> formats = arguments.figures.formats;
   if (std::ranges::find(formats, "svg") == formats.end()) formats.emplace_back("svg");
   const bool svg = write_figures(globals, folder, formats, {figure});
   if (globals.json) print_json(document);
@@ -251,7 +207,7 @@ std::string identity_of(const StudyPlan& plan) {
 int run_command(const Globals& globals, const StudyArguments& arguments, RankPool* ranks) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
-  check_figures(arguments);
+  take_figures(arguments.figures);
   const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
   const StudyPlan& plan = planned.plan;
   for (const std::string& warning : planned.warnings) warn(globals, warning);
@@ -263,7 +219,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
     throw InputError(arguments.output, "is a file, expected a folder for the results");
   if (const auto change = change_since(folder, planned)) warn(globals, *change);
   claim_folder(folder, {"study.json", "cells.csv", "report.html"});
-  if (!arguments.figures.empty()) figures_in(folder);
+  if (!arguments.figures.formats.empty()) figures_in(folder);
   check_writable(folder / "cells.csv");
   write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
   if (ranks) ranks->begin(identity_of(plan));
@@ -292,11 +248,11 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
                        .verdict = study_verdict(plan.study, result.cells),
                        .advice = study_advice(plan.study, result.cells)};
   write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
-  const Palette palette = palette_from_text(arguments.palette);
+  const Palette& palette = palette_in_use();
   write_whole(folder / "report.html", study_page(planned, result, ranked, compared, meshes.lines(), palette));
-  const bool drawn =
-      arguments.figures.empty() || write_figures(globals, figures_in(folder), arguments.figures,
-                                                 study_figures(plan.study, result.cells, ranked, palette));
+  const bool drawn = arguments.figures.formats.empty() ||
+                     write_figures(globals, figures_in(folder), arguments.figures.formats,
+                                   study_figures(plan.study, result.cells, ranked, palette));
 
   if (globals.json) {
     nlohmann::ordered_json document = counts(plan, result);
@@ -360,14 +316,7 @@ void add_study(CommandLine& line) {
              "what")
       .check(above_zero)
       .shows("CELL");
-  sub.option("--figures", arguments->figures,
-             "Also write the figures as files, DIR/figures: pdf, png, svg, or several as pdf,png")
-      .takes_one()
-      .splits_at(',')
-      .shows("FORMAT");
-  sub.option("--palette", arguments->palette,
-             "Colours of the figures: " + listed(palette_names()) + ", or a list as #0072b2,#d55e00")
-      .shows_default();
+  add_figures(sub, arguments->figures, "DIR/figures");
   add_mpi_options(
       sub, arguments->mpi,
       "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/commands/figure_files.hpp"
 #include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene_input/scene.hpp"
@@ -28,6 +29,7 @@ struct SessionArguments {
       workers_kind;
   std::optional<double> seconds, latency, shape_rate;  // [s], [s], [Hz]
   std::optional<int> workers;
+  FigureArguments figures;
   MpiArguments mpi;
 };
 

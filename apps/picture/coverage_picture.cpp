@@ -365,9 +365,9 @@ void png_legend(const CoveragePicture& picture, bool too_many, Canvas& canvas) {
 
 }  // namespace
 
-void write_coverage_png(const std::filesystem::path& file, const CoveragePicture& picture) {
+void write_coverage_drawn(const std::filesystem::path& file, const CoveragePicture& picture) {
   if (!have_gnuplot())
-    throw InputError({.file = file.string()}, "a PNG needs gnuplot, which is missing; expected .svg");
+    throw InputError({.file = file.string()}, "a PNG or PDF needs gnuplot, which is missing; expected .svg");
   check_writable(file);
   const int width = 3 * panel + 4 * margin, height = title_height + panel + 34 + legend_height;
   Canvas canvas;
@@ -386,10 +386,10 @@ void write_coverage_png(const std::filesystem::path& file, const CoveragePicture
           "1\nunset border\nunset tics\nunset key\nset xrange [0:{}]\nset yrange [{}:0]\n",
           width, height) +
       canvas.plots + "\n";
-  const std::optional<std::string> picture_bytes = draw_png(width, height, script);
+  const std::optional<std::string> picture_bytes =
+      file.extension() == ".pdf" ? draw_pdf(width, height, script) : draw_png(width, height, script);
   if (!picture_bytes)
-    throw InputError({.file = file.string()},
-                     "gnuplot could not draw it, expected a gnuplot with pngcairo, or .svg");
+    throw InputError({.file = file.string()}, "gnuplot could not draw it, expected one with cairo, or .svg");
   OutputFile out(file);
   out.write(*picture_bytes);
   out.commit();

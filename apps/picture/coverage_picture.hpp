@@ -29,7 +29,7 @@ struct CoveragePicture {
 };
 
 void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture& picture);
-// Throws InputError if gnuplot is missing.
-void write_coverage_png(const std::filesystem::path& file, const CoveragePicture& picture);
+// By gnuplot: .png, or .pdf. InputError if it is missing.
+void write_coverage_drawn(const std::filesystem::path& file, const CoveragePicture& picture);
 
 }  // namespace forefeel

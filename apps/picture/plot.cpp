@@ -17,6 +17,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/picture/palette.hpp"
+
 extern char** environ;
 
 namespace forefeel {
@@ -91,17 +93,7 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 }  // namespace
 
 std::string_view colour(Label label) {
-  switch (label) {
-    case Label::safe:
-      return "#0b4f7d";
-    case Label::sparse:
-      return "#57a7d6";
-    case Label::gap:
-      return "#f2b632";
-    case Label::blank:
-      return "#ece9e2";
-  }
-  return "#000000";
+  return colours_in_use().labels[static_cast<std::size_t>(label)];
 }
 
 // True if gnuplot is installed. Whether it works shows only when it draws.

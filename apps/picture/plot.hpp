@@ -10,15 +10,8 @@
 
 namespace forefeel {
 
-// Dark blue, light blue, amber, near-white: can be told apart with every kind of colour vision. In grey
-// print, darker means better known.
+// Of the palette in use (palette.hpp).
 std::string_view colour(Label label);
-
-namespace ink {  // curves, by meaning
-inline constexpr std::string_view rendered = "#1b1b1b", sent = "#2a9d8f", limit = "#c02020",
-                                  undamped = "#d1495b", reference = "#1f77b4", reference_light = "#8ec3ea",
-                                  approximation = "#1f77b4", switching = "#d1495b", staleness = "#e0a021";
-}
 
 bool have_gnuplot();
 // Runs a script and returns the picture as SVG to embed in an HTML page. Sets the terminal and the output

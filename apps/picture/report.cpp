@@ -266,7 +266,9 @@ std::string provenance_section(const Json& document) {
 
 }  // namespace
 
-Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space) {
+namespace {
+
+SliceInput slices_of(const SessionResult& result) {
   SliceInput slice;
   for (const FrameRecord& f : result.frames) {
     slice.t.push_back(f.t);
@@ -284,7 +286,21 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
       take(std::isfinite(d.known) ? d.known : d.finished, d.at);
   for (std::size_t i = 0; i < result.counts.start; ++i) take(0.0, result.states[i].at);
   std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
-  return drawn([slice = std::move(slice), space] { return slice_figure(slice, space); });
+  return slice;
+}
+
+}  // namespace
+
+Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space) {
+  return drawn([slice = slices_of(result), space] { return slice_figure(slice, space); });
+}
+
+std::vector<Figure> run_figures(const SessionResult& result, const StateSpaceOptions& space,
+                                const RunView& view) {
+  std::vector<Figure> figures{time_figure(result.frames, view.force_limit),
+                              slice_figure(slices_of(result), space)};
+  if (has_deadlines(result.frames)) figures.push_back(deadline_figure(result.frames));
+  return figures;
 }
 
 RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, double force_limit) {

@@ -5,7 +5,9 @@
 #include <future>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "apps/picture/report_figures.hpp"
 #include "apps/picture/run_view.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "scheduling/record/summary.hpp"
@@ -24,6 +26,9 @@ struct ReportPictures {
 // Begins to draw slices that show the coverage in the course of a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
 ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view);
+// The same pictures as scripts, for files: force, labels and errors over time; slices; deadlines of a real clock.
+std::vector<Figure> run_figures(const SessionResult& result, const StateSpaceOptions& space,
+                                const RunView& view);
 // force_limit: largest force that is sent [N].
 RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, double force_limit);
 

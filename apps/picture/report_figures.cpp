@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 
 namespace forefeel {
@@ -111,7 +112,8 @@ struct Curves {
                "lw 1 lc rgb '{}' title 'newest model, undamped', "
                "$rendered with lines lw 1.3 lc rgb '{}' title 'rendered', $sent with lines lw 1 lc rgb '{}' "
                "title 'sent to the device'\nunset arrow 1\nunset label 1\n",
-               ink::reference_light, ink::undamped, ink::rendered, ink::sent);
+               colours_in_use().reference_light, colours_in_use().undamped, colours_in_use().rendered,
+               colours_in_use().sent);
   }
 
  private:
@@ -121,12 +123,12 @@ struct Curves {
       return fmt::format(
           "set label 1 'force limit {:.3g} N, above this axis' at graph 0.01, graph 0.95 "
           "textcolor rgb '{}'\n",
-          limit, ink::limit);
+          limit, colours_in_use().limit);
     return fmt::format(
         "set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead lw 1 dt 2 lc rgb '{1}' front\n"
         "set label 1 'force limit {2:.3g} N' at graph 0.01, first {0} offset 0,0.6 textcolor rgb '{1}' "
         "front\n",
-        limit, ink::limit, limit);
+        limit, colours_in_use().limit, limit);
   }
 };
 
@@ -154,7 +156,8 @@ std::string error_plot() {
       "rgb '{}' title 'approximation', "
       "$staleness with points pt 7 ps 0.3 lc rgb '{}' title 'staleness', $switch with points pt 7 ps 0.3 lc "
       "rgb '{}' title 'switch'\n",
-      ink::rendered, ink::approximation, ink::staleness, ink::switching);
+      colours_in_use().rendered, colours_in_use().approximation, colours_in_use().staleness,
+      colours_in_use().switching);
 }
 
 // The round number (1, 2 or 5 times a power of ten) at or above a value.
@@ -222,7 +225,7 @@ Figure time_figure(Frames frames, double force_limit) {
       screen_part(0.535, 0.385) + fmt::format(
                                       "set yrange [0:{}]\nset ytics {}\nset ylabel 'states known' offset 1\n"
                                       "plot $known with lines lw 1.6 lc rgb '{}' notitle\n",
-                                      1.1 * known, round_step(known / 4), ink::rendered);
+                                      1.1 * known, round_step(known / 4), colours_in_use().rendered);
   script += screen_part(0.365, 0.065) +
             "set format x '%g'\nset ytics autofreq\nset xlabel 'time, s' offset 0,0.6\n" + error_plot();
   return {"time",
@@ -254,7 +257,7 @@ Figure deadline_figure(Frames frames) {
           "boxxyerror fs solid 1 noborder fc rgb '{}' notitle\n"
           "unset ylabel\nset title 'lateness of the wake-up'\nplot $late using 1:2:3:4:5:6 with boxxyerror "
           "fs solid 1 noborder fc rgb '{}' notitle\nunset multiplot\n",
-          ink::reference, ink::switching);
+          colours_in_use().reference, colours_in_use().switching);
   return {"deadline",
           "Loop at 1 kHz. Left: time to compute a frame. Right: delay with which the system wakes the loop. "
           "All axes are logarithmic.",

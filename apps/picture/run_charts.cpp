@@ -7,6 +7,7 @@
 
 #include "apps/picture/bad_moments.hpp"
 #include "apps/picture/page.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/run_data.hpp"
 #include "apps/picture/run_script.hpp"
@@ -20,14 +21,17 @@ std::string key(std::string_view colour, const char* form, const char* text) {
 
 std::string curves(std::size_t samples) {
   std::string html = fmt::format("<h2>Force, label and error over time ({} samples)</h2>\n", samples);
-  html += "<p class=\"legend\">" + key(ink::rendered, "line", "rendered, before the safety rules") +
-          key(ink::sent, "dash", "sent to the device") + key(ink::limit, "dash", "force limit") +
-          key("rgba(192,32,32,.2)", "box", "clamped") + key(ink::undamped, "line", "newest model, undamped") +
-          key(ink::reference_light, "dot", "reference") +
-          key("rgba(0,114,178,.18)", "box", "error bar, 95 %") +
-          "</p>\n<p class=\"legend\"><span>error:</span>" + key(ink::rendered, "line", "rendered") +
-          key(ink::approximation, "dot", "approximation") + key(ink::switching, "dot", "switch") +
-          key(ink::staleness, "dot", "staleness") + key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
+  html +=
+      "<p class=\"legend\">" + key(colours_in_use().rendered, "line", "rendered, before the safety rules") +
+      key(colours_in_use().sent, "dash", "sent to the device") +
+      key(colours_in_use().limit, "dash", "force limit") + key("rgba(192,32,32,.2)", "box", "clamped") +
+      key(colours_in_use().undamped, "line", "newest model, undamped") +
+      key(colours_in_use().reference_light, "dot", "reference") +
+      key("rgba(0,114,178,.18)", "box", "error bar, 95 %") + "</p>\n<p class=\"legend\"><span>error:</span>" +
+      key(colours_in_use().rendered, "line", "rendered") +
+      key(colours_in_use().approximation, "dot", "approximation") +
+      key(colours_in_use().switching, "dot", "switch") + key(colours_in_use().staleness, "dot", "staleness") +
+      key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
   html +=
       "<figure><p class=\"bar\"><button id=\"run-all\">whole run</button><button id=\"run-in\">+</button>"
       "<button id=\"run-out\">−</button><button id=\"run-here\">switch at the pointer</button>"

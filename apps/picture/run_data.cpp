@@ -11,6 +11,7 @@
 
 #include "apps/console/json_text.hpp"
 #include "apps/picture/base64.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "scheduling/record/summary.hpp"
 
@@ -107,14 +108,14 @@ Json corners(const Vec3& low, const Vec3& high) {
 }
 
 Json inks() {
-  return {{"rendered", ink::rendered},
-          {"sent", ink::sent},
-          {"limit", ink::limit},
-          {"newest", ink::undamped},
-          {"reference", ink::reference_light},
-          {"approximation", ink::approximation},
-          {"switching", ink::switching},
-          {"staleness", ink::staleness}};
+  return {{"rendered", colours_in_use().rendered},
+          {"sent", colours_in_use().sent},
+          {"limit", colours_in_use().limit},
+          {"newest", colours_in_use().undamped},
+          {"reference", colours_in_use().reference_light},
+          {"approximation", colours_in_use().approximation},
+          {"switching", colours_in_use().switching},
+          {"staleness", colours_in_use().staleness}};
 }
 
 }  // namespace

@@ -30,11 +30,11 @@ struct ModelInputRow {
 };
 
 struct Inputs {
-  InputHeader header;
+  InputHeader header = {};
   bool whole = false;
-  std::vector<FrameInput> frames;
-  std::vector<ModelInput> models;
-  std::vector<State> states, failed;
+  std::vector<FrameInput> frames = {};
+  std::vector<ModelInput> models = {};
+  std::vector<State> states = {}, failed = {};
 };
 
 void take(Inputs& inputs, InputKind kind, Unpacker content) {

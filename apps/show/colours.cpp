@@ -1,8 +1,17 @@
 #include "apps/show/colours.hpp"
 
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 
 namespace forefeel {
+
+std::string region_colour(std::size_t i) {
+  return colour_of(palette_in_use(), i);
+}
+
+const std::string& ink(std::string_view meaning) {
+  return show_colours().at(std::string(meaning));
+}
 
 const std::map<std::string, std::string>& show_colours() {
   static const std::map<std::string, std::string> all = [] {

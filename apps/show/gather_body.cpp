@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/scene_input/scene_body.hpp"
+#include "apps/show/gather_regions.hpp"
 
 namespace forefeel {
 namespace {
@@ -30,7 +31,9 @@ void take_groups(ShownBody& body) {
 
 }  // namespace
 
-ShownBody shown_body(const TetMesh& mesh) {
+namespace {
+
+ShownBody surface_of(const TetMesh& mesh) {
   ShownBody body;
   body.mesh = mesh;
   body.node = surface_nodes(mesh);
@@ -46,8 +49,17 @@ ShownBody shown_body(const TetMesh& mesh) {
   return body;
 }
 
+}  // namespace
+
+ShownBody shown_body(const TetMesh& mesh) {
+  ShownBody body = surface_of(mesh);
+  take_regions(mesh, body);
+  return body;
+}
+
 ShownBody shown_body(const Body& body) {
-  ShownBody shown = shown_body(body.mesh);
+  ShownBody shown = surface_of(body.mesh);
+  take_regions(body, shown);
   const std::vector<std::int32_t> place = places(shown, body.mesh.nodes.size());
   const auto mark = [&](const std::vector<NodeIndex>& nodes, Role role) {
     for (const NodeIndex node : nodes)
@@ -59,6 +71,7 @@ ShownBody shown_body(const Body& body) {
   for (const NodeIndex node : body.contact)
     shown.rest += body.mesh.nodes[static_cast<std::size_t>(node)] / double(body.contact.size());
   for (Vec3& node : shown.nodes) node -= shown.rest;
+  for (Vec3& node : shown.inside.nodes) node -= shown.rest;
   shown.outward = -inward_direction(body);
   return shown;
 }

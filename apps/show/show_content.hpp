@@ -23,6 +23,20 @@ struct ShownGroup {
   std::vector<std::uint32_t> nodes;  // of the surface, rising
 };
 
+// Tetrahedra of one material, or a group of the mesh, that are not the whole body.
+struct ShownRegion {
+  std::string name, words;  // words: of its material; empty for a group of a mesh
+  double volume = 0;        // [m^3]
+};
+
+// Where tetrahedra of one region touch those of another, or the rest of the body. Each triangle once.
+struct ShownInterface {
+  std::vector<Vec3> nodes;           // [m]
+  std::vector<Triangle> triangles;   // outward from their region
+  std::vector<std::uint8_t> region;  // #triangles: number of the region in ShownBody::regions, from 0
+  bool empty() const { return triangles.empty(); }
+};
+
 // The surface of a body at rest.
 struct ShownBody {
   std::vector<Vec3> nodes;          // #V [m]
@@ -30,9 +44,14 @@ struct ShownBody {
   std::vector<NodeIndex> node;      // #V: number in the mesh, from 0
   std::vector<Role> role;           // #V
   std::vector<ShownGroup> groups;   // named node sets of the mesh that reach the surface
-  Vec3 rest = Vec3::Zero();         // where the contact rests, in the mesh [m]
-  std::optional<Vec3> outward;      // mean normal of the contact
-  TetMesh mesh;                     // for the .vtu; no tetrahedra for a surface
+  std::vector<ShownRegion> regions;
+  // 0 the rest, k: regions[k - 1]; empty without regions
+  std::vector<std::uint8_t> region, tet_region;  // #triangles; #T of `mesh`
+  std::string rest_words;                        // material of the rest
+  ShownInterface inside;
+  Vec3 rest = Vec3::Zero();     // where the contact rests, in the mesh [m]
+  std::optional<Vec3> outward;  // mean normal of the contact
+  TetMesh mesh;                 // for the .vtu; no tetrahedra for a surface
 };
 
 struct ShownState {

@@ -64,18 +64,33 @@ Json box_json(const Box& box) {
   return {{"low", vector3(box.low)}, {"high", vector3(box.high)}};
 }
 
+Json corners_of(const std::vector<Triangle>& triangles) {
+  std::vector<std::uint32_t> corners;
+  for (const Triangle& t : triangles)
+    for (const NodeIndex node : t) corners.push_back(static_cast<std::uint32_t>(node));
+  return packed("u32", corners);
+}
+
 Json body_json(const ShownBody& body) {
   Json out;
   out["nodes"] = floats(body.nodes, [](const Vec3& p) { return p; });
-  std::vector<std::uint32_t> corners;
-  for (const Triangle& t : body.triangles)
-    for (const NodeIndex node : t) corners.push_back(static_cast<std::uint32_t>(node));
-  out["triangles"] = packed("u32", corners);
+  out["triangles"] = corners_of(body.triangles);
   out["role"] = bytes(body.role, [](Role role) { return role; });
   out["node"] = counts(body.node, [](NodeIndex node) { return node; });
   out["groups"] = Json::array();
   for (const ShownGroup& group : body.groups)
     out["groups"].push_back({{"name", group.name}, {"nodes", packed("u32", group.nodes)}});
+  out["regions"] = Json::array();
+  for (std::size_t i = 0; i < body.regions.size(); ++i)
+    out["regions"].push_back({{"name", body.regions[i].name},
+                              {"words", body.regions[i].words},
+                              {"volume", body.regions[i].volume},
+                              {"colour", region_colour(i)}});
+  out["rest_words"] = body.rest_words;
+  out["region"] = bytes(body.region, [](std::uint8_t region) { return region; });
+  out["inside"] = {{"nodes", floats(body.inside.nodes, [](const Vec3& p) { return p; })},
+                   {"triangles", corners_of(body.inside.triangles)},
+                   {"region", bytes(body.inside.region, [](std::uint8_t region) { return region; })}};
   out["rest"] = vector3(body.rest);
   out["elements"] = body.mesh.tets.size();
   return out;

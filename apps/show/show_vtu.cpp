@@ -87,6 +87,15 @@ void write_body(const fs::path& file, const ShownBody& body) {
     grid.array("UInt8", "group_" + name, in.size(), 1, [&](std::size_t i, int) { return in[i]; });
   }
   grid.close("PointData");
+  if (solid && !body.regions.empty()) {
+    grid.open("CellData");
+    grid.array("UInt8", "region", body.tet_region.size(), 1,
+               [&](std::size_t i, int) { return int{body.tet_region[i]}; });
+    for (std::size_t k = 0; k < body.regions.size(); ++k)
+      grid.array("UInt8", "region_" + body.regions[k].name, body.tet_region.size(), 1,
+                 [&](std::size_t i, int) { return body.tet_region[i] == k + 1 ? 1 : 0; });
+    grid.close("CellData");
+  }
   grid.points(points);
   if (solid)
     grid.cells(body.mesh.tets, vtk_tetra);

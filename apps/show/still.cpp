@@ -12,17 +12,14 @@
 #include <utility>
 
 #include "apps/show/colours.hpp"
+#include "apps/show/still_legend.hpp"
 #include "geometry/states/state_outcome.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr int width = 1180, height = 780, legend_left = 905, title_height = 40;
+constexpr int width = 1180, height = 780, title_height = 40;
 constexpr std::size_t most_triangles = 14'000;  // a finer surface is coarsened
-
-const std::string& ink(std::string_view meaning) {
-  return show_colours().at(std::string(meaning));
-}
 
 std::string shaded(const std::string& colour, double light) {
   std::string out = "#";
@@ -87,11 +84,12 @@ struct Coarse {
   std::vector<Vec3> nodes;
   std::vector<Role> role;
   std::vector<Triangle> triangles;
+  std::vector<std::uint8_t> region;  // #triangles, or empty
 };
 
 // The surface, with nodes of one small cube joined if it has too many triangles for a picture.
 Coarse coarse_surface(const ShownBody& body, const Box& extent) {
-  if (body.triangles.size() <= most_triangles) return {body.nodes, body.role, body.triangles};
+  if (body.triangles.size() <= most_triangles) return {body.nodes, body.role, body.triangles, body.region};
   const double cube = extent.size().maxCoeff() / 90;
   std::map<std::array<int, 3>, NodeIndex> place;
   std::vector<NodeIndex> joined(body.nodes.size());
@@ -110,10 +108,13 @@ Coarse coarse_surface(const ShownBody& body, const Box& extent) {
     ++count[to];
   }
   for (std::size_t i = 0; i < coarse.nodes.size(); ++i) coarse.nodes[i] /= count[i];
-  for (const Triangle& t : body.triangles) {
+  for (std::size_t k = 0; k < body.triangles.size(); ++k) {
+    const Triangle& t = body.triangles[k];
     const Triangle own{joined[static_cast<std::size_t>(t[0])], joined[static_cast<std::size_t>(t[1])],
                        joined[static_cast<std::size_t>(t[2])]};
-    if (own[0] != own[1] && own[1] != own[2] && own[0] != own[2]) coarse.triangles.push_back(own);
+    if (own[0] == own[1] || own[1] == own[2] || own[0] == own[2]) continue;
+    coarse.triangles.push_back(own);
+    if (!body.region.empty()) coarse.region.push_back(body.region[k]);
   }
   return coarse;
 }
@@ -121,7 +122,9 @@ Coarse coarse_surface(const ShownBody& body, const Box& extent) {
 void add_body(const ShownBody& body, const Box& extent, const Eye& eye, double opacity, Depths& shapes) {
   const Coarse coarse = coarse_surface(body, extent);
   const Vec3 lamp = (eye.towards() + Vec3(0.2, -0.1, 0.5)).normalized();
-  for (const Triangle& t : coarse.triangles) {
+  for (std::size_t k = 0; k < coarse.triangles.size(); ++k) {
+    const Triangle& t = coarse.triangles[k];
+    const std::size_t region = coarse.region.empty() ? 0 : coarse.region[k];
     std::array<Vec3, 3> p;
     Role role = Role::contact;
     bool clamped = true;
@@ -135,9 +138,10 @@ void add_body(const ShownBody& body, const Box& extent, const Eye& eye, double o
     const bool facing = normal.dot(eye.towards()) > 0;
     if (opacity >= 1 && !facing) continue;
     const double light = 0.55 + 0.45 * std::abs(normal.dot(lamp));
-    const std::string colour = shaded(ink(clamped                 ? "clamp"
-                                          : role == Role::contact ? "contact"
-                                                                  : "body"),
+    const std::string colour = shaded(clamped                 ? ink("clamp")
+                                      : role == Role::contact ? ink("contact")
+                                      : region > 0            ? region_colour(region - 1)
+                                                              : ink("body"),
                                       light);
     const double see = (facing ? 1 : 0.5) * opacity;
     shapes.add(eye.depth((p[0] + p[1] + p[2]) / 3), [=, &eye](FlatPicture& picture) {
@@ -150,6 +154,21 @@ void add_body(const ShownBody& body, const Box& extent, const Eye& eye, double o
     const Vec3 at = coarse.nodes[i];
     shapes.add(eye.depth(at) + 1e-3 * extent.size().maxCoeff(), [=, &eye](FlatPicture& picture) {
       picture.dot(eye(at), contact ? 3.0 : 2.2, ink(contact ? "contact" : "clamp"));
+    });
+  }
+}
+
+// Where regions touch inside the body.
+void add_inside(const ShownInterface& inside, const Eye& eye, Depths& shapes) {
+  const Vec3 lamp = (eye.towards() + Vec3(0.2, -0.1, 0.5)).normalized();
+  for (std::size_t k = 0; k < inside.triangles.size(); ++k) {
+    std::array<Vec3, 3> p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = inside.nodes[static_cast<std::size_t>(inside.triangles[k][i])];
+    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    const std::string colour =
+        shaded(region_colour(inside.region[k]), 0.55 + 0.45 * std::abs(normal.dot(lamp)));
+    shapes.add(eye.depth((p[0] + p[1] + p[2]) / 3), [=, &eye](FlatPicture& picture) {
+      picture.polygon({eye(p[0]), eye(p[1]), eye(p[2])}, colour, 1);
     });
   }
 }
@@ -220,11 +239,6 @@ void add_plane(const LabelGrid& grid, const Box& box, const Eye& eye, Depths& sh
     }
 }
 
-// More would hide the labels: then only those near the cut are drawn.
-bool near_cut_only(const ShownStates& states) {
-  return states.all.size() > 1500;
-}
-
 void add_states(const ShownStates& states, const Cut& cut, const Eye& eye, double spacing, Depths& shapes) {
   const double radius = std::clamp(0.16 * eye.pixels(spacing), 1.2, 4.0);
   for (const ShownState& s : states.all) {
@@ -265,72 +279,6 @@ void add_run(const ShownRun& run, const Box& extent, const Eye& eye, Depths& sha
   }
 }
 
-// The legend at the right: what each colour stands for, with numbers.
-class Legend {
- public:
-  explicit Legend(FlatPicture& picture) : picture_(picture) {}
-  void swatch(std::string_view colour, const std::string& words) {
-    picture_.polygon({{legend_left, y_ - 11},
-                      {legend_left + 15, y_ - 11},
-                      {legend_left + 15, y_ + 1},
-                      {legend_left, y_ + 1}},
-                     ink(colour));
-    words_at(legend_left + 22, words);
-  }
-  void words(const std::string& text) { words_at(legend_left, text); }
-  void gap() { y_ += 10; }
-
- private:
-  void words_at(double x, const std::string& text) {
-    picture_.text({x, y_}, text, 13);
-    y_ += 20;
-  }
-  FlatPicture& picture_;
-  double y_ = 76;
-};
-
-std::string sides(const Box& box) {
-  const Vec3 size = 1e3 * box.size();
-  return fmt::format("{:.3g} x {:.3g} x {:.3g} mm", size.x(), size.y(), size.z());
-}
-
-void add_legend(const ShowContent& content, FlatPicture& picture) {
-  Legend legend(picture);
-  if (content.body) {
-    legend.swatch("body", fmt::format("body, {}", [&] {
-                    ShowContent only;
-                    only.body = content.body;
-                    return sides(extent_of(only));
-                  }()));
-    const auto has = [&](Role role) {
-      return std::ranges::find(content.body->role, role) != content.body->role.end();
-    };
-    if (has(Role::clamp)) legend.swatch("clamp", "clamp (held)");
-    if (has(Role::contact)) legend.swatch("contact", "contact (moves with the hand)");
-  }
-  if (content.box) legend.words("box " + sides(*content.box));
-  if (std::isfinite(content.spacing)) legend.words(fmt::format("spacing {:.4g} mm", 1e3 * content.spacing));
-  if (content.states) {
-    legend.gap();
-    legend.words(fmt::format("{} states{} and a cut", content.states->all.size(),
-                             near_cut_only(*content.states) ? " (dots: those near it)" : " (dots)"));
-    legend.words("through the labels:");
-    for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-      legend.swatch(name(label),
-                    fmt::format("{}, {:.4g} cm\u00b3", name(label),
-                                1e6 * content.states->regions.volume[static_cast<std::size_t>(label)]));
-    if (std::ranges::any_of(content.states->all, [](const ShownState& s) { return !s.state.usable(); }))
-      legend.swatch("failed", "solve failed");
-  }
-  if (content.run) {
-    double strongest = 0;
-    for (const ShownFrame& f : content.run->path) strongest = std::max(strongest, f.sent.norm());
-    legend.gap();
-    legend.swatch("path", "path of the hand");
-    legend.swatch("force", fmt::format("force, up to {:.3g} N", strongest));
-  }
-}
-
 // Directions of the axes, at the lower left.
 void add_axes(const Eye& eye, FlatPicture& picture) {
   const Vec2 origin(60, height - 60), zero = eye(Vec3::Zero());
@@ -350,8 +298,10 @@ FlatPicture still_picture(const ShowContent& content) {
   const Eye eye(content);
   const Box extent = extent_of(content);
   Depths shapes;
-  const double opacity = content.states || content.run ? 0.22 : 1;
+  const bool inside = content.body && !content.body->inside.empty();
+  const double opacity = content.states || content.run ? 0.22 : inside ? 0.35 : 1;
   if (content.body) add_body(*content.body, extent, eye, opacity, shapes);
+  if (inside) add_inside(content.body->inside, eye, shapes);
   if (content.box) add_box(*content.box, eye, shapes);
   if (content.states) {
     if (!content.states->labels.empty()) add_plane(content.states->labels.back(), *content.box, eye, shapes);

@@ -180,6 +180,9 @@ TEST_CASE(
   REQUIRE(gantt.code == 0);
   CHECK_THAT(file_text(shop, "out/cell-0001/gantt.svg"),
              Catch::Contains("half: never used") && Catch::Contains(">safe<"));
+  REQUIRE(shop.forefeel("study study.toml -o out --quiet --gantt 1 --palette grey --figures pdf").code == 0);
+  CHECK_THAT(file_text(shop, "out/cell-0001/gantt.svg"), Catch::Contains("47,  47,  47"));  // grey's safe
+  CHECK_THAT(file_text(shop, "out/cell-0001/gantt.pdf"), Catch::StartsWith("%PDF"));
   test::check_refused(shop, "study study.toml -o new --figures gif", {"--figures", "gif", "svg, png, pdf"});
   test::check_refused(shop, "study study.toml -o new --palette mine", {"--palette", "okabe-ito"});
 }
@@ -201,4 +204,31 @@ TEST_CASE("the picture of classify has the same size in SVG and PNG") {
   CHECK_THAT(svg, Catch::Contains("width=\"" + std::to_string(size_at(16)) + "\" height=\"" +
                                   std::to_string(size_at(20)) + "\""));
   CHECK_THAT(svg, Catch::Contains("Coverage of s_1.csv"));
+}
+
+TEST_CASE("a session's figures become files; a palette colours them, its report and classify's pictures") {
+  if (!test::has_command("gnuplot")) {
+    test::skip("gnuplot is not installed");
+    return;
+  }
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const std::string session =
+      "session beam.toml --clock virtual --seconds 0.5 --device path:circle,speed=0.04 --cost constant:0.02 --quiet ";
+  REQUIRE(shop.forefeel(session + "-o usual").code == 0);
+  REQUIRE(shop.forefeel(session + "-o run --figures pdf,svg --palette grey").code == 0);
+  CHECK(!std::filesystem::exists(shop.path() / "usual/figures"));
+  for (const char* name : {"time", "slices"}) {
+    CHECK_THAT(file_text(shop, std::string("run/figures/") + name + ".pdf"), Catch::StartsWith("%PDF"));
+    CHECK_THAT(file_text(shop, std::string("run/figures/") + name + ".svg"), Catch::Contains("<svg"));
+  }
+  CHECK_THAT(file_text(shop, "run/report.html"), Catch::Contains("#2f2f2f") && !Catch::Contains("#0b4f7d"));
+  CHECK_THAT(file_text(shop, "usual/report.html"), Catch::Contains("#0b4f7d") && Catch::Contains("#57a7d6"));
+  const std::string classify = "classify run/session.states --quiet -o ";
+  REQUIRE(shop.forefeel(classify + "c.svg --palette '#010203,#040506,#070809'").code == 0);
+  CHECK_THAT(file_text(shop, "c.svg"), Catch::Contains("#010203") && Catch::Contains("#070809"));
+  REQUIRE(shop.forefeel(classify + "c.pdf --palette bright").code == 0);
+  CHECK_THAT(file_text(shop, "c.pdf"), Catch::StartsWith("%PDF"));
+  test::check_refused(shop, session + "-o none --palette mine", {"--palette", "okabe-ito"});
+  CHECK(!std::filesystem::exists(shop.path() / "none"));
 }

@@ -40,7 +40,11 @@ function unpack(raw) {
     const b = raw.body;
     scene.body = {nodes: millimetres(b.nodes), triangles: decoded(b.triangles), role: decoded(b.role),
                   node: decoded(b.node), rest: b.rest.map(v => 1e3 * v), elements: b.elements,
-                  groups: b.groups.map(g => ({name: g.name, nodes: decoded(g.nodes)}))};
+                  groups: b.groups.map(g => ({name: g.name, nodes: decoded(g.nodes)})),
+                  regions: b.regions, region: decoded(b.region), restWords: b.rest_words,
+                  inside: {nodes: millimetres(b.inside.nodes), triangles: decoded(b.inside.triangles),
+                           region: decoded(b.inside.region)}};
+    b.regions.forEach((region, k) => raw.colours['region_' + (k + 1)] = region.colour);
   }
   if (raw.states) {
     const s = raw.states;

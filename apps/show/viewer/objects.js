@@ -43,22 +43,68 @@ world.background = new THREE.Color('#ffffff');
 let bodyMaterials = [], bodyGeometry = null;
 const marked = {};  // 'clamp', 'contact' -> indices of the surface's nodes
 
+// Vertices that are drawn: the surface's nodes, once for each region that they touch.
+const drawn = {node: [], region: []};
+
+function drawnTriangles() {
+  const {triangles, region, role} = scene.body, corners = new Uint32Array(triangles.length), place = new Map();
+  if (!region.length) {
+    drawn.node = [...role.keys()];
+    drawn.region = drawn.node.map(() => 0);
+    return triangles;
+  }
+  triangles.forEach((node, k) => {
+    const own = region[Math.floor(k / 3)], key = own * role.length + node;
+    if (!place.has(key)) {
+      place.set(key, drawn.node.length);
+      drawn.node.push(node);
+      drawn.region.push(own);
+    }
+    corners[k] = place.get(key);
+  });
+  return corners;
+}
+
 function colourBody(group) {
-  const colour = bodyGeometry.attributes.color.array;
-  const role = ['body', 'clamp', 'contact'];
-  for (let i = 0; i < scene.body.role.length; ++i) colour.set(rgb(role[scene.body.role[i]]), 3 * i);
-  const chosen = scene.body.groups.find(g => g.name === group);
-  if (chosen) chosen.nodes.forEach(i => colour.set(rgb('group'), 3 * i));
+  const colour = bodyGeometry.attributes.color.array, {role, groups} = scene.body;
+  const chosen = new Set((groups.find(g => g.name === group) || {nodes: []}).nodes);
+  drawn.node.forEach((node, i) => {
+    const name = chosen.has(node) ? 'group' : role[node] ? ['clamp', 'contact'][role[node] - 1]
+               : drawn.region[i] ? 'region_' + drawn.region[i] : 'body';
+    colour.set(rgb(name), 3 * i);
+  });
   bodyGeometry.attributes.color.needsUpdate = true;
+}
+
+// Where regions touch inside the body, at rest: one layer a region.
+function makeRegions() {
+  const {nodes, triangles, region} = scene.body.inside;
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(nodes, 3));
+  scene.body.regions.forEach((_, k) => {
+    const own = [];
+    region.forEach((r, t) => {
+      if (r === k) own.push(...triple(triangles, t));
+    });
+    if (!own.length) return;
+    const part = geometry.clone();
+    part.setIndex(own);
+    const material = new THREE.MeshPhongMaterial({color: colours['region_' + (k + 1)], side: THREE.DoubleSide,
+                                                  flatShading: true, specular: 0});
+    const mesh = layer('region_' + (k + 1), new THREE.Mesh(part, material));
+    mesh.userData.region = k;
+  });
 }
 
 function makeBody() {
   const body = scene.body;
   bodyGeometry = new THREE.BufferGeometry();
-  bodyGeometry.setAttribute('position', new THREE.BufferAttribute(body.nodes.slice(), 3));
-  bodyGeometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(body.nodes.length), 3));
-  bodyGeometry.setIndex(new THREE.BufferAttribute(body.triangles, 1));
+  const triangles = drawnTriangles(), count = drawn.node.length;
+  bodyGeometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+  bodyGeometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+  bodyGeometry.setIndex(new THREE.BufferAttribute(triangles, 1));
   colourBody('');
+  makeRegions();
   // The far side first, then the near one, so that a thin body looks right.
   const both = layer('body', new THREE.Group());
   bodyMaterials = [THREE.BackSide, THREE.FrontSide].map((side, i) => {
@@ -83,14 +129,15 @@ function makeBody() {
 
 // Positions of the surface: at rest, or displaced (mm, 3 a node).
 function moveBody(moved) {
-  const at = bodyGeometry.attributes.position;
-  for (let i = 0; i < at.array.length; ++i) at.array[i] = scene.body.nodes[i] + (moved ? moved[i] : 0);
+  const at = bodyGeometry.attributes.position, place = scene.body.nodes.slice();
+  if (moved) moved.forEach((by, i) => place[i] += by);
+  drawn.node.forEach((node, i) => at.array.set(triple(place, node), 3 * i));
   at.needsUpdate = true;
   bodyGeometry.computeBoundingSphere();
   for (const name of Object.keys(marked)) {
     if (!layers[name]) continue;
     const dots = layers[name].geometry.attributes.position;
-    marked[name].forEach((node, k) => dots.array.set(triple(at.array, node), 3 * k));
+    marked[name].forEach((node, k) => dots.array.set(triple(place, node), 3 * k));
     dots.needsUpdate = true;
     layers[name].geometry.computeBoundingSphere();
   }

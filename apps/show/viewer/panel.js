@@ -139,6 +139,10 @@ function planeRow(axis) {
   move(start);
 }
 
+function regionLayers() {
+  return scene.body.regions.map((_, k) => 'region_' + (k + 1));
+}
+
 let cutting = false;
 // Leaves out the part of the body in front of each plane that is shown.
 function cutBody() {
@@ -150,9 +154,30 @@ function cutBody() {
     const normal = new THREE.Vector3().setComponent(axis, towards);
     cuts.push(new THREE.Plane(normal, -normal.getComponent(axis) * plane.at));
   });
-  const others = ['edges', 'clamp', 'contact'].filter(name => layers[name]);
+  const others = ['edges', 'clamp', 'contact', ...regionLayers()].filter(name => layers[name]);
   const materials = [...bodyMaterials, ...others.map(name => layers[name].material)];
   for (const material of materials) material.clippingPlanes = cuts;
+}
+
+// The regions with their colours; the check shows their surface inside the body.
+function regionRows() {
+  const {regions, restWords} = scene.body;
+  if (!regions.length) return;
+  heading(regions.some(r => r.words) ? 'Materials' : 'Groups of elements');
+  regions.forEach((region, k) => {
+    const name = 'region_' + (k + 1);
+    const text = region.name + (region.words ? ': ' + region.words : '') + ', ' +
+                 digits(1e6 * region.volume, 3) + ' cm³';
+    if (layers[name]) return toggle(name, text, name, true);
+    row(byId('panel'), swatch(name)).append(text);
+  });
+  if (restWords) row(byId('panel'), swatch('body')).append('the rest: ' + restWords);
+  if (scene.run && scene.run.shapes) row(byId('panel'), '').append('surfaces inside are shown at rest');
+}
+
+// Lets states, or regions inside the body, be seen through it.
+function firstOpacity() {
+  return scene.states || scene.run ? 0.3 : scene.body.inside.region.length ? 0.4 : 1;
 }
 
 function makePanel() {
@@ -171,10 +196,11 @@ function makePanel() {
   toggle('axes', 'axes', null, true);
   if (scene.body) {
     const shade = row(byId('panel'), 'opacity of the body');
-    slider(shade, 'opacity', 0, 1, scene.states || scene.run ? 0.3 : 1, setOpacity);
-    setOpacity(scene.states || scene.run ? 0.3 : 1);
+    slider(shade, 'opacity', 0, 1, firstOpacity(), setOpacity);
+    setOpacity(firstOpacity());
     if (scene.body.groups.length)
       choice('show group', ['', ...scene.body.groups.map(g => g.name)], colourBody);
+    regionRows();
   }
   if (scene.states) choice('colour of states', ['label', 'outcome', 'force'], colourStates).id = 'states-by';
   if (scene.run) choice('colour of the path', ['plain', 'label', 'error'], colourPath).id = 'path-by';

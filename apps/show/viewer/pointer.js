@@ -41,18 +41,28 @@ function pathText(i) {
          inNewton(triple(run.sent, i)) + '\n' + momentText(i);
 }
 
+// ", tumour": the region of a triangle of the surface.
+function regionText(triangle) {
+  const number = scene.body.region[triangle];
+  return number ? ', ' + scene.body.regions[number - 1].name : '';
+}
+
 function surfaceText(hit) {
+  if (hit.object.userData.region !== undefined)
+    return scene.body.regions[hit.object.userData.region].name + ', surface inside at ' +
+           inMillimetres(hit.point.toArray());
   if (hit.object.geometry !== bodyGeometry) {
     const place = hit.point.toArray();
     return labelNames[labelAt(place)] + ' at ' + inMillimetres(place);
   }
   const body = scene.body, at = bodyGeometry.attributes.position.array;
-  const corner = [hit.face.a, hit.face.b, hit.face.c].sort(
+  const vertex = [hit.face.a, hit.face.b, hit.face.c].sort(
       (a, b) => hit.point.distanceTo(new THREE.Vector3(...triple(at, a))) -
                 hit.point.distanceTo(new THREE.Vector3(...triple(at, b))))[0];
-  const rest = triple(body.nodes, corner), moved = triple(at, corner).map((v, i) => v - rest[i]);
+  const corner = drawn.node[vertex];
+  const rest = triple(body.nodes, corner), moved = triple(at, vertex).map((v, i) => v - rest[i]);
   const groups = body.groups.filter(g => g.nodes.includes(corner)).map(g => g.name);
-  return 'node ' + body.node[corner] + ['', ', clamp', ', contact'][body.role[corner]] +
+  return 'node ' + body.node[corner] + ['', ', clamp', ', contact'][body.role[corner]] + regionText(hit.faceIndex) +
          (groups.length ? '\ngroups: ' + groups.join(', ') : '') +
          '\nin the mesh ' + inMillimetres(rest.map((v, i) => v + body.rest[i])) +
          (norm(body.rest) > 0 ? '\nfrom the contact ' + inMillimetres(rest) : '') +
@@ -78,13 +88,17 @@ function readOff(x, y) {
     const solid = planes.map(p => p.mesh).filter(m => m.visible);
     if (layers.body && layers.body.visible && bodyMaterials[1].opacity > 0.05)
       solid.push(layers.body.children[1]);
+    // A body that hides what is inside it is hit first.
+    if (scene.body && !(layers.body.visible && bodyMaterials[1].opacity > 0.7))
+      solid.unshift(...regionLayers().filter(n => layers[n] && layers[n].visible).map(n => layers[n]));
     const cuts = scene.body ? bodyMaterials[1].clippingPlanes || [] : [];
     const ofBody = hit => hit.object.geometry === bodyGeometry;
     const hits = ray.intersectObjects(solid).filter(
         hit => !ofBody(hit) || cuts.every(cut => cut.distanceToPoint(hit.point) >= 0));
-    const plane = hits.find(hit => !ofBody(hit));
+    const plane = hits.find(hit => !ofBody(hit) && hit.object.userData.region === undefined);
     const thin = scene.body && bodyMaterials[1].opacity < 0.5;  // the plane shows through
-    const hit = plane && thin ? plane : hits[0];
+    const inner = hits.find(hit => hit.object.userData.region !== undefined);
+    const hit = plane && thin ? plane : inner && thin ? inner : hits[0];
     if (hit) return surfaceText(hit);
   }
   found.sort((a, b) => a.depth - b.depth);
