@@ -26,6 +26,7 @@
 #include "apps/picture/study_figures.hpp"
 #include "apps/picture/study_gantt.hpp"
 #include "apps/picture/study_report.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "apps/study/study_folder.hpp"
 #include "apps/study/study_meshes.hpp"
 #include "apps/study/study_table.hpp"
@@ -111,7 +112,9 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
                     progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
                   }});
   write_run_files(folder, result, options);
-  const SessionSummary summary = summarise(result, session);
+  SessionSummary summary = summarise(result, session);
+  const MeshError by_mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
+  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
   nlohmann::ordered_json document = to_json(summary);
   document["provenance"] = provenance(scene.source.hash);
   write_whole(folder / "summary.json", json_text(document, 2) + "\n");

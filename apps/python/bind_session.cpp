@@ -10,6 +10,7 @@
 #include "apps/python/bindings.hpp"
 #include "apps/python/python_parts.hpp"
 #include "apps/python/scene_object.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
 #include "apps/scene_input/scene_session.hpp"
 #include "apps/scene_input/spec_text.hpp"
 #include "geometry/common/error.hpp"
@@ -227,6 +228,10 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
     made->options = plan.options;
     made->options.stop = {};
     made->summary = summarise(made->result, plan.input, plan.options);
+    if (!made->result.interrupted() && !plan.input.foreign) {
+      const MeshError mesh = MeshErrorTask(*scene.scene, MeshErrorTask::When::at_the_end).get();
+      made->summary.error.mesh = {mesh.error, mesh.positions, measured_by(mesh)};
+    }
   }
   failure->throw_again();
   return made;

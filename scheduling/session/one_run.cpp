@@ -59,6 +59,17 @@ void note_no_cells(const SessionPlan& plan, SessionResult& result) {
     result.notes.push_back(solved);
 }
 
+// Workers finish what they have begun when the loop ends, so files hold more states than the last frame knew.
+void note_late_states(SessionResult& result) {
+  if (result.frames.empty()) return;
+  const std::size_t all = result.counts.start + result.counts.solved, seen = result.frames.back().known;
+  if (all <= seen) return;
+  result.notes.push_back(fmt::format(
+      "{} of the {} solved states came after the last frame, which knew {}: states.csv and the file of "
+      "states hold them; pictures and the replay of the run leave out what came too late for them",
+      all - seen, result.counts.solved, seen));
+}
+
 // Passes each position on to the caller.
 class PositionTeller final : public FrameStage {
  public:
@@ -144,6 +155,7 @@ SessionResult run_and_judge(const SessionPlan& plan, ReferenceService& reference
   if (inputs) inputs->close();
   if (inputs && inputs->failure()) result.failures.push_back(*inputs->failure());
   if (hooks.when_run) hooks.when_run(result);
+  note_late_states(result);
   note_stiffness(plan.device->limits(), to_text(plan.options.motion.device), result);
   pipeline.pass_rest(result.frames, result.states);
   try {

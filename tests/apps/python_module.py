@@ -127,6 +127,9 @@ class LikeTheCommand(unittest.TestCase):
         count = len(made.frames)
         self.assertTrue(np.array_equal(made.frames["sent"], sent[:count]))
         self.assertEqual(made.summary["error"], table["summary"]["error"])
+        for key in ("discretisation_error", "discretisation_positions"):
+            self.assertEqual(made.summary[key], table["summary"][key])
+        self.assertGreater(made.summary["discretisation_error"], 0)
         self.assertEqual(len(made.dispatches), len(table["dispatches"]["id"]))
 
 

@@ -180,6 +180,9 @@ TEST_CASE(
   REQUIRE(gantt.code == 0);
   CHECK_THAT(file_text(shop, "out/cell-0001/gantt.svg"),
              Catch::Contains("half: never used") && Catch::Contains(">safe<"));
+  const std::string summary = file_text(shop, "out/cell-0001/summary.json");
+  CHECK(nlohmann::json::parse(summary)["discretisation_error"].get<double>() >
+        0);  // measured, not "not measured"
   REQUIRE(shop.forefeel("study study.toml -o out --quiet --gantt 1 --palette grey --figures pdf").code == 0);
   CHECK_THAT(file_text(shop, "out/cell-0001/gantt.svg"), Catch::Contains("47,  47,  47"));  // grey's safe
   CHECK_THAT(file_text(shop, "out/cell-0001/gantt.pdf"), Catch::StartsWith("%PDF"));
@@ -214,11 +217,12 @@ TEST_CASE("a session's figures become files; a palette colours them, its report 
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const std::string session =
-      "session beam.toml --clock virtual --seconds 0.5 --device path:circle,speed=0.04 --cost constant:0.02 --quiet ";
+      "session beam.toml --clock virtual --seconds 0.5 --device path:circle,speed=0.04 --cost constant:0.02 "
+      "--quiet ";
   REQUIRE(shop.forefeel(session + "-o usual").code == 0);
   REQUIRE(shop.forefeel(session + "-o run --figures pdf,svg --palette grey").code == 0);
   CHECK(!std::filesystem::exists(shop.path() / "usual/figures"));
-  for (const char* name : {"time", "slices"}) {
+  for (const char* name : {"time", "slice"}) {
     CHECK_THAT(file_text(shop, std::string("run/figures/") + name + ".pdf"), Catch::StartsWith("%PDF"));
     CHECK_THAT(file_text(shop, std::string("run/figures/") + name + ".svg"), Catch::Contains("<svg"));
   }

@@ -60,3 +60,20 @@ TEST_CASE("what a policy does against its contract is told by the study too") {
   REQUIRE(!notes.empty());
   CHECK_THAT(notes.back(), Catch::StartsWith("2 of 4 cells: policy infinite gave priorities"));
 }
+
+TEST_CASE("states that come after the last frame are said, with the number that the last frame knew") {
+  SessionOptions options = virtual_options(0.3);
+  options.clock.kind = Clock::real;
+  options.workers = {};
+  const SessionResult result = run_session(small_input(Law::neo_hookean), options);
+  REQUIRE(!result.frames.empty());
+  const std::size_t all = result.counts.start + result.counts.solved, seen = result.frames.back().known;
+  Lines found;
+  for (const std::string& note : result.notes)
+    if (note.find("came after the last frame") != std::string::npos) found.push_back(note);
+  INFO(all << " states, the last frame knew " << seen);
+  CHECK(found.size() == (all > seen ? 1 : 0));
+  if (all > seen)
+    CHECK_THAT(found.front(), Catch::StartsWith(std::to_string(all - seen) + " of the ") &&
+                                  Catch::Contains("which knew " + std::to_string(seen)));
+}
