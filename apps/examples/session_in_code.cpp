@@ -20,7 +20,7 @@ int main() {
   options.clock = {.kind = Clock::virtual_time, .seconds = 2};
   options.motion.device = PathMotion{.path = PathName::circle, .speed = 0.04};  // [m/s]
   options.workers.count = 3;
-  options.workers.cost = ConstantCost{.seconds = 0.05};  // of a simulated solve
+  options.workers.cost = ConstantCost{.seconds = 0.3};  // of a simulated solve: the hand gets ahead of it
   options.model.fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
 
   // 3. The run. Its result holds every frame; the summary holds the statistics.
