@@ -88,6 +88,50 @@ nlohmann::ordered_json document_of(const ClassifyArguments& arguments, const Cla
   return out;
 }
 
+}  // namespace
+
+std::vector<Declared> declared_classified_json() {
+  return {{"labels", "", "", "list: safe, sparse, gap or blank of each point"},
+          {"spread", "m", "", "list: of each point; null: infinite"},
+          {"alpha", "m", "", "list: circumradius; null: infinite"},
+          {"delta", "m", "", "list: distance to the nearest state"},
+          {"gamma_deg", "degrees", "", "list: half-angle of the largest empty cone; null: not needed"},
+          {"volume.LABEL", "m^3", "", "of the box"},
+          {"components.LABEL", "", "", "connected regions"},
+          {"gaps", "", "", "list, largest first"},
+          {"gaps[].volume", "m^3", "", "of one gap region"},
+          {"gaps[].inner", "m", "", "a place inside it"},
+          {"gaps[].safe_components", "", "", "list: numbers of the safe regions that it touches"},
+          {"gaps[].sides", "", "", "list: the sides of the bridge"},
+          {"gaps[].sides[].direction", "1", "", "towards known states"},
+          {"gaps[].sides[].half_angle_deg", "degrees", "", "of the cone that they fill"},
+          {"gaps[].sides[].distance", "m", "", "to the nearest of them"},
+          {"gaps[].sides[].states", "", "", "their number"},
+          {"gaps_left_out", "", "", "gaps beyond those listed"},
+          {"fill_distance", "m", "", "largest distance of a place of the box to its nearest state, as found"},
+          {"fill_distance_bound", "m", "", "an upper bound of it"},
+          {"largest_hole.radius", "m", "", "of the largest empty ball; null: none"},
+          {"largest_hole.centre", "m", "", "its centre"},
+          {"states", "", "", "usable"},
+          {"unusable", "", "", "failed solves in the file"},
+          {"spacing", "m", "", "that counts as dense"},
+          {"spacing_estimated", "", "", "true: the median distance of the states, since the file has none"},
+          {"box", "m", "", "low and high corner"},
+          {"index", "", "", "delaunay or octree"},
+          {"adaptive", "", "", "true: the spacing varies from place to place"},
+          {"agreement.share", "1", "",
+           "with --agreement: share of the volume where both indexes agree, common blank left out"},
+          {"agreement.worst", "", "", "with --agreement: labels and volume of the largest disagreement"},
+          {"agreement.worst.KEY", "", "", "the same"},
+          {"agreement.volume_delaunay_octree.LABEL.LABEL", "m^3", "",
+           "with --agreement: by the label of each index"},
+          {"leaves", "", "", "of the octree of regions"},
+          {"seconds", "s", "", "time to label"},
+          {"peak_bytes", "bytes", "", "largest memory of the process"}};
+}
+
+namespace {
+
 std::string millimetres(double metres) {
   return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres);
 }

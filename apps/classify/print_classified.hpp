@@ -19,4 +19,6 @@ struct ClassifiedPoints {
 void print_classified(const Globals& globals, const ClassifyArguments& arguments,
                       const ClassifiedPoints& result);
 
+std::vector<Declared> declared_classified_json();  // its keys, without those of error bars
+
 }  // namespace forefeel

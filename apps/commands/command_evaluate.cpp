@@ -15,6 +15,7 @@
 #include "approx/evaluate/evaluate.hpp"
 #include "apps/classify/offline_bars.hpp"
 #include "apps/commands/commands.hpp"
+#include "apps/commands/evaluate_json.hpp"
 #include "apps/commands/help_topics.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
@@ -139,21 +140,6 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   return known;
 }
 
-// What `forefeel evaluate` prints.
-struct EvaluateResult {
-  std::vector<Vec3> points;
-  Evaluation found;
-  std::optional<Belonging> belonging;
-  std::optional<MeshError> mesh;
-
-  // The error to expect, relative to the largest of the forces; unknown where no model was chosen.
-  double shown() const {
-    double largest = 0;
-    for (const Vec3& f : found.made.forces) largest = std::max(largest, f.norm());
-    return found.chosen && largest > 0 ? found.chosen->p95 / largest : unknown;
-  }
-};
-
 EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
   EvaluateOptions options = options_of(arguments);
   EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
@@ -177,72 +163,6 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   if (result.found.repeated.contradicting > 0)
     warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;
-}
-
-// The settings of the method; null if it has no such setting.
-void describe(nlohmann::ordered_json& document, const Evaluation& result) {
-  const ModelOptions& model = result.options.model;
-  const bool moving = result.method == Method::rbf, offline = result.method == Method::offline_rbf,
-             network = result.method == Method::rbf_network;
-  const auto if_so = [&](const char* key, bool so, nlohmann::ordered_json value) {
-    document[key] = so ? std::move(value) : nlohmann::ordered_json();
-  };
-  if_so("kernel", moving || offline || network, name(network ? Kernel::cubic : model.kernel));
-  if_so("data", true, name(moving || offline ? model.data : Data::force));
-  if_so("neighbours", moving, model.neighbours);
-  if_so("centres", network, result.options.centres);
-  if_so("select", moving, name(model.select));
-  if_so("ridge", moving || offline, model.ridge);
-}
-
-// Describes the chosen model; null if none was chosen, or if there are too few states for a choice.
-void describe_choice(nlohmann::ordered_json& document, const Evaluation& result) {
-  document["chosen"] = nullptr;
-  document["expected_error"] = nullptr;
-  if (!result.chosen) return;
-  const ModelOptions& model = result.options.model;
-  document["chosen"] = {{"kernel", name(model.kernel)}, {"neighbours", model.neighbours},
-                        {"ridge", model.ridge},         {"all_states", result.chosen->all},
-                        {"select", name(model.select)}, {"data", name(model.data)}};
-  document["expected_error"] = {{"p50", number(result.chosen->p50)},
-                                {"p95", number(result.chosen->p95)},
-                                {"positions", result.chosen->positions},
-                                {"groups", result.chosen->groups},
-                                {"beyond", result.chosen->beyond}};
-}
-
-nlohmann::ordered_json to_json(const EvaluateResult& evaluated) {
-  const Evaluation& result = evaluated.found;
-  nlohmann::ordered_json document;
-  document["forces"] = nlohmann::ordered_json::array();
-  document["labels"] = nlohmann::ordered_json::array();
-  for (const Vec3& f : result.made.forces) document["forces"].push_back(vector3(f));
-  for (const Label label : result.made.labels) document["labels"].push_back(name(label));
-  document["kernels"] = result.made.kernels;
-  document["stepped_down"] = result.made.stepped_down;
-  document["fit_us"] = number(result.fit_us);
-  document["evaluate_ns"] = number(result.evaluate_ns);
-  document["fitted"] = result.made.fitted;
-  document["updated"] = result.made.updated;
-  document["reused"] = result.made.reused;
-  document["method"] = result.chosen ? "auto" : name(result.method);
-  describe(document, result);
-  describe_choice(document, result);
-  if (result.bars) describe_bars(document, result.bars);
-  add_to(document, evaluated.mesh.value_or(MeshError{.why = "no scene is given"}));
-  document["spacing"] = number(result.options.spacing);
-  document["averaged"] = result.repeated.averaged;
-  document["largest_difference"] = result.repeated.largest_difference;
-  document["belonging"] = nullptr;
-  if (evaluated.belonging) document["belonging"] = name(*evaluated.belonging);
-  for (const char* key : {"force_bounds", "tangent_from", "held_from"})
-    document[key] = nlohmann::ordered_json::array();
-  for (const Reach& reach : result.made.reach) {
-    document["force_bounds"].push_back(number(reach.bound));
-    document["tangent_from"].push_back(number(reach.tangent));
-    document["held_from"].push_back(number(reach.held));
-  }
-  return document;
 }
 
 // ", quintic on force+stiffness, 25 neighbours"

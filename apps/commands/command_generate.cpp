@@ -14,6 +14,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/commands/generate_error.hpp"
 #include "apps/commands/generate_memory.hpp"
+#include "apps/commands/json_keys.hpp"
 #include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
@@ -247,6 +248,24 @@ int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
 }
 
 }  // namespace
+
+std::vector<Declared> declared_generate_json() {
+  return {{"states", "", "", "usable states in the file"},
+          {"solved", "", "", "of this run"},
+          {"inverted", "", "", "states with inverted elements in the file"},
+          {"failed", "", "", "solves that failed"},
+          {"resumed", "", "", "states that were in the file before"},
+          {"seconds", "s", "", "time of the run"},
+          {"states_per_second", "1/s", "", "solved in this run"},
+          {"threads", "", "", "that solved"},
+          {"ranks.solving", "", "", "with --mpi: ranks that solved"},
+          {"ranks.lost", "", "", "with --mpi: ranks that answered no more"},
+          {"error_estimate", "1", "", "null: only with --error"},
+          {"interrupted", "", "", "true: some positions are left; the same command resumes"},
+          {"spacing", "m", "", "of the lattice"},
+          {"spacing_auto", "", "", "with spacing = auto: how it was chosen"},
+          {"spacing_auto.KEY", "", "", "the same"}};
+}
 
 void add_generate(CommandLine& line) {
   const auto arguments = std::make_shared<GenerateArguments>();

@@ -10,6 +10,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/extent.hpp"
+#include "apps/commands/json_keys.hpp"
 #include "apps/commands/mesh_labels.hpp"
 #include "apps/commands/mesh_study.hpp"
 #include "apps/console/console.hpp"
@@ -264,6 +265,33 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 }
 
 }  // namespace
+
+std::vector<Declared> declared_mesh_json() {
+  return {
+      {"nodes", "", "", "number of nodes"},
+      {"elements", "", "", "number of tetrahedra"},
+      {"volume", "m^3", "", "of the mesh"},
+      {"min_dihedral_deg", "degrees", "", "least angle between two faces of a tetrahedron"},
+      {"max_dihedral_deg", "degrees", "", "largest"},
+      {"hausdorff", "m", "", "distance between the surface of the mesh and the input; null: not measured"},
+      {"volume_change", "1", "", "volume of the mesh over that of the input, less 1; null: not measured"},
+      {"repaired", "", "", "empty where no surface was repaired"},
+      {"repaired.self_intersections", "", "", "pairs of triangles that intersected"},
+      {"repaired.holes", "", "", "holes that were closed"},
+      {"repaired.components", "", "", "connected parts of the input"},
+      {"repaired.reoriented", "", "", "true: triangles were turned"},
+      {"repaired.wrapped", "", "", "true: the surface was wrapped anew, since it could not be repaired"},
+      {"repaired.triangles_before", "", "", "of the input"},
+      {"repaired.triangles_after", "", "", "of the repaired surface"},
+      {"min_tet_volume", "m^3", "", "of the smallest tetrahedron"},
+      {"longest_side", "m", "", "of the bounding box"},
+      {"box", "m", "", "low and high corner"},
+      {"surface_triangles", "", "", "of the mesh"},
+      {"groups.NAME", "", "", "nodes of each named set; groups is empty without sets"},
+      {"groups", "", "", "object of the named sets"},
+      {"file", "", "", "that was written"},
+      {"warnings", "", "", "list of lines"}};
+}
 
 void add_mesh(CommandLine& line) {
   auto arguments = std::make_shared<MeshArguments>();

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/json_keys.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
@@ -241,6 +242,23 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
 }
 
 }  // namespace
+
+std::vector<Declared> declared_solve_json() {
+  return {{"states[].at", "m", "", "HIP position"},
+          {"states[].force", "N", "", "force of the body on the tip"},
+          {"states[].stiffness", "N/m", "", "rows of K = -df/dx"},
+          {"states[].energy", "J", "", "stored energy"},
+          {"states[].converged", "", "", "false: not an equilibrium, or one with inverted elements"},
+          {"states[].status", "", "", "converged, diverged, stalled, inverted or cancelled"},
+          {"states[].iterations", "", "", "Newton iterations"},
+          {"states[].residual", "1", "", "relative to the force"},
+          {"states[].seconds", "s", "", "time of the solve"},
+          {"states[].min_jacobian", "1", "", "least det F of all elements"},
+          {"states[].multivalued", "", "", "true: another path ends at another equilibrium"},
+          {"states[].warnings", "", "", "list of lines"},
+          {"states[].discretisation_error", "1", "",
+           "with --discretisation-error: what the mesh itself gets wrong, relative; null: not measured"}};
+}
 
 void add_solve(CommandLine& line) {
   const auto arguments = std::make_shared<SolveArguments>();

@@ -1,4 +1,5 @@
 #include "apps/commands/generate_error.hpp"
+#include "apps/commands/json_keys.hpp"
 
 #include <fmt/format.h>
 
@@ -114,6 +115,34 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
 }
 
 }  // namespace
+
+std::vector<Declared> declared_placement_json() {
+  return {{"states", "", "", "usable states in the file"},
+          {"most_states", "", "", "of a full lattice"},
+          {"solved", "", "", "of this run"},
+          {"inverted", "", "", "states with inverted elements in the file"},
+          {"failed", "", "", "solves that failed"},
+          {"resumed", "", "", "states that were in the file before"},
+          {"seconds", "s", "", "time of the run"},
+          {"threads", "", "", "that solved"},
+          {"error", "1", "", "E of --error"},
+          {"discretisation_error", "1", "", "what the mesh itself gets wrong, relative; null: not measured"},
+          {"discretisation_positions", "", "", "at which it was measured"},
+          {"discretisation_by", "", "", "by what, or why not"},
+          {"error_estimate", "1", "", "the least E that the estimate stays below"},
+          {"error_estimate_quantiles.p50,p95,max", "1", "", "of the estimate over the box"},
+          {"error_true.p50,p95,max", "1", "", "of the error at tight solves"},
+          {"error_true.held", "1", "", "the least E that these stay below"},
+          {"error_true.samples", "", "", "tight solves"},
+          {"error_true.on_surface", "", "", "of these, on the surface of the box"},
+          {"error_true.failed", "", "", "tight solves that failed"},
+          {"error_true.unsolved", "", "", "positions without a tight solve"},
+          {"error_true.fresh", "", "", "true: at positions that the placement has not seen"},
+          {"linear", "", "", "true: the body is linear, three solves give all"},
+          {"estimate_holds", "", "", "true: the estimate is below E"},
+          {"truth_holds", "", "", "true: the errors at tight solves are below E; null: not known"},
+          {"interrupted", "", "", "true: the same command resumes"}};
+}
 
 void check_generate_to_error(const Scene& scene) {
   try {

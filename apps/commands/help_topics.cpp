@@ -7,8 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/bench/bench_keys.hpp"
 #include "apps/classify/error_known.hpp"
 #include "apps/classify/offline_bars.hpp"
+#include "apps/classify/print_classified.hpp"
+#include "apps/commands/json_keys.hpp"
 #include "apps/commands/mesh_study.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/console/tolerance_json.hpp"
@@ -84,9 +87,16 @@ HelpTopic outputs_topic() {
   topic.tables.push_back({"NAME_left_out.vtu",
                           "What classify --bars writes beside -o NAME.vtu: forces left out.",
                           declared_left_out()});
-  topic.tables.push_back({"evaluate.json", "Of evaluate --json: error bars.", declared_bars_json()});
+  topic.tables.push_back({"solve.json", "Of solve --json.", declared_solve_json()});
   topic.tables.push_back(
-      {"classify.json", "Of classify --json: error bars and what follows.", declared_errors_json()});
+      {"mesh.json", "Of mesh --json.", joined(declared_mesh_json(), declared_labels_json())});
+  topic.tables.push_back({"generate.json", "Of generate --json.", declared_generate_json()});
+  topic.tables.push_back({"generate_error.json", "Of generate --error --json.", declared_placement_json()});
+  topic.tables.push_back(
+      {"evaluate.json", "Of evaluate --json.", joined(declared_evaluate_json(), declared_bars_json())});
+  topic.tables.push_back({"classify.json", "Of classify --json, for one set of states.",
+                          joined(declared_classified_json(), declared_errors_json())});
+  for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
   topic.tables.push_back(
       {"mesh_study.csv", "What mesh --study writes: one row a body.", declared_mesh_study()});
   return topic;

@@ -1,4 +1,5 @@
 #include "apps/commands/mesh_labels.hpp"
+#include "apps/commands/json_keys.hpp"
 
 #include <fmt/format.h>
 
@@ -68,6 +69,17 @@ LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, cons
   body.mesh = mesh_labels(volume, options, body.report,
                           [&](const LabelMeshProgress& p) { progress.show(in_words(p)); });
   return body;
+}
+
+std::vector<Declared> declared_labels_json() {
+  return {{"labels[].label", "", "", "with a label volume: the number in it"},
+          {"labels[].name", "", "", "of its group of elements"},
+          {"labels[].elements", "", "", "tetrahedra"},
+          {"labels[].volume", "m^3", "", "of these"},
+          {"labels[].voxels", "", "", "in the volume"},
+          {"labels[].voxel_volume", "m^3", "", "of these"},
+          {"labels[].parts", "", "", "connected parts of the voxels"},
+          {"labels[].touches_border", "", "", "true: the label reaches the border of the volume"}};
 }
 
 nlohmann::ordered_json labels_json(const LabelMeshReport& report) {
