@@ -22,7 +22,8 @@
 // real one): look() once; prioritise() for all candidates; after each dispatch pend(), then prioritise()
 // again for the candidates that may be dispatched next. Preemption calls pend() and priority() for single
 // candidates.
-// Thread: the planner's alone. It may allocate. Its time delays every decision: keep a step well below a
+// Thread: the planner's alone. It may allocate, lock and throw; an exception ends the session early and stands in
+// SessionResult::failures. Its time delays every decision: keep a step well below a
 // millisecond. Under the virtual clock the result must depend on the arguments of these calls and the seed
 // alone, so that runs repeat bit by bit.
 
@@ -81,8 +82,9 @@ class Policy {
   // Whether PlannerView::predicted must hold the true motion instead of a prediction. This requires a motion
   // that does not depend on the force; the session refuses other devices.
   virtual bool reads_future() const { return false; }
-  // The worth of solving the candidate next: finite, not negative; the largest is solved first. Preemption
-  // compares ratios of priorities.
+  // The worth of solving the candidate next: finite, at least 0; the largest is solved first. Preemption compares
+  // ratios of priorities. Other values do not end the session: they are ranked as they compare, NaN last, and a note of
+  // the result counts them.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
   // The highest priority that a candidate can still have after more states became pending in the same step,
   // given its present one. A larger argument must not give a smaller result. If it returns the priority itself, only the
@@ -99,6 +101,8 @@ using PolicySpec = Registered;
 using PolicyFactory = std::function<std::unique_ptr<Policy>(FactoryContext&)>;
 
 // May be called from any thread, and before main() begins. InputError for a name that is taken.
+// The factory is called several times for a session, to check it and to run it, from the threads of make_plan() and
+// run_session(). What it throws becomes an InputError that names the policy.
 void register_policy(const std::string& name, PolicyFactory factory);
 std::vector<std::string> policy_names();    // sorted
 std::vector<Declared> declared_policies();  // with their meanings, for `forefeel help`

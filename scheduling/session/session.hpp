@@ -13,6 +13,11 @@
 //
 // Policy, predictor, device, cost model and workers may be given as objects in input.parts. They replace
 // those named in the options.
+//
+// Threads. run_session() returns when the session is over. Virtual clock: device, policy, predictor and cost model are
+// called from the caller's thread. Real clock: the device from the loop's thread; policy, predictor, dispatch() and
+// collect() of the workers from the planner's; serve() of the workers from the caller's and its OpenMP team.
+// hooks.progress is called from the thread that works, hooks.each_position from one of its own. Hooks must not throw.
 
 #include "scheduling/session/session_hooks.hpp"
 #include "scheduling/session/session_plan.hpp"

@@ -1,5 +1,10 @@
 #pragma once
 // Everything that is fixed before the first frame of a session. It is checked and made once.
+//
+// All functions work in the caller's thread and may be called from several threads at once for different plans. A plan
+// is a value that nothing changes; copies share the device, the other parts given as objects and the references. Plans
+// that share such parts must not run at the same time, because parts keep state. Registered parts other than the device
+// are made anew for each run, so their factories are called again by run_session().
 
 #include <filesystem>
 #include <memory>
@@ -11,7 +16,8 @@
 namespace forefeel {
 
 // Makes the plan and reads the files of motion and arrivals, once. Throws InputError for anything that cannot
-// run: unknown names, a bad trace, no workers … Solves and writes nothing.
+// run: unknown names, a bad trace, no workers, a factory that throws … Throws nothing else but std::bad_alloc and what
+// parts given as objects throw. Solves and writes nothing.
 SessionPlan make_plan(SessionInput input, SessionOptions options);
 
 // The same session, with these states known at the start in addition to those of the plan.
