@@ -46,6 +46,8 @@ std::vector<Declared> solver_rows() {
           {"baseline_iterations", "", "", "mean of CHOLMOD's full Newton"},
           {"baseline_failed", "", "", "solves of baselines that failed"},
           {"peak_bytes", "bytes", "", "largest memory of the process"},
+          {"bytes_per_thread", "bytes", "", "of a solving thread"},
+          {"cholmod_factor_bytes", "bytes", "", "of the factor of CHOLMOD"},
           {"rows[].ours_bytes,baseline_bytes", "bytes", "", "with --states 1: memory of one state"},
           {"rows[].ours_analysis_us,baseline_analysis_us", "us", "", "with --states 1: symbolic analysis"},
           {"rows[].ours_iterations,baseline_iterations", "", "", "with --states 1: Newton iterations"}};
