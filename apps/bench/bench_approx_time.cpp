@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "approx/bar/error_scale.hpp"
 #include "approx/baselines/baseline.hpp"
 #include "geometry/common/quantiles.hpp"
 
@@ -127,6 +128,34 @@ class ModelTiming {
           return f;
         },
         at, m);
+    if (n <= 25) time_bars(model, at, m);
+  }
+
+  // The force with its three error bars, as each frame of the loop evaluates them (scheduling/render/bar_link.hpp),
+  // against the force alone. The bars cost the difference.
+  void time_bars(const Model& model, const std::vector<Vec3>& at, const Measured& m) {
+    constexpr int repeats = 400;
+    std::vector<State> states(std::min(m.n, ErrorScale::most));
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      states[i].at = pool_[i].at;
+      states[i].force = pool_[i].force;
+      states[i].stiffness = pool_[i].stiffness;
+    }
+    const ErrorScale scale(states, case_.options.spacing);
+    const Vec3 factors(1.1, 1.6, 3.0);  // any numbers
+    const auto barred = [&](const Vec3& x) {
+      const Vec3 force = model.force(x);
+      const double s = scale.at(x, force), residual = 1e-3 * s;
+      return Vec3(std::hypot(factors[0] * s, residual), std::hypot(factors[1] * s, residual),
+                  std::hypot(factors[2] * s, residual) + force.sum());
+    };
+    std::vector<double> with, without;
+    for (int block = 0; block < 25 * blocks; ++block) {
+      with.push_back(evaluation_us(globals_, barred, at, repeats));
+      without.push_back(evaluation_us(
+          globals_, [&](const Vec3& x) { return model.force(x); }, at, repeats));
+    }
+    row("evaluate with bars", m, "force alone", with, without, std::nullopt);
   }
 
   template <class Scalar>
