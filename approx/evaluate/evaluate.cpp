@@ -150,12 +150,24 @@ std::vector<double> distances(const StateSpace& space, std::span<const Vec3> poi
 }
 
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
-                      const EvaluatedPoints& made, const OfflineBarOptions& options) {
-  EvaluatedBars bars{.at = {}, .measured = measure_bars(states, options)};
+                      const EvaluatedPoints& made, const OfflineBarOptions& options,
+                      const EvaluateOptions& given) {
+  const auto checked = [&](const Vec3& x) { return given.checked.contains(x); };
+  EvaluatedBars bars{.at = {}, .measured = checked_bars(space, given.checks, options)};
+  OfflineBars left_out;
+  if (!bars.measured.checked())
+    bars.measured = measure_bars(states, options);
+  else if (!std::ranges::all_of(points, checked))
+    left_out = measure_bars(states, options);
   double farthest = 0;
   for (const BarSample& s : bars.measured.samples()) farthest = std::max(farthest, s.away);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    bars.at.push_back(bars.measured.at(made.labels[i], scale_at(space, points[i], made.forces[i])));
+    if (bars.measured.checked() && checked(points[i])) {
+      bars.at.push_back(bars.measured.at(made.labels[i], checked_scale(made.forces[i])));
+      continue;
+    }
+    const OfflineBars& own = bars.measured.checked() ? left_out : bars.measured;
+    bars.at.push_back(own.at(made.labels[i], scale_at(space, points[i], made.forces[i])));
     bars.beyond += options.away[i] > farthest ? 1 : 0;
   }
   return bars;
@@ -211,7 +223,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
                            .spacing = result.options.spacing,
-                           .away = away});
+                           .away = away},
+                          options);
   result.fit_us = median(result.made.fit_us);
   result.evaluate_ns = median(result.made.evaluate_ns);
   return result;

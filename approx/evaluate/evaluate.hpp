@@ -36,6 +36,9 @@ struct EvaluateOptions {
   bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
   bool bars = false;          // error bars of each point, for method rbf only (judge/offline_bar.hpp)
   double spacing = unknown;   // h [m]; unknown: the median distance of the states
+  // Solves that are no states, drawn evenly from a box: within it, bars come from their errors.
+  std::span<const State> checks = {};
+  Box checked = {};                           // [m]
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
 

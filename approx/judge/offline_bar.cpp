@@ -8,12 +8,13 @@
 #include "approx/judge/left_out.hpp"
 #include "approx/select/updater.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/common/tolerance.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t least_states = 8, least_of_label = 30, most_samples = 800;
+constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 
@@ -85,32 +86,50 @@ Model model_of_all(const StateSpace& known, const ModelOptions& options) {
   return fit_model(states, options, middle);
 }
 
+// The model of some known states at one place after the other.
+class KnownModel {
+ public:
+  KnownModel(const StateSpace& known, const OfflineBarOptions& options)
+      : known_(known), all_(options.all), updater_(known, fewer(options.model, known)) {
+    if (all_) model_ = model_of_all(known, options.model);
+  }
+  BarSample sample(const State& held) {
+    if (!all_) {
+      updater_.forget();
+      updater_.update(held.at, model_);
+    }
+    const Vec3 force = model_.force(held.at);
+    const Coverage coverage = known_.coverage(held.at);
+    return {.at = held.at,
+            .force = held.force.norm(),
+            .predicted = force.norm(),
+            .label = coverage.label,
+            .spread = coverage.spread,
+            .away = coverage.delta,
+            .scale = scale_at(known_, held.at, force),
+            .error = (force - held.force).norm()};
+  }
+
+ private:
+  static ModelOptions fewer(ModelOptions model, const StateSpace& known) {
+    model.neighbours = std::min(model.neighbours, known.size());
+    return model;
+  }
+  const StateSpace& known_;
+  bool all_;
+  ModelUpdater updater_;
+  Model model_;
+};
+
 // Every `stride`-th force left out of one trial.
 std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const OfflineBarOptions& options,
                                   std::size_t stride) {
-  ModelOptions fit = options.model;
-  fit.neighbours = std::min(fit.neighbours, trial.known->size());
-  ModelUpdater updater(*trial.known, fit);
-  Model model;
-  if (options.all) model = model_of_all(*trial.known, options.model);
+  KnownModel model(*trial.known, options);
   std::vector<BarSample> samples;
   for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
-    const State& held = trial.held[i];
-    if (!options.all) {
-      updater.forget();
-      updater.update(held.at, model);
-    }
-    const Vec3 force = model.force(held.at);
-    const Coverage coverage = trial.known->coverage(held.at);
-    const BarSample sample{.at = held.at,
-                           .force = held.force.norm(),
-                           .predicted = force.norm(),
-                           .label = coverage.label,
-                           .spread = coverage.spread,
-                           .away = trial.away[i],
-                           .scale = scale_at(*trial.known, held.at, force),
-                           .error = (force - held.force).norm(),
-                           .part = part};
+    BarSample sample = model.sample(trial.held[i]);
+    sample.away = trial.away[i];
+    sample.part = part;
     if (std::isfinite(sample.scale) && std::isfinite(sample.error)) samples.push_back(sample);
   }
   return samples;
@@ -171,6 +190,39 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
   std::vector<BarSample> samples;
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
   return OfflineBars(std::move(samples));
+}
+
+double checked_scale(const Vec3& force) {
+  return std::max(force.norm(), Tolerance().floor);
+}
+
+OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
+                         const OfflineBarOptions& options) {
+  OfflineBars bars;
+  if (checks.size() < least_checks || known.empty()) return bars;
+  KnownModel model(known, options);
+  std::vector<double> scores;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    BarSample sample = model.sample(checks[i]);
+    sample.scale = std::max(sample.predicted, Tolerance().floor);
+    sample.part = static_cast<std::uint32_t>(i);
+    if (!std::isfinite(sample.error)) continue;
+    bars.samples_.push_back(sample);
+    scores.push_back(sample.error / sample.scale);
+  }
+  std::vector<double> others;
+  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+    for (BarWidths& factors : bars.factors_)
+      factors[level] = quantile_of(scores, bar_levels[level], QuantileRule::inverted_cdf);
+    for (std::size_t i = 0; i < scores.size(); ++i) {  // each with the factor of the others
+      others = scores;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      bars.samples_[i].bar[level] =
+          bars.samples_[i].scale * quantile_of(others, bar_levels[level], QuantileRule::inverted_cdf);
+    }
+  }
+  bars.checked_ = true;
+  return bars;
 }
 
 double scale_at(const StateSpace& space, const Vec3& x, const Vec3& force) {

@@ -8,6 +8,10 @@
 // (bar/error_scale.hpp), from the 16 states nearest to x. b [N]: the part of the error that does not shrink near a
 // state, such as noise. b is 0, 0.1, 0.3, 1 or 3 times the median error: the value whose bars of 95 % have the least
 // interval score (Gneiting, Raftery 2007, Eq. 43).
+// Where solves at random places of a box are given that are no states (check solves), their errors are the scores, and
+//   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)
+// A set made to hold an error E at 95 % of the box (scheduling/placement) so has bars of 95 % of at most E in all of it.
+//
 // A label uses the scores of all labels if it has fewer than 30 of its own, or too few for a level. If all labels
 // together have too few, the bar is infinite: a level p needs p / (1 - p) scores, 99 of them for 99 %.
 
@@ -43,6 +47,8 @@ struct BarCover {
   double width_p50 = unknown;                                               // median half-width of 95 % [N]
 };
 
+struct OfflineBarOptions;
+
 class OfflineBars {
  public:
   OfflineBars() = default;  // without samples: all bars are infinite
@@ -50,11 +56,15 @@ class OfflineBars {
 
   BarWidths at(Label label, double scale) const;  // scale: s(x) [N]
   double constant() const { return constant_; }   // b [N]
+  bool checked() const { return checked_; }       // from check solves
   std::span<const BarSample> samples() const { return samples_; }
   BarCover cover(std::optional<Label> label = {}) const;  // of all, or of one label
 
  private:
+  friend OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
+                                  const OfflineBarOptions& options);
   std::vector<BarSample> samples_;
+  bool checked_ = false;
   double constant_ = 0;
   std::array<BarWidths, 4> factors_{};  // by label
 };
@@ -70,6 +80,11 @@ struct OfflineBarOptions {
 
 // states: usable ones, one at each position. No samples with fewer than 8 states or 3 groups.
 OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options);
+
+// The same from check solves; no samples with fewer than 20.
+OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
+                         const OfflineBarOptions& options);
+double checked_scale(const Vec3& force);  // s(x) [N]
 
 // s(x) [N] of a model with the force f~(x) [N], from the states of a space nearest to x.
 double scale_at(const StateSpace& space, const Vec3& x, const Vec3& force);

@@ -40,6 +40,8 @@ struct Classified {
   double spacing = unknown;  // [m]
   bool spacing_estimated = false;
   Box box;
+  std::vector<State> checks;              // check solves (check_solves.hpp), from places of `checked`
+  Box checked;                            // [m]
   std::unique_ptr<CoverageMap> map;       // index delaunay, one spacing
   std::unique_ptr<StateSpace> space;      // index delaunay, where it is needed
   std::unique_ptr<OctreeIndex> octree;    // index octree
@@ -65,7 +67,9 @@ constexpr double largest_spacing = 1e6;  // [m]; larger values may overflow when
 struct OwnFrame {
   double spacing = unknown;
   std::optional<Box> box = std::nullopt;
-  BodyIdentity identity = {};  // known for a state file only
+  BodyIdentity identity = {};      // known for a state file only
+  std::vector<State> checks = {};  // check solves, from places of `checked`
+  Box checked = {};                // [m]
 };
 struct StatesInFrame {
   std::vector<State> states;

@@ -24,6 +24,7 @@
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
 #include "geometry/index/morton_order.hpp"
+#include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_file.hpp"
 #include "solver/body/body.hpp"
 
@@ -236,6 +237,8 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   std::erase_if(states, [](const State& s) { return !s.usable() || !s.at.allFinite(); });
   result.unusable = all - states.size();
   result.states = std::move(states);
+  result.checks = own.checks;
+  result.checked = own.checked;
   result.spacing = arguments.spacing.value_or(unknown);
   bool have_box = !arguments.box.empty();
   if (!arguments.scene.empty()) {
@@ -317,7 +320,8 @@ StatesInFrame load_set(const std::string& file) {
     LoadedStates loaded = load_states(file);
     if (loaded.damaged > 0) warn({}, damage_in_words(file, loaded.damaged));
     set.states = std::move(loaded.states);
-    set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity};
+    set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity, check_solves(loaded.header),
+               loaded.header.box};
     return set;
   }
   const SetupOptions options;

@@ -50,7 +50,8 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
                        const std::vector<Vec3>& points) {
   ErrorKnown known;
   known.tolerance = tolerance_of(globals, arguments);
-  const EvaluateOptions options{.bars = true, .spacing = set.spacing};
+  const EvaluateOptions options{
+      .bars = true, .spacing = set.spacing, .checks = set.checks, .checked = set.checked};
   const std::vector<Vec3> places = halton_points(set.box, arguments.bars ? box_places : 1);
   known.box = evaluate(set.states, places, options);
   known.places = places.size();
@@ -58,7 +59,10 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   if (arguments.bars && !points.empty()) known.points = evaluate(set.states, points, options);
   if (!known.box.bars) return known;
   const std::span<const BarSample> samples = known.box.bars->measured.samples();
-  known.left_out = known_within(samples, known.tolerance);
+  std::vector<BarSample> called(samples.begin(), samples.end());
+  if (known.box.bars->measured.checked())  // one factor for all, as at the places
+    for (BarSample& s : called) s.bar = known.box.bars->measured.at(s.label, s.scale);
+  known.left_out = known_within(called, known.tolerance);
   known.advice = advise_spacing(samples, known.tolerance, arguments.coverage.safe_spread);
   return known;
 }
@@ -95,7 +99,8 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
                   100 * double(found.places_within) / double(found.places), found.places);
   const KnownWithin& left = found.left_out;
   if (left.called > 0)
-    text += fmt::format("; of {} forces left out that count as known so, {:.1f} % are", left.called,
+    text += fmt::format("; of {} forces {} that count as known so, {:.1f} % are", left.called,
+                        found.box.bars->measured.checked() ? "solved as a check" : "left out",
                         100 * double(left.true_ones) / double(left.called));
   answer(globals, text + " (bar of 95 %)");
 }

@@ -64,6 +64,7 @@ void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
   Json out = cover_json(bars->measured.cover());
   out["levels"] = bar_levels;
   out["beyond"] = bars->beyond;
+  out["checked"] = bars->measured.checked();
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
     out["by_label"][std::string(name(label))] = cover_json(bars->measured.cover(label));
   document["error_bar"] = out;
@@ -73,8 +74,8 @@ std::string bars_in_words(const EvaluatedBars& bars) {
   const BarCover all = bars.measured.cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
   std::string text =
-      fmt::format("error bars of 90/95/99 %: {} of {} known forces, left out in groups, lie inside",
-                  shares(all), all.samples);
+      fmt::format("error bars of 90/95/99 %: {} of {} known forces, {}, lie inside", shares(all), all.samples,
+                  bars.measured.checked() ? "solved as a check" : "left out in groups");
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
@@ -112,6 +113,10 @@ std::vector<Declared> declared_bars_json() {
        "share of them inside their bars, each bar from the other groups"},
       {"error_bar.width_p50", "N", "", "median half-width of 95 % of their bars"},
       {"error_bar.by_label.LABEL", "", "", "samples, coverage and width_p50 of one label"},
+      {"error_bar.checked", "", "",
+       "true: within their box, the bars come from the check solves of generate --error, not from forces "
+       "left "
+       "out"},
       {"error_bar.beyond", "1", "", "points farther from the states than any force left out"}};
 }
 

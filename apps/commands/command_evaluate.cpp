@@ -25,6 +25,7 @@
 #include "apps/scene_input/spacing_check.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
 
@@ -112,6 +113,8 @@ std::vector<Vec3> read_points(const std::string& file) {
 struct KnownStates {
   std::vector<State> states = {};
   double spacing = unknown;  // [m]
+  std::vector<State> checks = {};
+  Box checked = {};  // [m]
   std::optional<Belonging> belonging = {};
   std::optional<MeshError> mesh = {};  // of the scene's body, unless the states are of another
 };
@@ -121,7 +124,8 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  KnownStates known{.spacing = loaded.header.spacing};
+  KnownStates known{
+      .spacing = loaded.header.spacing, .checks = check_solves(loaded.header), .checked = loaded.header.box};
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);
     for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -146,6 +150,8 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   KnownStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
   options.spacing = known.spacing;
+  options.checks = known.checks;
+  options.checked = known.checked;
   options.bars = !arguments.no_bars;
   result.belonging = known.belonging;
   result.mesh = known.mesh;

@@ -17,6 +17,7 @@
 #include "apps/console/json.hpp"
 #include "apps/scene_input/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/placement/placement.hpp"
 
@@ -181,6 +182,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
         file.append(std::span(&state, 1));
       },
       [&](const PlacementProgress& p) { show(*progress, p, error); });
+  if (!report.truth.checks.empty()) keep_checks(output, report.truth.checks);
   progress->phase("generate: the mesh itself");
   const MeshError mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
   listener = {};

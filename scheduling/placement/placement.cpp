@@ -301,6 +301,9 @@ class Placement {
         truth.size() - report_.truth.samples - report_.truth.on_surface - report_.truth.unsolved;
     report_.truth.error = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);
     report_.truth.is_fresh = !truth_decided();
+    report_.truth.checks.clear();
+    std::copy_if(truth.begin(), within, std::back_inserter(report_.truth.checks),
+                 [&](const State& state) { return usable(state) && !space_.find(state.at).valid(); });
     report_.truth.holds = !options_.stop.stop_requested() && report_.truth.error.held() <= options_.error;
     return report_.truth.holds;
   }

@@ -64,6 +64,7 @@ struct PlacementTruth {
   std::size_t unsolved = 0;    // positions not solved because of the stop
   std::size_t samples = 0;     // random positions behind `error`
   std::size_t on_surface = 0;  // more positions on the surface, for its maximum
+  std::vector<State> checks;   // the solves at the random positions that did not become states
   bool is_fresh = true;        // none of these positions influenced the placement
   bool holds = false;          // the error is at most E; also true if unchecked
   ErrorQuantiles error;

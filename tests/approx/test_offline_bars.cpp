@@ -1,6 +1,7 @@
 // Error bars without a session: measured against the true field, which the bars never see, and the choice of
 // spacing and of places known within a tolerance.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -55,6 +56,37 @@ std::array<double, 3> inside(const Known& known, const Evaluation& found, const 
 }
 
 }  // namespace
+
+// A few states that are just enough leave no room to leave some out. Solves at other places judge them directly.
+TEST_CASE("Bars from check solves hold the true force as often as they say, and are as narrow as the error") {
+  const Known known = drawn(5, 30, 400, 0, stiffening);
+  const Known drawn_checks = drawn(6, 100, 0, 0, stiffening);
+  const Box box{Vec3::Constant(-0.03), Vec3::Constant(0.03)};
+  const Evaluation left_out = evaluate(known.states, known.points, {.bars = true});
+  const Evaluation checked =
+      evaluate(known.states, known.points, {.bars = true, .checks = drawn_checks.states, .checked = box});
+  REQUIRE(checked.bars->measured.checked());
+  CHECK_FALSE(left_out.bars->measured.checked());
+  const std::array<double, 3> shares = inside(known, checked, stiffening);
+  CHECK(shares[0] > 0.81);  // three deviations of 100 checks
+  CHECK(shares[1] > 0.88);
+  CHECK(shares[2] > 0.95);
+  // The bar of 95 % is the tolerance that the checks hold: all of the box is known within it, nothing within less.
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < known.points.size(); ++i)
+    errors.push_back((checked.made.forces[i] - stiffening(known.points[i])).norm() /
+                     std::max(checked.made.forces[i].norm(), 0.05));
+  std::ranges::sort(errors);
+  const double true_95 = errors[errors.size() * 95 / 100];
+  const double bar = checked.bars->at[0][1] / std::max(checked.made.forces[0].norm(), 0.05);
+  CHECK(bar > 0.6 * true_95);
+  CHECK(bar < 1.7 * true_95);
+  for (std::size_t i = 0; i < known.points.size(); ++i) {
+    const double here = checked.bars->at[i][1], force = checked.made.forces[i].norm();
+    CHECK(here <= Tolerance{.value = 1.01 * bar}.limit(force));
+    CHECK(here > Tolerance{.value = 0.9 * bar}.limit(force));
+  }
+}
 
 TEST_CASE("Bars of drawn places hold the true force about as often as they say") {
   std::array<double, 3> mean{};

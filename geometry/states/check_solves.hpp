@@ -1,0 +1,19 @@
+#pragma once
+// Check solves: forces at random places of the box that were solved to measure the error of a finished set, and are not
+// states of it. A state file keeps them as the note "checks", one line "x,y,z,fx,fy,fz" for each [m, N].
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "geometry/states/state.hpp"
+#include "geometry/states/state_header.hpp"
+
+namespace forefeel {
+
+// Replaces the check solves of a state file by the usable ones of these. The caller holds the file open for appending.
+void keep_checks(const std::filesystem::path& file, std::span<const State> checks);
+// Empty without such a note. InputError (key "notes") for a line that does not hold six finite numbers.
+std::vector<State> check_solves(const StateFileHeader& header);
+
+}  // namespace forefeel
