@@ -138,17 +138,6 @@ StateSpace space_of(std::span<const State> states, double spacing) {
   return space;
 }
 
-// Distance from each point to its nearest state [m].
-std::vector<double> distances(const StateSpace& space, std::span<const Vec3> points) {
-  std::vector<double> away;
-  std::vector<StateId> nearest;
-  for (const Vec3& x : points) {
-    space.nearest(x, 1, nearest);
-    away.push_back((space[nearest.front()].at - x).norm());
-  }
-  return away;
-}
-
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
                       const EvaluatedPoints& made, const OfflineBarOptions& options,
                       const EvaluateOptions& given) {
@@ -159,17 +148,20 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     bars.measured = measure_bars(states, options);
   else if (!std::ranges::all_of(points, checked))
     left_out = measure_bars(states, options);
-  double farthest = 0;
-  for (const BarSample& s : bars.measured.samples()) farthest = std::max(farthest, s.away);
+  const OfflineBars& own = bars.measured.checked() ? left_out : bars.measured;
+  std::vector<SeenPlace> unchecked, held;
+  for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (bars.measured.checked() && checked(points[i])) {
-      bars.at.push_back(bars.measured.at(made.labels[i], checked_scale(made.forces[i])));
+      bars.at.push_back(bars.measured.at(made.labels[i], false, checked_scale(made.forces[i])));
       continue;
     }
-    const OfflineBars& own = bars.measured.checked() ? left_out : bars.measured;
-    bars.at.push_back(own.at(made.labels[i], scale_at(space, points[i], made.forces[i])));
-    bars.beyond += options.away[i] > farthest ? 1 : 0;
+    const SeenPlace& seen = options.wanted[i];
+    unchecked.push_back(seen);
+    bars.outside += seen.outside ? 1 : 0;
+    bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
   }
+  bars.beyond = count_beyond(held, unchecked);
   return bars;
 }
 
@@ -196,8 +188,11 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   result.states = space.size();
   result.options.spacing = space.options().spacing;
   const bool moving = result.method == Method::rbf;
-  std::vector<double> away;
-  if (moving) away = distances(space, points);
+  std::vector<SeenPlace> wanted;
+  if (moving) {
+    const Onlooker see(space);
+    for (const Vec3& x : points) wanted.push_back(see(x));
+  }
   if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(mean.states, {.kernel = options.kernel,
                                                .data = options.data,
@@ -205,7 +200,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                                                .select = options.select,
                                                .ridge = options.ridge,
                                                .spacing = result.options.spacing,
-                                               .away = away,
+                                               .wanted = wanted,
                                                .progress = options.choosing});
     model = result.chosen->model;
   }
@@ -223,7 +218,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
                            .spacing = result.options.spacing,
-                           .away = away},
+                           .wanted = wanted},
                           options);
   result.fit_us = median(result.made.fit_us);
   result.evaluate_ns = median(result.made.evaluate_ns);

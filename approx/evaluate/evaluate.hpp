@@ -61,11 +61,12 @@ struct EvaluatedPoints {
 };
 
 // Error bars of the points, the measurement behind them, and the number of points that lie farther from the states than
-// any force left out. At these points the bars are extrapolated.
+// any force left out inside the others, or outside them. At these points the bars are extrapolated.
 struct EvaluatedBars {
   std::vector<BarWidths> at;
   OfflineBars measured;
   std::size_t beyond = 0;
+  std::size_t outside = 0;  // points outside the states
 };
 
 struct Evaluation {

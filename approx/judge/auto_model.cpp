@@ -60,28 +60,37 @@ std::vector<double> misses(const Trial& trial, const Candidate& candidate, std::
   return out;
 }
 
-// Which positions of the trials are tried: of every `step`-th trial every `stride`-th.
+// Which positions are tried: every `stride`-th of these trials.
 struct Sampling {
-  std::size_t step = 1, stride = 1;
+  std::vector<std::size_t> trials;
+  std::size_t stride = 1;
 };
 
+// most_trials: of caps and of other trials each.
 Sampling sampling(const Trials& trials, std::size_t most_trials, std::size_t most) {
-  Sampling of{.step = (trials.each.size() + most_trials - 1) / most_trials};
+  Sampling of;
+  for (const bool cap : {false, true}) {
+    std::vector<std::size_t> kind;
+    for (std::size_t t = 0; t < trials.each.size(); ++t)
+      if (trials.each[t].cap == cap) kind.push_back(t);
+    const std::size_t step = std::max<std::size_t>(1, (kind.size() + most_trials - 1) / most_trials);
+    for (std::size_t i = 0; i < kind.size(); i += step) of.trials.push_back(kind[i]);
+  }
   std::size_t positions = 0;
-  for (std::size_t t = 0; t < trials.each.size(); t += of.step) positions += trials.each[t].held.size();
+  for (const std::size_t t : of.trials) positions += trials.each[t].held.size();
   of.stride = std::max<std::size_t>(1, positions / most);
   return of;
 }
 
 // Errors of each candidate over the trials.
 std::vector<std::vector<double>> misses(const Trials& trials, std::span<const Candidate> candidates,
-                                        Sampling of, const std::function<void(double)>& show) {
-  const std::size_t count = (trials.each.size() + of.step - 1) / of.step;
+                                        const Sampling& of, const std::function<void(double)>& show) {
+  const std::size_t count = of.trials.size();
   std::vector<std::vector<double>> parts_of(count * candidates.size());
   std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t k = 0; k < parts_of.size(); ++k) {
-    parts_of[k] = misses(trials.each[k % count * of.step], candidates[k / count], of.stride);
+    parts_of[k] = misses(trials.each[of.trials[k % count]], candidates[k / count], of.stride);
     std::size_t now = 0;
 #pragma omp atomic capture
     now = ++done;
@@ -94,27 +103,40 @@ std::vector<std::vector<double>> misses(const Trials& trials, std::span<const Ca
   return out;
 }
 
-// Distances of the positions of misses(), in its order.
-std::vector<double> distances(const Trials& trials, Sampling of) {
-  std::vector<double> away;
-  for (std::size_t t = 0; t < trials.each.size(); t += of.step)
-    for (std::size_t i = 0; i < trials.each[t].away.size(); i += of.stride)
-      away.push_back(trials.each[t].away[i]);
-  return away;
+// The positions of misses(), in its order.
+std::vector<SeenPlace> positions(const Trials& trials, const Sampling& of) {
+  std::vector<SeenPlace> seen;
+  for (const std::size_t t : of.trials)
+    for (std::size_t i = 0; i < trials.each[t].seen.size(); i += of.stride)
+      seen.push_back(trials.each[t].seen[i]);
+  return seen;
 }
 
-double score(const std::vector<double>& errors) {
-  double sum = 0;
-  for (const double e : errors) sum += e * e;
-  return std::sqrt(sum / static_cast<double>(errors.size()));
+// Root mean square of the errors. Those outside count by the share of wanted places there.
+double score(const std::vector<double>& errors, const std::vector<SeenPlace>& seen, double outside) {
+  double sum[2] = {}, count[2] = {};
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    sum[seen[i].outside] += errors[i] * errors[i];
+    count[seen[i].outside] += 1;
+  }
+  if (count[0] == 0 || count[1] == 0 || outside == 0)
+    return std::sqrt((sum[0] + sum[1]) / static_cast<double>(errors.size()));
+  return std::sqrt((1 - outside) * sum[0] / count[0] + outside * sum[1] / count[1]);
+}
+
+double share_outside(std::span<const SeenPlace> wanted) {
+  if (wanted.empty()) return 0;
+  return static_cast<double>(std::ranges::count_if(wanted, &SeenPlace::outside)) /
+         static_cast<double>(wanted.size());
 }
 
 // Scores the candidates on some positions and sorts them, the best first; equal ones keep their order.
-void sort_by_score(const Trials& trials, std::vector<Candidate>& candidates,
+void sort_by_score(const Trials& trials, double outside, std::vector<Candidate>& candidates,
                    const std::function<void(double)>& show) {
-  const std::vector<std::vector<double>> errors =
-      misses(trials, candidates, sampling(trials, first_trials, first_positions), show);
-  for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c]);
+  const Sampling some = sampling(trials, first_trials, first_positions);
+  const std::vector<SeenPlace> seen = positions(trials, some);
+  const std::vector<std::vector<double>> errors = misses(trials, candidates, some, show);
+  for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c], seen, outside);
   std::ranges::stable_sort(candidates, {}, &Candidate::score);
 }
 
@@ -186,10 +208,10 @@ std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size
 }
 
 // The candidate with the least score; one without a ridge if it is about as good.
-std::size_t best_of(const std::vector<Candidate>& candidates,
-                    const std::vector<std::vector<double>>& errors) {
+std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<std::vector<double>>& errors,
+                    const std::vector<SeenPlace>& seen, double outside) {
   std::vector<double> scores;
-  for (const std::vector<double>& of : errors) scores.push_back(score(of));
+  for (const std::vector<double>& of : errors) scores.push_back(score(of, seen, outside));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
   if (candidates[best].model.ridge > 0)
     for (std::size_t c = 0; c < candidates.size(); ++c)
@@ -216,7 +238,8 @@ ModelOptions defaults(std::span<const State> states, const AutoModelOptions& opt
 AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options) {
   AutoModel chosen{.model = defaults(states, options)};
   if (states.size() < 8) return chosen;
-  const Trials trials = leave_out(states, options.away, options.spacing);
+  const Trials trials = leave_out(states, options.wanted, options.spacing);
+  const double outside = share_outside(options.wanted);
   std::vector<Candidate> candidates = sets_to_try(states, options);
   if (trials.each.empty() || candidates.empty()) return chosen;
   const auto stage = [&](double from, double to) -> std::function<void(double)> {
@@ -224,10 +247,10 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
     return [&options, from, to](double share) { options.progress(from + (to - from) * share); };
   };
   candidates = with_ridges(candidates, options.ridge, {0, 1e-4, 1e-2});
-  sort_by_score(trials, candidates, stage(0, 0.4));
+  sort_by_score(trials, outside, candidates, stage(0, 0.4));
   candidates = with_ridges(best_sets(candidates, finalists), options.ridge,
                            {0, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1});
-  sort_by_score(trials, candidates, stage(0.4, 0.7));
+  sort_by_score(trials, outside, candidates, stage(0.4, 0.7));
   candidates.resize(std::min(finalists, candidates.size()));
   if (!options.ridge && candidates.front().model.ridge > 0) {
     candidates.insert(candidates.begin(), candidates.front());
@@ -235,20 +258,18 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   }
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<std::vector<double>> errors = misses(trials, candidates, all, stage(0.7, 1));
-  const std::size_t best = best_of(candidates, errors);
+  const std::vector<SeenPlace> seen = positions(trials, all);
+  const std::size_t best = best_of(candidates, errors, seen, outside);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;
-  const std::vector<double> away = distances(trials, all);
   const std::vector<double> expected =
-      expected_quantiles(errors[best], away, options.away, std::array{0.5, 0.95});
+      expected_quantiles(errors[best], seen, options.wanted, std::array{0.5, 0.95});
   chosen.p50 = expected[0];
   chosen.p95 = expected[1];
   chosen.positions = errors[best].size();
   chosen.groups = trials.groups;
-  const double farthest = *std::ranges::max_element(away);
-  chosen.beyond =
-      static_cast<std::size_t>(std::ranges::count_if(options.away, [&](double a) { return a > farthest; }));
+  chosen.beyond = count_beyond(seen, options.wanted);
   return chosen;
 }
 

@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 
+#include "approx/judge/left_out.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/states/state.hpp"
 
@@ -27,8 +28,8 @@ struct AutoModelOptions {
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
   double spacing = 0.006;  // h of the state space [m]
-  // Distance from each place where the force is wanted to its nearest state [m]; empty: not known.
-  std::span<const double> away = {};
+  std::span<const SeenPlace> wanted =
+      {};  // where the force is wanted, as seen from the states; empty: not known
   std::function<void(double)> progress = {};  // called by one thread with the share done
 };
 
@@ -38,7 +39,8 @@ struct AutoModel {
   // Quantiles of |f - f~| at the positions left out [N]; NaN where too few states allow no choice.
   double p50 = unknown, p95 = unknown;
   std::size_t positions = 0, groups = 0;  // left out
-  std::size_t beyond = 0;                 // wanted places farther from the states than any position left out
+  std::size_t beyond =
+      0;  // wanted places farther from the states than any position left out inside, or outside
 };
 
 // states: usable ones, one at each position. With fewer than 8 states or 3 groups the defaults are returned.

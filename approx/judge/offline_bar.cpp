@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "approx/bar/error_scale.hpp"
-#include "approx/judge/left_out.hpp"
 #include "approx/select/updater.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/tolerance.hpp"
@@ -27,25 +26,28 @@ double conformal_quantile(std::vector<double>& scores, double p) {
   return *at;
 }
 
-// Factors q of each label, from all samples except those of part `but`.
-std::array<BarWidths, 4> factors_of(std::span<const BarSample> samples, double constant,
-                                    std::optional<std::uint32_t> but) {
-  std::array<std::vector<double>, 4> own;
-  std::vector<double> all;
-  for (const BarSample& s : samples) {
-    if (but == s.part) continue;
-    const double scale = s.scale + constant;
-    all.push_back(s.error > 0 ? s.error / scale : 0);
-    own[static_cast<std::size_t>(s.label)].push_back(all.back());
-  }
-  std::array<BarWidths, 4> factors;
-  for (std::size_t label = 0; label < factors.size(); ++label)
-    for (std::size_t level = 0; level < bar_levels.size(); ++level) {
-      double& q = factors[label][level] = infinite;
-      if (own[label].size() >= least_of_label) q = conformal_quantile(own[label], bar_levels[level]);
-      if (std::isinf(q)) q = conformal_quantile(all, bar_levels[level]);
-      if (level > 0) q = std::max(q, factors[label][level - 1]);
+using Factors = std::array<std::array<BarWidths, 4>, 2>;
+
+// Factors q inside and outside, of each label, from all samples except those of part `but`.
+Factors factors_of(std::span<const BarSample> samples, double constant, std::optional<std::uint32_t> but) {
+  Factors factors;
+  for (const bool outside : {false, true}) {
+    std::array<std::vector<double>, 4> own;
+    std::vector<double> all;
+    for (const BarSample& s : samples) {
+      if (but == s.part || s.seen.outside != outside) continue;
+      const double scale = s.scale + constant;
+      all.push_back(s.error > 0 ? s.error / scale : 0);
+      own[static_cast<std::size_t>(s.label)].push_back(all.back());
     }
+    for (std::size_t label = 0; label < own.size(); ++label)
+      for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+        double& q = factors[outside][label][level] = infinite;
+        if (own[label].size() >= least_of_label) q = conformal_quantile(own[label], bar_levels[level]);
+        if (std::isinf(q)) q = conformal_quantile(all, bar_levels[level]);
+        if (level > 0) q = std::max(q, factors[outside][label][level - 1]);
+      }
+  }
   return factors;
 }
 
@@ -59,9 +61,10 @@ void fill_bars(std::vector<BarSample>& samples, double constant) {
   std::uint32_t parts = 0;
   for (const BarSample& s : samples) parts = std::max(parts, s.part + 1);
   for (std::uint32_t part = 0; part < parts; ++part) {
-    const std::array<BarWidths, 4> factors = factors_of(samples, constant, part);
+    const Factors factors = factors_of(samples, constant, part);
     for (BarSample& s : samples)
-      if (s.part == part) s.bar = times(factors[static_cast<std::size_t>(s.label)], s.scale + constant);
+      if (s.part == part)
+        s.bar = times(factors[s.seen.outside][static_cast<std::size_t>(s.label)], s.scale + constant);
   }
 }
 
@@ -74,6 +77,28 @@ double interval_score(std::span<const BarSample> samples) {
     sum += 2 * bar + 2 / (1 - bar_levels[scored_level]) * std::max(0.0, s.error - bar);
   }
   return sum;
+}
+
+template <class Counts>
+BarCover cover_of(std::span<const BarSample> samples, Counts counts) {
+  BarCover found;
+  std::array<std::size_t, bar_levels.size()> inside{}, known{};
+  std::vector<double> widths;
+  for (const BarSample& s : samples) {
+    if (!counts(s)) continue;
+    ++found.samples;
+    widths.push_back(s.bar[scored_level]);
+    for (std::size_t level = 0; level < inside.size(); ++level) {
+      known[level] += std::isfinite(s.bar[level]);
+      inside[level] += std::isfinite(s.bar[level]) && s.error <= s.bar[level];
+    }
+  }
+  if (found.samples == 0) return found;
+  for (std::size_t level = 0; level < inside.size(); ++level)
+    if (known[level] > 0)
+      found.inside[level] = static_cast<double>(inside[level]) / static_cast<double>(known[level]);
+  found.width_p50 = median(std::move(widths));
+  return found;
 }
 
 Model model_of_all(const StateSpace& known, const ModelOptions& options) {
@@ -105,7 +130,7 @@ class KnownModel {
             .predicted = force.norm(),
             .label = coverage.label,
             .spread = coverage.spread,
-            .away = coverage.delta,
+            .seen = {.away = coverage.delta},
             .scale = scale_at(known_, held.at, force),
             .error = (force - held.force).norm()};
   }
@@ -128,7 +153,7 @@ std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const 
   std::vector<BarSample> samples;
   for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
     BarSample sample = model.sample(trial.held[i]);
-    sample.away = trial.away[i];
+    sample.seen = trial.seen[i];
     sample.part = part;
     if (std::isfinite(sample.scale) && std::isfinite(sample.error)) samples.push_back(sample);
   }
@@ -155,33 +180,24 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
   factors_ = factors_of(samples_, constant_, {});
 }
 
-BarWidths OfflineBars::at(Label label, double scale) const {
+BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
   BarWidths none;
   none.fill(infinite);
   if (samples_.empty() || !(scale >= 0)) return none;
-  return times(factors_[static_cast<std::size_t>(label)], scale + constant_);
+  return times(factors_[outside][static_cast<std::size_t>(label)], scale + constant_);
 }
 
 BarCover OfflineBars::cover(std::optional<Label> label) const {
-  BarCover found;
-  std::array<std::size_t, bar_levels.size()> inside{};
-  std::vector<double> widths;
-  for (const BarSample& s : samples_) {
-    if (label && s.label != *label) continue;
-    ++found.samples;
-    widths.push_back(s.bar[scored_level]);
-    for (std::size_t level = 0; level < inside.size(); ++level) inside[level] += s.error <= s.bar[level];
-  }
-  if (found.samples == 0) return found;
-  for (std::size_t level = 0; level < inside.size(); ++level)
-    found.inside[level] = static_cast<double>(inside[level]) / static_cast<double>(found.samples);
-  found.width_p50 = median(std::move(widths));
-  return found;
+  return cover_of(samples_, [&](const BarSample& s) { return !label || s.label == *label; });
+}
+
+BarCover OfflineBars::cover_outside() const {
+  return cover_of(samples_, [](const BarSample& s) { return s.seen.outside; });
 }
 
 OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options) {
   if (states.size() < least_states) return {};
-  const Trials trials = leave_out(states, options.away, options.spacing);
+  const Trials trials = leave_out(states, options.wanted, options.spacing);
   const std::size_t stride = std::max<std::size_t>(1, trials.positions / most_samples);
   std::vector<std::vector<BarSample>> parts(trials.each.size());
 #pragma omp parallel for schedule(dynamic, 1)
@@ -212,8 +228,9 @@ OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
   }
   std::vector<double> others;
   for (std::size_t level = 0; level < bar_levels.size(); ++level) {
-    for (BarWidths& factors : bars.factors_)
-      factors[level] = quantile_of(scores, bar_levels[level], QuantileRule::inverted_cdf);
+    for (auto& of_labels : bars.factors_)
+      for (BarWidths& factors : of_labels)
+        factors[level] = quantile_of(scores, bar_levels[level], QuantileRule::inverted_cdf);
     for (std::size_t i = 0; i < scores.size(); ++i) {  // each with the factor of the others
       others = scores;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));

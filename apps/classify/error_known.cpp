@@ -106,7 +106,8 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
 }
 
 std::string error_cells(const ErrorKnown& found, std::size_t point) {
-  return bar_cells(found.points->bars ? found.points->bars->at[point] : OfflineBars().at(Label::blank, 0)) +
+  return bar_cells(found.points->bars ? found.points->bars->at[point]
+                                      : OfflineBars().at(Label::blank, true, 0)) +
          (within(found, *found.points, point) ? ",1" : ",0");
 }
 

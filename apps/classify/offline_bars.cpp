@@ -27,9 +27,12 @@ Json cover_json(const BarCover& cover) {
   return out;
 }
 
+std::string share(double inside) {
+  return std::isfinite(inside) ? fmt::format("{:.1f}", 100 * inside) : "?";
+}
+
 std::string shares(const BarCover& cover) {
-  return fmt::format("{:.1f}/{:.1f}/{:.1f} %", 100 * cover.inside[0], 100 * cover.inside[1],
-                     100 * cover.inside[2]);
+  return fmt::format("{}/{}/{} %", share(cover.inside[0]), share(cover.inside[1]), share(cover.inside[2]));
 }
 
 bool too_few_inside(const BarCover& cover) {
@@ -65,6 +68,8 @@ void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
   out["levels"] = bar_levels;
   out["beyond"] = bars->beyond;
   out["checked"] = bars->measured.checked();
+  out["points_outside"] = bars->outside;
+  out["outside"] = cover_json(bars->measured.cover_outside());
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
     out["by_label"][std::string(name(label))] = cover_json(bars->measured.cover(label));
   document["error_bar"] = out;
@@ -81,12 +86,21 @@ std::string bars_in_words(const EvaluatedBars& bars) {
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
     if (const BarCover own = bars.measured.cover(label); own.samples >= few && own.samples < all.samples)
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
+  if (bars.outside > 0) {
+    const BarCover out = bars.measured.cover_outside();
+    text += fmt::format(
+        "; {} points lie outside the states, their bars are those of {} outermost forces left "
+        "out",
+        bars.outside, out.samples);
+    if (std::isfinite(out.inside[0])) text += fmt::format(": {} inside", shares(out));
+  }
   if (all.samples < 99) text += "; too few for a bar of 99 %";
   if (too_few_inside(all)) text += "; fewer than they should, so the bars are too narrow";
   if (bars.beyond > 0)
     text += fmt::format(
-        "; {} points lie farther from the states than any force left out: bars there are an "
-        "extrapolation",
+        "; {} points lie farther from the states, or farther outside them, than any force left out: bars "
+        "there are an "
+        "extrapolation or missing",
         bars.beyond);
   return text;
 }
@@ -117,7 +131,13 @@ std::vector<Declared> declared_bars_json() {
        "true: within their box, the bars come from the check solves of generate --error, not from forces "
        "left "
        "out"},
-      {"error_bar.beyond", "1", "", "points farther from the states than any force left out"}};
+      {"error_bar.beyond", "1", "",
+       "points farther from the states than any force left out; compared apart inside and outside the "
+       "states"},
+      {"error_bar.points_outside", "1", "", "points outside the states"},
+      {"error_bar.outside", "", "",
+       "samples, coverage and width_p50 of the forces left out that lie outside the hull of the other "
+       "states"}};
 }
 
 std::vector<Declared> declared_left_out() {
@@ -139,7 +159,7 @@ void write_left_out_vtu(const std::filesystem::path& file, const OfflineBars& ba
     text += vtu_array(fmt::format("bar{}", level_names[level]), 1, bars,
                       [level](const BarSample& s) { return vtu_number(s.bar[level]); });
   text += vtu_array("force", 1, bars, [](const BarSample& s) { return vtu_number(s.force); });
-  text += vtu_array("away", 1, bars, [](const BarSample& s) { return vtu_number(s.away); });
+  text += vtu_array("away", 1, bars, [](const BarSample& s) { return vtu_number(s.seen.away); });
   text += "</PointData>\n<Points>\n";
   text += vtu_array("position", 3, bars,
                     [](const BarSample& s) { return fmt::format("{} {} {}", s.at.x(), s.at.y(), s.at.z()); });
