@@ -86,7 +86,9 @@ int command_main(int argc, char** argv) {
   } catch (const InputError& error) {
     return complain(error.what(), 2);
   } catch (const std::filesystem::filesystem_error& error) {
-    return complain(fmt::format("{}: {}", error.path1().string(), error.code().message()), 2);
+    // An InputError shortens long names.
+    const std::string problem = error.code().message() + ", expected a file or folder that can be used";
+    return complain(InputError({.file = error.path1().string()}, problem).what(), 2);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", 1);
   } catch (const StudyFailure& error) {

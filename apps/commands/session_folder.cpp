@@ -8,6 +8,7 @@
 
 #include "apps/console/console.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
 #include "scheduling/record/shape_files.hpp"
 #include "scheduling/replay/input_replay.hpp"
@@ -23,6 +24,9 @@ void set_aside_states_of_last_run(const Globals& globals, const SessionArguments
   const fs::path file = run / "session.states";
   std::error_code error;
   if (!fs::exists(file) || (given.states.extend && fs::equivalent(given.states.file, file, error))) return;
+  if (!is_database(file))
+    throw InputError({.file = file.string()},
+                     "is not a state file of an earlier run, expected another folder for the run");
   int k = 1;
   while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
   warn(globals,

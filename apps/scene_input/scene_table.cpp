@@ -14,6 +14,7 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene_input/scene_override.hpp"
+#include "apps/scene_input/toml_depth.hpp"
 #include "geometry/common/scanner.hpp"
 
 namespace forefeel {
@@ -282,8 +283,10 @@ std::string read_text(const fs::path& file) {
 }
 
 toml::table parse_scene(const fs::path& file) {
+  const std::string text = read_text(file);
+  check_key_depth(text, file);
   try {
-    return toml::parse(read_text(file), file.string());
+    return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     std::string problem(error.description());
     std::ranges::replace(problem, '\n', ' ');
@@ -320,6 +323,7 @@ SceneDocument SceneDocument::read(const fs::path& file, std::span<const std::str
 
 SceneDocument SceneDocument::parse(std::string_view text, const std::string& name,
                                    std::span<const std::string> overrides) {
+  check_key_depth(text, name);
   return SceneDocument(std::make_unique<Parsed>(toml::parse(text), name, overrides));
 }
 

@@ -12,6 +12,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene_session.hpp"
+#include "apps/scene_input/toml_depth.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/common/sha256.hpp"
 #include "scheduling/motion/trace.hpp"
@@ -34,7 +35,9 @@ fs::path trace_file(const DeviceSpec& device, const fs::path& folder) {
 std::vector<std::string> with_select_of(const StudyFile& study, std::vector<std::string> overrides) {
   bool in_model = false;
   try {
-    in_model = toml::parse_file(study.scene.string())["model"]["select"].is_string();
+    const std::string text = read_text_file(study.scene);
+    check_key_depth(text, study.scene);
+    in_model = toml::parse(text)["model"]["select"].is_string();
   } catch (const toml::parse_error&) {  // load_scene reports the error
   }
   for (std::string& text : overrides)

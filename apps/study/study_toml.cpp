@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/scene_input/toml_depth.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 
@@ -25,6 +26,7 @@ std::string read_text(const fs::path& file) {
 }
 
 toml::table parse(const std::string& text, const fs::path& file) {
+  check_key_depth(text, file);
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {

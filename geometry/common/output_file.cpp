@@ -5,6 +5,9 @@
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <array>
+#include <fstream>
+#include <string_view>
 
 #include <atomic>
 #include <cerrno>
@@ -72,6 +75,15 @@ fs::path followed(const fs::path& file) {
   return at;
 }
 
+bool is_database(const fs::path& file) {
+  constexpr std::string_view magic("SQLite format 3\0", 16);
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  std::array<char, magic.size()> start{};
+  std::ifstream(file, std::ios::binary).read(start.data(), start.size());
+  return std::string_view(start.data(), start.size()) == magic;
+}
+
 void check_writable(const fs::path& file, std::initializer_list<fs::path> read) {
   std::error_code error;
   if (file.empty()) throw InputError("output file", "has no name, expected a path");
@@ -90,6 +102,8 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
     if (!input.empty() && fs::equivalent(file, input, error))
       throw InputError({.file = file.string()},
                        fmt::format("would replace {}, which is read, expected another file", input.string()));
+  if (is_database(file))
+    throw InputError({.file = file.string()}, "is a state file, expected the name of another file to write");
 }
 
 OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {

@@ -173,4 +173,49 @@ TEST_CASE("a signal ends a command that still plans", "[streams]") {
   CHECK(outcome.json()["interrupted"] == true);
 }
 
+TEST_CASE("a state file is not replaced by a table, nor a stranger's file set aside as states", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  shop.write("s.csv", states_csv);
+  REQUIRE(shop.forefeel("import s.csv -o mine.states --spacing 0.01").code == 0);
+  const std::string before = shop.read("mine.states");
+  for (const char* arguments :
+       {"solve beam.toml --at=0,0,0 -o mine.states", "evaluate s.csv --points s.csv -o mine.states",
+        "mesh --phantom slab --elements 150 -o mine.states"}) {
+    const auto outcome = shop.forefeel(arguments);
+    INFO(arguments << "\n" << outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Catch::Contains("mine.states"));
+    CHECK(shop.read("mine.states") == before);
+  }
+  fs::create_directory(shop.path() / "own");
+  shop.write("own/session.states", "mine");
+  const auto outcome = shop.forefeel("session beam.toml -o own --clock virtual --seconds 0.05");
+  CHECK(outcome.code == 2);
+  CHECK_THAT(outcome.err,
+             Catch::Contains("own/session.states") && Catch::Contains("expected another folder"));
+  CHECK(shop.read("own/session.states") == "mine");
+}
+
+TEST_CASE("keys of TOML with tens of thousands of parts and names of 100 kB get one short line",
+          "[streams]") {
+  const Workshop shop;
+  std::string key = "a";
+  for (int part = 1; part < 60'000; ++part) key += ".a";
+  shop.write("key.toml", "# ....\n" + key + " = 1\n");
+  shop.write("header.toml", "[" + key + "]\n");
+  const std::string flood(100'000, 'x');
+  for (const std::string& arguments :
+       {std::string("solve key.toml --at=0,0,0"), std::string("solve header.toml --at=0,0,0"),
+        std::string("study key.toml -o run"), std::string("study header.toml -o run"),
+        "session " + flood + ".toml -o run", "solve " + flood + ".toml --at=0,0,0",
+        "study " + flood + ".toml -o run"}) {
+    const auto outcome = shop.forefeel(arguments);
+    INFO(arguments.substr(0, 40) << "\n" << outcome.err.substr(0, 500));
+    CHECK(outcome.code == 2);
+    CHECK(outcome.err.size() < 1000);
+    CHECK_THAT(outcome.err, Catch::Contains("expected"));
+  }
+}
+
 }  // namespace forefeel::test
