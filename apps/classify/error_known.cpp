@@ -61,7 +61,7 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   const std::span<const BarSample> samples = known.box.bars->measured.samples();
   std::vector<BarSample> called(samples.begin(), samples.end());
   if (known.box.bars->measured.checked())  // one factor for all, as at the places
-    for (BarSample& s : called) s.bar = known.box.bars->measured.at(s.label, s.scale);
+    for (BarSample& s : called) s.bar = known.box.bars->measured.at(s.label, s.seen.outside, s.scale);
   known.left_out = known_within(called, known.tolerance);
   known.advice = advise_spacing(samples, known.tolerance, arguments.coverage.safe_spread);
   return known;

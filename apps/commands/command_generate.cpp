@@ -168,7 +168,7 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
   if (arguments.error && !(*arguments.error > 0 && std::isfinite(*arguments.error)))
     throw InputError("--error",
                      fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
-  check_writable(arguments.output);
+  check_appendable(arguments.output);
   Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.quiet = globals.quiet});
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
@@ -186,6 +186,15 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
   return scene;
 }
 
+// A file that was moved leaves its newest states in FILE-wal, where nobody finds them.
+bool is_gone(const Globals& globals, const std::string& output) {
+  if (is_database(output)) return false;
+  warn(globals, fmt::format("{}: was moved or removed while states were written, so it is incomplete; "
+                            "generate them again",
+                            output));
+  return true;
+}
+
 int run_generate(const Globals& globals, const GenerateArguments& arguments, RankPool* ranks) {
   const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
@@ -197,6 +206,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   file.drop_damaged();
   if (arguments.error) {
     const int code = generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error);
+    if (is_gone(globals, arguments.output)) return 1;
     say(globals, look_at_it(globals, arguments.output, arguments.scene));
     return std::max(code, held ? 0 : 1);
   }
@@ -205,6 +215,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
+  if (is_gone(globals, arguments.output)) return 1;
   say(globals, look_at_it(globals, arguments.output, arguments.scene));
   if (result.interrupted) {
     warn(globals, "interrupted; rerun the same command to resume");

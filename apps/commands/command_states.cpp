@@ -42,7 +42,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   if (!(arguments.spacing > 0) || !std::isfinite(arguments.spacing))
     throw InputError("--spacing", fmt::format("{} m, expected a positive number", arguments.spacing));
   const std::vector<State> states = read_states_csv(arguments.input);
-  check_writable(arguments.output, {arguments.input});
+  check_appendable(arguments.output, {arguments.input});
   refuse_solved(arguments.output);
   StateFileHeader header;
   header.spacing = arguments.spacing;

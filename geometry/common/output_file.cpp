@@ -84,7 +84,7 @@ bool is_database(const fs::path& file) {
   return std::string_view(start.data(), start.size()) == magic;
 }
 
-void check_writable(const fs::path& file, std::initializer_list<fs::path> read) {
+void check_appendable(const fs::path& file, std::initializer_list<fs::path> read) {
   std::error_code error;
   if (file.empty()) throw InputError("output file", "has no name, expected a path");
   if (is_special(file)) return;
@@ -102,6 +102,10 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
     if (!input.empty() && fs::equivalent(file, input, error))
       throw InputError({.file = file.string()},
                        fmt::format("would replace {}, which is read, expected another file", input.string()));
+}
+
+void check_writable(const fs::path& file, std::initializer_list<fs::path> read) {
+  check_appendable(file, read);
   if (is_database(file))
     throw InputError({.file = file.string()}, "is a state file, expected the name of another file to write");
 }

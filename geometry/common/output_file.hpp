@@ -33,8 +33,12 @@ class OutputFile {
 // True for a database of SQLite, such as a state file.
 bool is_database(const std::filesystem::path& file);
 
-// InputError if a file of that name could not be made (no such folder, not writable), if it would replace a database
-// (a state file holds results that took long), or if it is one of the input files in `read`. Makes nothing.
+// InputError if a file of that name could not be made (no such folder, not writable), or if it is one of the
+// input files in `read`. Makes nothing.
+void check_appendable(const std::filesystem::path& file,
+                      std::initializer_list<std::filesystem::path> read = {});
+
+// The same for a file that is written anew: a database is never replaced, because states took long to solve.
 void check_writable(const std::filesystem::path& file,
                     std::initializer_list<std::filesystem::path> read = {});
 

@@ -124,7 +124,7 @@ StateFile::StateFile(StateFile&&) noexcept = default;
 StateFile& StateFile::operator=(StateFile&&) noexcept = default;
 
 StateFile StateFile::open_or_create(const fs::path& name, const StateFileHeader& header) {
-  check_writable(name);
+  check_appendable(name);
   const fs::path file = followed(name);
   auto impl = std::make_unique<Impl>();
   impl->where = file.string();

@@ -197,6 +197,18 @@ TEST_CASE("a state file is not replaced by a table, nor a stranger's file set as
   CHECK(shop.read("own/session.states") == "mine");
 }
 
+TEST_CASE("a state file that is moved while it is written is said to be incomplete", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const auto outcome =
+      shop.shell("'" + executable() +
+                 "' generate beam.toml -o m.states --set state_space.spacing=0.003 & p=$!; "
+                 "while ! [ -s m.states ]; do sleep 0.01; done; mv m.states n.states; wait $p");
+  INFO(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK_THAT(outcome.err, Catch::Contains("m.states: was moved or removed"));
+}
+
 TEST_CASE("keys of TOML with tens of thousands of parts and names of 100 kB get one short line",
           "[streams]") {
   const Workshop shop;
