@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <mutex>
 
 #include "approx/evaluate/evaluate.hpp"
 #include "approx/judge/leave_one_out.hpp"
@@ -160,12 +159,6 @@ struct PyModel {
   std::vector<std::int64_t> rows;
   PySpace space;
   ModelOptions options;
-  // Measured when they are first asked for.
-  struct Bars {
-    std::once_flag once;
-    OfflineBars made;
-  };
-  std::shared_ptr<Bars> bars = std::make_shared<Bars>();
 };
 
 std::size_t level_index(double level) {
@@ -184,14 +177,16 @@ py::array_t<double> error_bars(const PyModel& self, const Points& points, double
   double* to = out.mutable_data();
   const py::gil_scoped_release released;
   const StateSpace& space = *self.space.space;
-  std::call_once(self.bars->once, [&] {
-    self.bars->made =
-        measure_bars(self.space.states(), {.model = self.options, .spacing = space.options().spacing});
-  });
+  const Onlooker see(space);
+  std::vector<SeenPlace> wanted(points.size());
+#pragma omp parallel for schedule(dynamic, 256)
+  for (std::size_t i = 0; i < points.size(); ++i) wanted[i] = see(points[i]);
+  const OfflineBars bars = measure_bars(
+      self.space.states(), {.model = self.options, .spacing = space.options().spacing, .wanted = wanted});
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 at = points[i];
-    to[i] = self.bars->made.at(space.label(at), scale_at(space, at, self.model->force(at)))[which];
+    to[i] = bars.at(space.label(at), wanted[i].outside, scale_at(space, at, self.model->force(at)))[which];
   }
   return out;
 }
@@ -257,7 +252,7 @@ void bind_models(py::module_& module) {
           "true force "
           "than this at the share `level` (0.9, 0.95 or 0.99) of the places. From known forces left out in "
           "groups, "
-          "measured at the first call (a second or so); inf where the states are too few. The model is of "
+          "measured for these points at each call (a second or so); inf where the states are too few. The model is of "
           "one place: "
           "far from it, use StateSpace.error_bar().")
       .def("_loop_seconds", &loop_seconds, py::arg("points"))

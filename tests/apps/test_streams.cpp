@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "geometry/common/scanner.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
@@ -178,7 +179,7 @@ TEST_CASE("a state file is not replaced by a table, nor a stranger's file set as
   shop.write("beam.toml", beam_scene());
   shop.write("s.csv", states_csv);
   REQUIRE(shop.forefeel("import s.csv -o mine.states --spacing 0.01").code == 0);
-  const std::string before = shop.read("mine.states");
+  const std::string before = read_text_file(shop.path() / "mine.states");
   for (const char* arguments :
        {"solve beam.toml --at=0,0,0 -o mine.states", "evaluate s.csv --points s.csv -o mine.states",
         "mesh --phantom slab --elements 150 -o mine.states"}) {
@@ -186,7 +187,7 @@ TEST_CASE("a state file is not replaced by a table, nor a stranger's file set as
     INFO(arguments << "\n" << outcome.err);
     CHECK(outcome.code == 2);
     CHECK_THAT(outcome.err, Catch::Contains("mine.states"));
-    CHECK(shop.read("mine.states") == before);
+    CHECK(read_text_file(shop.path() / "mine.states") == before);
   }
   fs::create_directory(shop.path() / "own");
   shop.write("own/session.states", "mine");
@@ -194,7 +195,7 @@ TEST_CASE("a state file is not replaced by a table, nor a stranger's file set as
   CHECK(outcome.code == 2);
   CHECK_THAT(outcome.err,
              Catch::Contains("own/session.states") && Catch::Contains("expected another folder"));
-  CHECK(shop.read("own/session.states") == "mine");
+  CHECK(read_text_file(shop.path() / "own/session.states") == "mine");
 }
 
 TEST_CASE("a state file that is moved while it is written is said to be incomplete", "[streams]") {
