@@ -28,26 +28,42 @@ double conformal_quantile(std::vector<double>& scores, double p) {
 
 using Factors = std::array<std::array<BarWidths, 4>, 2>;
 
+// The scores of samples inside (0) and outside (1), of each label and of all.
+struct Scores {
+  std::array<std::array<std::vector<double>, 4>, 2> of_label;
+  std::array<std::vector<double>, 2> all;
+};
+
+Scores scores_of(std::span<const BarSample> samples, double constant, std::optional<std::uint32_t> but) {
+  Scores scores;
+  for (const BarSample& s : samples) {
+    if (but == s.part) continue;
+    const double score = s.error > 0 ? s.error / (s.scale + constant) : 0;
+    scores.all[s.seen.outside].push_back(score);
+    scores.of_label[s.seen.outside][static_cast<std::size_t>(s.label)].push_back(score);
+  }
+  return scores;
+}
+
 // Factors q inside and outside, of each label, from all samples except those of part `but`.
 Factors factors_of(std::span<const BarSample> samples, double constant, std::optional<std::uint32_t> but) {
+  Scores scores = scores_of(samples, constant, but);
+  std::vector<double> every = scores.all[0];
+  every.insert(every.end(), scores.all[1].begin(), scores.all[1].end());
+  const double most_outside = scores.all[1].empty() ? 0 : *std::ranges::max_element(scores.all[1]);
   Factors factors;
-  for (const bool outside : {false, true}) {
-    std::array<std::vector<double>, 4> own;
-    std::vector<double> all;
-    for (const BarSample& s : samples) {
-      if (but == s.part || s.seen.outside != outside) continue;
-      const double scale = s.scale + constant;
-      all.push_back(s.error > 0 ? s.error / scale : 0);
-      own[static_cast<std::size_t>(s.label)].push_back(all.back());
-    }
-    for (std::size_t label = 0; label < own.size(); ++label)
+  for (const bool outside : {false, true})
+    for (std::size_t label = 0; label < 4; ++label)
       for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+        std::vector<double>& own = scores.of_label[outside][label];
         double& q = factors[outside][label][level] = infinite;
-        if (own[label].size() >= least_of_label) q = conformal_quantile(own[label], bar_levels[level]);
-        if (std::isinf(q)) q = conformal_quantile(all, bar_levels[level]);
+        if (own.size() >= least_of_label) q = conformal_quantile(own, bar_levels[level]);
+        if (std::isinf(q)) q = conformal_quantile(scores.all[outside], bar_levels[level]);
+        // Too few outside: at least the worst of them. The bar of a sample itself is then not known.
+        if (std::isinf(q) && outside && !but)
+          q = std::max(most_outside, conformal_quantile(every, bar_levels[level]));
         if (level > 0) q = std::max(q, factors[outside][label][level - 1]);
       }
-  }
   return factors;
 }
 

@@ -15,7 +15,7 @@
 // Places inside the states and places outside them (left_out.hpp) have scores of their own, because extrapolation is
 // worse than interpolation at the same distance. A label uses the scores of all labels if it has fewer than 30 of its
 // own, or too few for a level. If all labels together have too few, the bar is infinite: a level p needs p / (1 - p)
-// scores, 99 of them for 99 %.
+// scores, 99 of them for 99 %. Outside, too few are replaced by those of all places, at least by the largest outside.
 
 #include <array>
 #include <cstddef>

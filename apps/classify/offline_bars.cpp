@@ -135,9 +135,10 @@ std::vector<Declared> declared_bars_json() {
        "points farther from the states than any force left out; compared apart inside and outside the "
        "states"},
       {"error_bar.points_outside", "1", "", "points outside the states"},
-      {"error_bar.outside", "", "",
-       "samples, coverage and width_p50 of the forces left out that lie outside the hull of the other "
-       "states"}};
+      {"error_bar.outside.samples", "1", "",
+       "number of the forces left out that lie outside the other states"},
+      {"error_bar.outside.coverage.p90,p95,p99", "1", "", "share of these inside their bars"},
+      {"error_bar.outside.width_p50", "N", "", "median half-width of 95 % of their bars"}};
 }
 
 std::vector<Declared> declared_left_out() {

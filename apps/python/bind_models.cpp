@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <mutex>
 
 #include "approx/evaluate/evaluate.hpp"
 #include "approx/judge/leave_one_out.hpp"
@@ -159,6 +160,12 @@ struct PyModel {
   std::vector<std::int64_t> rows;
   PySpace space;
   ModelOptions options;
+  // Measured when they are first asked for.
+  struct Bars {
+    std::once_flag once;
+    OfflineBars made;
+  };
+  std::shared_ptr<Bars> bars = std::make_shared<Bars>();
 };
 
 std::size_t level_index(double level) {
@@ -177,16 +184,20 @@ py::array_t<double> error_bars(const PyModel& self, const Points& points, double
   double* to = out.mutable_data();
   const py::gil_scoped_release released;
   const StateSpace& space = *self.space.space;
+  std::call_once(self.bars->once, [&] {
+    const double h = space.options().spacing;
+    std::vector<SeenPlace> outside(Onlooker::directions);  // one spacing outside, in all directions
+    for (std::size_t k = 0; k < outside.size(); ++k)
+      outside[k] = {.away = h, .beyond = h, .direction = k, .outside = true};
+    self.bars->made =
+        measure_bars(self.space.states(), {.model = self.options, .spacing = h, .wanted = outside});
+  });
+  const OfflineBars& bars = self.bars->made;
   const Onlooker see(space);
-  std::vector<SeenPlace> wanted(points.size());
-#pragma omp parallel for schedule(dynamic, 256)
-  for (std::size_t i = 0; i < points.size(); ++i) wanted[i] = see(points[i]);
-  const OfflineBars bars = measure_bars(
-      self.space.states(), {.model = self.options, .spacing = space.options().spacing, .wanted = wanted});
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 at = points[i];
-    to[i] = bars.at(space.label(at), wanted[i].outside, scale_at(space, at, self.model->force(at)))[which];
+    to[i] = bars.at(space.label(at), see(at).outside, scale_at(space, at, self.model->force(at)))[which];
   }
   return out;
 }
@@ -252,7 +263,8 @@ void bind_models(py::module_& module) {
           "true force "
           "than this at the share `level` (0.9, 0.95 or 0.99) of the places. From known forces left out in "
           "groups, "
-          "measured for these points at each call (a second or so); inf where the states are too few. The model is of "
+          "measured at the first call (a second or so); inf where the states are too few. The "
+          "model is of "
           "one place: "
           "far from it, use StateSpace.error_bar().")
       .def("_loop_seconds", &loop_seconds, py::arg("points"))

@@ -12,6 +12,7 @@
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/far_labels.hpp"
 #include "geometry/coverage/fill_distance.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/coverage/voxel_summary.hpp"
 #include "geometry/index/morton_order.hpp"
 
@@ -124,6 +125,7 @@ void CoverageMap::Impl::add_large_cells() {
 CoverageMap::CoverageMap(std::vector<Vec3> states, const StateSpaceOptions& options,
                          const std::function<void(double)>& progress)
     : impl_(std::make_unique<Impl>(states, options)) {
+  StateSpace{options};  // refuses the options that no state space takes
   std::vector<Vec3>().swap(states);
   Impl& my = *impl_;
   my.cover(progress);

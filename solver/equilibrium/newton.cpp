@@ -49,7 +49,7 @@ bool NewtonSolver::factorise_shifted(const std::vector<double>& u) {
     const std::vector<double> rest(u.size(), 0.0);
     d_->elements.hessian(rest.data(), rest_blocks_.data());
   }
-  for (const double wanted : {0.4, 3.2, 51.2}) {
+  for (const double wanted : {0.05, 0.2, 0.8, 3.2, 12.8, 51.2}) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) blocks_[i] += (wanted - shift_) * rest_blocks_[i];
     shift_ = wanted;
     if (factor_.compute(blocks_.data())) return true;

@@ -252,8 +252,11 @@ TEST_CASE("the agreement is that of both regions, and nothing is worst where not
     CHECK(report["agreement"]["worst"].is_null() == (name == "full"));
     if (const json& worst = report["agreement"]["worst"]; !worst.is_null())
       CHECK(worst["delaunay"] != worst["octree"]);
-    CHECK(report["largest_hole"] == other["largest_hole"]);
-    CHECK(report["fill_distance"] == other["fill_distance"]);
+    // Of holes of one size either may be named.
+    CHECK(report["largest_hole"]["radius"].get<double>() ==
+          Approx(other["largest_hole"]["radius"].get<double>()).epsilon(1e-12));
+    CHECK(report["fill_distance"].get<double>() ==
+          Approx(other["fill_distance"].get<double>()).epsilon(1e-12));
     CHECK(report["agreement"]["share"].get<double>() >= 0.95);
     CHECK(report["gaps"].size() + report["gaps_left_out"].get<std::size_t>() ==
           report["components"]["gap"].get<std::size_t>());
