@@ -201,7 +201,11 @@ void add_caps(std::span<const State> states, std::span<const SeenPlace> wanted, 
               Trials& trials) {
   std::vector<SeenPlace> outside;
   std::ranges::copy_if(wanted, std::back_inserter(outside), &SeenPlace::outside);
-  if (outside.empty()) return;
+  if (outside.empty()) {  // borders left out with a group count as all others
+    for (Trial& trial : trials.each)
+      for (SeenPlace& place : trial.seen) place.outside = false;
+    return;
+  }
   std::vector<double> beyond;
   for (const SeenPlace& place : outside) beyond.push_back(place.beyond);
   double depth = 0.999 * median(std::move(beyond));  // a whole layer of a lattice, not two

@@ -59,6 +59,7 @@ Factors factors_of(std::span<const BarSample> samples, double constant, std::opt
         double& q = factors[outside][label][level] = infinite;
         if (own.size() >= least_of_label) q = conformal_quantile(own, bar_levels[level]);
         if (std::isinf(q)) q = conformal_quantile(scores.all[outside], bar_levels[level]);
+        if (std::isinf(q) && !outside) q = conformal_quantile(every, bar_levels[level]);
         // Too few outside: at least the worst of them. The bar of a sample itself is then not known.
         if (std::isinf(q) && outside && !but)
           q = std::max(most_outside, conformal_quantile(every, bar_levels[level]));
