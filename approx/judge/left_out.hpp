@@ -26,7 +26,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {

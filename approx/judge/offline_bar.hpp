@@ -26,7 +26,7 @@
 #include "approx/bar/conformal_factors.hpp"
 #include "approx/judge/left_out.hpp"
 #include "approx/model/model_options.hpp"
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 
 namespace forefeel {
 

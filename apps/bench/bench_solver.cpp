@@ -27,7 +27,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "solver/baselines/baseline.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"

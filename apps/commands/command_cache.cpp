@@ -5,10 +5,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/cache/cache_folder.hpp"
 #include "apps/commands/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
-#include "apps/scene_input/cache_folder.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {

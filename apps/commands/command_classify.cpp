@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/arguments/figure_files.hpp"
 #include "apps/classify/calibrate_labels.hpp"
 #include "apps/classify/classify.hpp"
 #include "apps/classify/error_known.hpp"
 #include "apps/classify/offline_bars.hpp"
 #include "apps/classify/print_classified.hpp"
 #include "apps/commands/commands.hpp"
-#include "apps/commands/figure_files.hpp"
 #include "apps/commands/help_topics.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
@@ -24,8 +24,8 @@
 #include "apps/scene_input/spacing_check.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/coverage/region_file.hpp"
-#include "geometry/coverage/regions.hpp"
+#include "geometry/regions/regions.hpp"
+#include "geometry/state_space/region_file.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

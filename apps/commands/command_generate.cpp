@@ -11,17 +11,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/arguments/mpi_run.hpp"
 #include "apps/commands/commands.hpp"
-#include "apps/commands/generate_error.hpp"
-#include "apps/commands/generate_memory.hpp"
-#include "apps/commands/json_keys.hpp"
-#include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_keys.hpp"
 #include "apps/console/json_text.hpp"
 #include "apps/console/look_at_it.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/generate/generate_error.hpp"
+#include "apps/generate/generate_memory.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/extent.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/meshing/extent.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/length_unit.hpp"

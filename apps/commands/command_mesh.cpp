@@ -9,14 +9,14 @@
 #include <optional>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/extent.hpp"
-#include "apps/commands/json_keys.hpp"
-#include "apps/commands/mesh_labels.hpp"
-#include "apps/commands/mesh_study.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_keys.hpp"
 #include "apps/console/look_at_it.hpp"
 #include "apps/console/values.hpp"
+#include "apps/meshing/extent.hpp"
+#include "apps/meshing/mesh_labels.hpp"
+#include "apps/meshing/mesh_study.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/image/label_volume.hpp"

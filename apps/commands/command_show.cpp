@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/arguments/figure_files.hpp"
 #include "apps/commands/commands.hpp"
-#include "apps/commands/figure_files.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/scene_input/given_states.hpp"

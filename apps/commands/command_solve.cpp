@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/json_keys.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_keys.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"

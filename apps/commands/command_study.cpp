@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/arguments/figure_files.hpp"
+#include "apps/arguments/mpi_run.hpp"
 #include "apps/commands/commands.hpp"
-#include "apps/commands/figure_files.hpp"
-#include "apps/commands/mpi_run.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
@@ -22,10 +22,10 @@
 #include "apps/console/suggest.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/console/values.hpp"
-#include "apps/picture/report.hpp"
-#include "apps/picture/study_figures.hpp"
-#include "apps/picture/study_gantt.hpp"
-#include "apps/picture/study_report.hpp"
+#include "apps/report/report.hpp"
+#include "apps/report/study_figures.hpp"
+#include "apps/report/study_gantt.hpp"
+#include "apps/report/study_report.hpp"
 #include "apps/scene_input/scene_mesh_error.hpp"
 #include "apps/study/study_folder.hpp"
 #include "apps/study/study_meshes.hpp"

@@ -18,7 +18,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene_input/scene.hpp"
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/toml/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/trace_check.hpp"

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "apps/classify/offline_bars.hpp"
-#include "apps/commands/json_keys.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/json_keys.hpp"
 
 namespace forefeel {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/cache/cache_folder.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
-#include "apps/scene_input/cache_folder.hpp"
 #include "apps/scene_input/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "apps/scene_input/option_names.hpp"
+#include "apps/toml/option_names.hpp"
 
 namespace forefeel {
 namespace {

@@ -12,7 +12,7 @@
 #include "apps/python/scene_object.hpp"
 #include "apps/scene_input/scene_mesh_error.hpp"
 #include "apps/scene_input/scene_session.hpp"
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/toml/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary.hpp"

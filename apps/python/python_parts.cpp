@@ -6,7 +6,7 @@
 
 #include "apps/python/arrays.hpp"
 #include "apps/python/space.hpp"
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/toml/spec_text.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel::python {

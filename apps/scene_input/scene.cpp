@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cache/cache_folder.hpp"
 #include "apps/console/suggest.hpp"
-#include "apps/scene_input/cache_folder.hpp"
-#include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_body.hpp"
 #include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/scene_hand.hpp"
@@ -15,7 +14,8 @@
 #include "apps/scene_input/scene_shape.hpp"
 #include "apps/scene_input/scene_tolerance.hpp"
 #include "apps/scene_input/spacing_check.hpp"
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/toml/option_names.hpp"
+#include "apps/toml/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_identity.hpp"
 

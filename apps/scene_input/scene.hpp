@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene_input/scene_keys.hpp"
 #include "apps/scene_input/scene_spacing.hpp"
+#include "apps/toml/scene_keys.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/session/session.hpp"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/cache/phantom_cache.hpp"
 #include "apps/console/suggest.hpp"
-#include "apps/scene_input/phantom_cache.hpp"
 #include "apps/scene_input/scene_declared.hpp"
 #include "apps/scene_input/scene_materials.hpp"
 #include "geometry/mesh/length_unit.hpp"

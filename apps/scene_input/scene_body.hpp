@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene_input/scene_table.hpp"
+#include "apps/toml/scene_table.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

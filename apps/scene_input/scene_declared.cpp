@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "apps/scene_input/option_names.hpp"
 #include "apps/scene_input/scene_hand.hpp"
-#include "apps/scene_input/scene_keys.hpp"
+#include "apps/toml/option_names.hpp"
+#include "apps/toml/scene_keys.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "scheduling/motion/predictor.hpp"
+#include "scheduling/prediction/predictor.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/shape/shape_options.hpp"
 #include "scheduling/workers/cost_spec.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/toml/spec_text.hpp"
 
 namespace forefeel {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene_input/scene_table.hpp"
+#include "apps/toml/scene_table.hpp"
 #include "geometry/common/declared.hpp"
 
 namespace forefeel {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "approx/relaxation/relaxation.hpp"
-#include "apps/scene_input/scene_table.hpp"
+#include "apps/toml/scene_table.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

@@ -14,10 +14,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/cache/cache_folder.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
-#include "apps/scene_input/cache_folder.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/sha256.hpp"

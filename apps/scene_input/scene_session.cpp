@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "apps/scene_input/cache_folder.hpp"
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/cache/cache_folder.hpp"
+#include "apps/toml/spec_text.hpp"
 
 namespace forefeel {
 

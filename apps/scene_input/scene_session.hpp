@@ -2,8 +2,8 @@
 // Makes the input and the options of a session from a scene.
 
 #include "apps/scene_input/scene.hpp"
-#include "scheduling/session/session_input.hpp"
-#include "scheduling/session/session_options.hpp"
+#include "scheduling/setup/session_input.hpp"
+#include "scheduling/setup/session_options.hpp"
 
 namespace forefeel {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "apps/scene_input/scene_table.hpp"
+#include "apps/toml/scene_table.hpp"
 #include "scheduling/shape/shape_options.hpp"
 
 namespace forefeel {

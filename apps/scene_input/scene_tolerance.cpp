@@ -1,7 +1,7 @@
 #include "apps/scene_input/scene_tolerance.hpp"
 
 #include "apps/scene_input/scene_declared.hpp"
-#include "apps/scene_input/scene_table.hpp"
+#include "apps/toml/scene_table.hpp"
 
 namespace forefeel {
 

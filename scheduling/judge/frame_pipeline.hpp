@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "scheduling/log/session_result.hpp"
 
 namespace forefeel {

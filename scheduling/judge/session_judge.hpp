@@ -16,7 +16,7 @@
 #include <memory>
 
 #include "approx/relaxation/relaxation.hpp"
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "scheduling/judge/frame_pipeline.hpp"
 #include "scheduling/judge/judging_options.hpp"
 #include "scheduling/judge/stop_options.hpp"

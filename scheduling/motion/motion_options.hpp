@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "scheduling/motion/device_spec.hpp"
-#include "scheduling/motion/predictor.hpp"
+#include "scheduling/prediction/predictor.hpp"
 
 namespace forefeel {
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "scheduling/log/session_result.hpp"
-#include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/candidates.hpp"
+#include "scheduling/prediction/predictor.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/render/session_model.hpp"
 #include "scheduling/workers/generator.hpp"

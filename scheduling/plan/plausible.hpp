@@ -13,7 +13,7 @@
 // c = 100 elsewhere, as a body may stiffen. K_b is 2 to 20 times the stiffness of usual meshes, so a first state that
 // is 1000 times too strong is found. If K_b is not known, the state is accepted.
 
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 
 namespace forefeel {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "geometry/common/error.hpp"
-#include "geometry/coverage/regions.hpp"
+#include "geometry/regions/regions.hpp"
 
 namespace forefeel {
 

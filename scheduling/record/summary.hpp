@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "geometry/coverage/coverage.hpp"
-#include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/prediction/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/session/session.hpp"

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "approx/bar/body_level.hpp"
-#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/path_walk.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "scheduling/render/bar_link.hpp"
 #include "scheduling/render/render_loop.hpp"
 

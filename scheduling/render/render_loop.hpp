@@ -27,7 +27,7 @@
 #include "approx/switch/force_switch.hpp"
 #include "scheduling/log/records.hpp"
 #include "scheduling/motion/device.hpp"
-#include "scheduling/motion/hip_sample.hpp"
+#include "scheduling/prediction/hip_sample.hpp"
 #include "scheduling/render/bar_link.hpp"
 #include "scheduling/render/frame_input.hpp"
 #include "scheduling/render/render_options.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "geometry/common/error.hpp"
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "geometry/states/state_message.hpp"
 #include "scheduling/render/input_format.hpp"
 #include "scheduling/render/render_loop.hpp"

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "apps/picture/bad_moments.hpp"
-#include "apps/picture/bars_card.hpp"
 #include "apps/picture/palette.hpp"
-#include "apps/picture/run_data.hpp"
+#include "apps/report/bad_moments.hpp"
+#include "apps/report/bars_card.hpp"
+#include "apps/report/run_data.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/file_text.hpp"

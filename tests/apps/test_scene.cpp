@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "apps/scene_input/phantom_cache.hpp"
+#include "apps/cache/phantom_cache.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "apps/scene_input/scene_session.hpp"
 #include "geometry/common/error.hpp"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/picture/study_report.hpp"
+#include "apps/report/study_report.hpp"
 #include "apps/study/study_folder.hpp"
 #include "apps/study/study_table.hpp"
 #include "tests/apps/study_fixture.hpp"

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "apps/scene_input/spec_text.hpp"
+#include "apps/toml/spec_text.hpp"
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
@@ -14,7 +14,7 @@
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/replay/input_reader.hpp"
 #include "scheduling/replay/input_replay.hpp"
-#include "scheduling/session/arrivals.hpp"
+#include "scheduling/setup/arrivals.hpp"
 #include "scheduling/trace/trace_file.hpp"
 #include "tests/fuzz/targets.hpp"
 

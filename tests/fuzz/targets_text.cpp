@@ -5,9 +5,9 @@
 #include "apps/console/command.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene_input/scene.hpp"
-#include "apps/scene_input/scene_table.hpp"
-#include "apps/scene_input/spec_text.hpp"
 #include "apps/study/study_file.hpp"
+#include "apps/toml/scene_table.hpp"
+#include "apps/toml/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/fuzz/targets.hpp"
 

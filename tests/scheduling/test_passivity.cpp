@@ -9,7 +9,7 @@
 #include "scheduling/motion/loop_limit.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/render/safety.hpp"
-#include "scheduling/session/passivity_plan.hpp"
+#include "scheduling/setup/passivity_plan.hpp"
 
 using namespace forefeel;
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "scheduling/plan/planner.hpp"
-#include "scheduling/session/session_plan.hpp"
+#include "scheduling/setup/session_plan.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "geometry/states/state_message.hpp"
 #include "mailboxes.hpp"
 #include "scheduling/ranks/generate_ranks.hpp"

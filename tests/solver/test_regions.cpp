@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/state_space/state_space.hpp"
 #include "region_body.hpp"
 #include "solver/body/body_identity.hpp"
 #include "solver/body/contact_stiffness.hpp"

@@ -1,0 +1,214 @@
+#include "apps/generate/generate_error.hpp"
+#include "apps/console/json_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stop_token>
+#include <thread>
+
+#include "approx/model/model_options.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
+#include "apps/scene_input/scene_mesh_error.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/states/check_solves.hpp"
+#include "geometry/states/state_outcome.hpp"
+#include "scheduling/placement/placement.hpp"
+
+namespace forefeel {
+namespace {
+
+nlohmann::ordered_json to_json(const ErrorQuantiles& q) {
+  nlohmann::ordered_json object;
+  object["p50"] = number(q.p50);
+  object["p95"] = number(q.p95);
+  object["max"] = number(q.max);
+  return object;
+}
+
+// States with inverted elements (state_outcome.hpp): all in the file, and those of this run.
+struct Inverted {
+  std::size_t all = 0, now = 0;
+};
+
+nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& inverted, double error,
+                               const MeshError& mesh) {
+  nlohmann::ordered_json document;
+  document["states"] = report.states;
+  document["most_states"] = report.most_states;
+  document["solved"] = report.solved - inverted.now;
+  document["inverted"] = inverted.all;
+  document["failed"] = report.failed;
+  document["resumed"] = report.resumed;
+  document["seconds"] = number(report.seconds);
+  document["threads"] = report.threads;
+  document["error"] = error;
+  add_to(document, mesh);
+  document["error_estimate"] = number(report.estimate.held());  // the least E that the estimate stays below
+  document["error_estimate_quantiles"] = to_json(report.estimate);
+  nlohmann::ordered_json truth = to_json(report.truth.error);
+  truth["held"] = number(report.truth.error.held());
+  truth["samples"] = report.truth.samples;
+  truth["on_surface"] = report.truth.on_surface;
+  truth["failed"] = report.truth.failed;
+  truth["unsolved"] = report.truth.unsolved;
+  truth["fresh"] = report.truth.is_fresh;
+  document["error_true"] = truth;
+  document["linear"] = report.linear;
+  document["estimate_holds"] = report.estimate_holds;
+  document["truth_holds"] = report.truth.holds;
+  if (report.truth.unsolved > 0 || report.truth.samples == 0) document["truth_holds"] = nullptr;  // unknown
+  document["interrupted"] = report.stopped;
+  return document;
+}
+
+std::string in_words(const ErrorQuantiles& q) {
+  return fmt::format("p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %", 100 * q.p50, 100 * q.p95, 100 * q.max);
+}
+
+// There are two phases, which may alternate several times. In the first, the number of states needed is not known
+// beforehand, so the line shows the error reached and no remaining time. In the second, it counts the solves.
+void show(Progress& progress, const PlacementProgress& p, double wanted) {
+  if (p.truth_total > 0) {
+    progress.phase("generate: checking the error");
+    progress.show(static_cast<double>(p.truth_done) / static_cast<double>(p.truth_total),
+                  fmt::format("{} of {} tight solves, {} states", p.truth_done, p.truth_total, p.states));
+    return;
+  }
+  progress.phase("generate: placing states");
+  const std::string states = fmt::format("{} of at most {}", p.states, p.most_states);
+  progress.show(std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} % of {:.3g} % wanted",
+                                                        states, 100 * p.estimate, 100 * wanted)
+                                          : states);
+}
+
+// Why the result is incomplete; empty if it is complete.
+std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
+  if (report.stopped) return "interrupted; rerun the same command to resume";
+  if (!report.estimate_holds && report.states >= report.most_states) {
+    // Rest and the eight corners of the box are tried on any lattice.
+    const std::size_t positions = lattice(space.box, space.spacing).size();
+    const std::string why =
+        positions >= report.most_states
+            ? fmt::format("as many as the lattice of {:g} m has positions in the box", space.spacing)
+            : fmt::format("the fewest that are tried, for the lattice of {:g} m has {} in the box",
+                          space.spacing,
+                          positions == 0   ? "no position"
+                          : positions == 1 ? "1 position"
+                                           : fmt::format("{} positions", positions));
+    return fmt::format(
+        "{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit; reduce it",
+        report.states, why, report.estimate.held(), error);
+  }
+  if (!report.estimate_holds)
+    return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
+                       report.states, report.estimate.held(), error, report.failed);
+  if (!report.truth.holds)
+    return fmt::format("the true error of {:.3g} at {} positions is above {:.3g}", report.truth.error.held(),
+                       report.truth.samples + report.truth.on_surface, error);
+  return {};
+}
+
+}  // namespace
+
+std::vector<Declared> declared_placement_json() {
+  return {{"states", "", "", "usable states in the file"},
+          {"most_states", "", "", "of a full lattice"},
+          {"solved", "", "", "of this run"},
+          {"inverted", "", "", "states with inverted elements in the file"},
+          {"failed", "", "", "solves that failed"},
+          {"resumed", "", "", "states that were in the file before"},
+          {"seconds", "s", "", "time of the run"},
+          {"threads", "", "", "that solved"},
+          {"error", "1", "", "E of --error"},
+          {"discretisation_error", "1", "", "what the mesh itself gets wrong, relative; null: not measured"},
+          {"discretisation_positions", "", "", "at which it was measured"},
+          {"discretisation_by", "", "", "by what, or why not"},
+          {"error_estimate", "1", "", "the least E that the estimate stays below"},
+          {"error_estimate_quantiles.p50,p95,max", "1", "", "of the estimate over the box"},
+          {"error_true.p50,p95,max", "1", "", "of the error at tight solves"},
+          {"error_true.held", "1", "", "the least E that these stay below"},
+          {"error_true.samples", "", "", "tight solves"},
+          {"error_true.on_surface", "", "", "of these, on the surface of the box"},
+          {"error_true.failed", "", "", "tight solves that failed"},
+          {"error_true.unsolved", "", "", "positions without a tight solve"},
+          {"error_true.fresh", "", "", "true: at positions that the placement has not seen"},
+          {"linear", "", "", "true: the body is linear, three solves give all"},
+          {"estimate_holds", "", "", "true: the estimate is below E"},
+          {"truth_holds", "", "", "true: the errors at tight solves are below E; null: not known"},
+          {"interrupted", "", "", "true: the same command resumes"}};
+}
+
+void check_generate_to_error(const Scene& scene) {
+  try {
+    for_states(scene.model, lattice(scene.space.box, scene.space.spacing).size());
+  } catch (const InputError& error) {
+    throw InputError({.file = scene.source.file.string(), .key = error.place().key}, error.problem());
+  }
+}
+
+int generate_to_error(const Globals& globals, const Scene& scene, StateFile file, const std::string& output,
+                      double error) {
+  PlacementOptions options;
+  options.error = error;
+  options.space = scene.space;
+  options.estimate.model = scene.model;
+  options.estimate.floor = scene.session.judging.error_floor;
+  options.seed = globals.seed;
+  options.threads = globals.threads;
+  options.want_displacements = scene.displacements;
+  std::stop_source stop;
+  options.stop = stop.get_token();
+
+  std::optional<Progress> progress(std::in_place, globals, "generate");
+  std::optional<InterruptWatch> watch(std::in_place);
+  std::jthread listener([&](const std::stop_token& done) {  // also between two lines of progress
+    for (; !done.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50)))
+      if (watch->raised()) stop.request_stop();
+  });
+  const std::vector<State> known = file.read_all();
+  Inverted inverted{.all = static_cast<std::size_t>(std::ranges::count_if(known, has_inverted_elements))};
+  const PlacementReport report = place_states(
+      scene.body, options, known,
+      [&](State state) {
+        inverted.now += has_inverted_elements(state);
+        inverted.all += has_inverted_elements(state);
+        file.append(std::span(&state, 1));
+      },
+      [&](const PlacementProgress& p) { show(*progress, p, error); });
+  if (!report.truth.checks.empty()) keep_checks(output, report.truth.checks);
+  progress->phase("generate: the mesh itself");
+  const MeshError mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
+  listener = {};
+  watch.reset();
+  progress.reset();
+
+  const bool mesh_first = mesh.error > report.estimate.held();
+  if (globals.json) print_json(to_json(report, inverted, error, mesh));
+  if (mesh_first) say(globals, "attention: " + discretisation_line(mesh, report.estimate.held()));
+  say(globals, fmt::format("{}: {} states{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
+                           report.states, inverted_in_words(inverted.all), report.solved - inverted.now,
+                           report.seconds, report.resumed, report.failed,
+                           report.linear ? "; linear: three solves give the whole state space" : ""));
+  say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
+  if (report.truth.samples > 0)
+    say(globals,
+        fmt::format(
+            "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
+            report.truth.samples, report.truth.on_surface, in_words(report.truth.error),
+            report.truth.is_fresh ? "" : " (some of them became states)",
+            report.truth.unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth.unsolved) : ""));
+  if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
+  const std::string why = complaint(report, error, scene.space);
+  if (why.empty()) return 0;
+  warn(globals, why);
+  return 1;
+}
+
+}  // namespace forefeel
