@@ -88,6 +88,22 @@ std::vector<NodeIndex> read_clamp(const SceneTable& table, const TetMesh& mesh, 
   return nodes;
 }
 
+// A place far outside the body is a slip, such as millimetres for metres.
+Vec3 checked_place(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
+  constexpr double far = 100;  // times the longest side of the body
+  const Vec3 place = *table.vector(key);
+  const Box box = bounding_box(mesh);
+  const double most = far * box.size().maxCoeff();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.low[axis], high = box.high[axis];
+    if (place[axis] >= low - most && place[axis] <= high + most) continue;
+    throw InputError(table.where(key),
+                     fmt::format("has {} = {:g} m, far from the body, expected about {:.3g} to {:.3g}",
+                                 "xyz"[axis], place[axis], low, high));
+  }
+  return place;
+}
+
 std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh, bool defaults) {
   const std::optional<double> radius = table.number("radius", positive());
   const bool any = table.has("node") || table.has("nodes") || table.has("nearest") || table.has("group");
@@ -98,7 +114,7 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
     nodes = checked_nodes(table, "node", {*table.integer("node", INT64_MIN, INT64_MAX)}, mesh);
   if (kind == "nodes") nodes = checked_nodes(table, "nodes", *table.integers("nodes"), mesh);
   if (kind == "group") nodes = group_nodes(table, mesh);
-  if (kind == "nearest") nodes = {nearest_surface_node(mesh, *table.vector("nearest"))};
+  if (kind == "nearest") nodes = {nearest_surface_node(mesh, checked_place(table, "nearest", mesh))};
   if (!radius) return nodes;
   std::vector<NodeIndex> patch = nodes;
   for (const NodeIndex node : nodes) {

@@ -194,4 +194,10 @@ TEST_CASE("errors name file, line, key and what was expected", "[scene]") {
   CHECK_THAT(message("[body]\nelements = 5\n"), Contains("body") && Contains("exactly one of mesh, phantom"));
   CHECK_THAT(message("body = 3\n"), Contains("expected a table"));
   CHECK_THAT(message(beam_scene(), {"material.young=inf"}), Contains("above 0"));
+  for (const char* place : {"[1e200, 0, 0]", "[-100, 0, 0]", "[1e308, -1e308, 1e308]"}) {  // -100: in mm
+    CHECK_THAT(message(beam_scene("[contact]\nnearest = " + std::string(place) + "\n")),
+               Contains("scene.toml:12: contact.nearest: has x = ") &&
+                   Contains("far from the body, expected about 0 to 0.1"));
+  }
+  CHECK(message(beam_scene("[contact]\nnearest = [0.1, 0, 1]\n")) == "accepted");
 }
