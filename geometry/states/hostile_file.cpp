@@ -13,6 +13,8 @@ namespace {
 using sqlite::Statement;
 
 constexpr std::int64_t free_steps = 10'000'000, steps_per_byte = 50;
+constexpr int longest_text = 2'000'000;            // [bytes]
+constexpr std::size_t longest_texts = 16'000'000;  // together
 constexpr int counted_at_once = 10'000;
 constexpr std::array<const char*, 4> tables{"identity", "header", "notes", "states"};
 
@@ -62,6 +64,24 @@ StepLimit::~StepLimit() {
 
 int StepLimit::count(void* self) {
   return --static_cast<StepLimit*>(self)->left_ < 0 ? 1 : 0;
+}
+
+TextLimit::TextLimit(sqlite3* database, const std::string& where)
+    : database_(database),
+      where_(where),
+      left_(longest_texts),
+      before_(sqlite3_limit(database, SQLITE_LIMIT_LENGTH, longest_text)) {}
+
+TextLimit::~TextLimit() {
+  sqlite3_limit(database_, SQLITE_LIMIT_LENGTH, before_);
+}
+
+void TextLimit::count(std::size_t bytes) {
+  if (bytes > left_)
+    throw InputError({.file = where_},
+                     fmt::format("has more than {} MB of text in identity and notes, expected a few lines",
+                                 longest_texts / 1'000'000));
+  left_ -= bytes;
 }
 
 void check_plain_tables(sqlite3* database, const std::string& where) {

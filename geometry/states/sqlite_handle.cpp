@@ -14,6 +14,7 @@ namespace forefeel::sqlite {
       : code == SQLITE_FULL                           ? "cannot be written, the disk is full"
       : code == SQLITE_READONLY                       ? "cannot be written, it is read-only"
       : code == SQLITE_IOERR                          ? "cannot be read or written"
+      : code == SQLITE_TOOBIG                         ? "has a text of more than 2 MB, expected a few lines"
       : code == SQLITE_INTERRUPT
           ? "takes more steps to read than its size explains, expected a state file with an end"
           : "is not a usable state file";

@@ -181,10 +181,14 @@ void check_header(const StateFileHeader& header, const std::string& where) {
 
 StateFileHeader read_header(sqlite3* database, const std::string& where) {
   const StepLimit limit(database);
+  TextLimit text(database, where);
   StateFileHeader header;
   for (auto [table, target] : {std::pair("identity", &header.identity), std::pair("notes", &header.notes)}) {
     Statement rows(database, where, fmt::format("SELECT key, value FROM {}", table).c_str());
-    while (rows.step()) (*target)[std::string(rows.text(0))] = std::string(rows.text(1));
+    while (rows.step()) {
+      text.count(rows.text(0).size() + rows.text(1).size());
+      (*target)[std::string(rows.text(0))] = std::string(rows.text(1));
+    }
   }
   Statement numbers(database, where, "SELECT key, value FROM header");
   while (numbers.step()) {

@@ -150,3 +150,17 @@ TEST_CASE("a spacing of zero or less, and a box without a size, are refused") {
   const auto old = changed(folder, "UPDATE states SET h = -1, checksum = NULL WHERE id = 1");
   CHECK_THAT(error_of([&] { load_states(old); }), Catch::Contains("spacing h = -1"));
 }
+
+TEST_CASE("texts of identity and notes that are too long are refused, one by one and together") {
+  const TemporaryFolder folder;
+  for (const char* sql : {"INSERT INTO identity VALUES ('mesh2', hex(zeroblob(1500000)))",
+                          "INSERT INTO identity VALUES (hex(zeroblob(1500000)), 'a')",
+                          "INSERT INTO notes VALUES ('a', hex(zeroblob(1500000)))"})
+    check_refused_by_all(changed(folder, sql), "has a text of more than 2 MB");
+  check_refused_by_all(changed(folder,
+                               "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n LIMIT 20) "
+                               "INSERT INTO notes SELECT i, hex(zeroblob(500000)) FROM n"),
+                       "has more than 16 MB of text");
+  const auto long_note = changed(folder, "INSERT INTO notes VALUES ('a', hex(zeroblob(500000)))");
+  CHECK(StateFile::open_read_only(long_note).header().notes.at("a").size() == 1'000'000);
+}
