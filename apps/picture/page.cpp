@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "geometry/common/utf8.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -63,7 +65,7 @@ summary{cursor:pointer;font-size:18px;font-weight:600;margin:30px 0 8px}
 
 std::string html_escaped(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : valid_utf8(text)) {
     switch (c) {
       case '&':
         safe += "&amp;";

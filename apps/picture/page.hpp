@@ -6,6 +6,7 @@
 
 namespace forefeel {
 
+// The text for HTML and XML. What is not UTF-8 becomes U+FFFD.
 std::string html_escaped(std::string_view text);
 // A complete page around `body` (HTML). title is plain text.
 std::string html_page(const std::string& title, const std::string& body);

@@ -23,9 +23,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// True for a pipe or socket that this process has already open, such as /dev/stdout or /dev/fd/63.
+bool is_open_here(const struct stat& wanted) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator("/proc/self/fd", error)) {
+    struct stat status {};
+    if (::stat(entry.path().c_str(), &status) == 0 && status.st_dev == wanted.st_dev &&
+        status.st_ino == wanted.st_ino)
+      return true;
+  }
+  return false;
+}
+
+// True for a device or an open pipe. InputError for a named pipe: opening it would wait for a reader.
 bool is_special(const fs::path& file) {
   struct stat status {};
-  return ::stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  if (::stat(file.c_str(), &status) != 0 || S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)) return false;
+  if (S_ISCHR(status.st_mode) || is_open_here(status)) return true;
+  throw InputError({.file = file.string()},
+                   S_ISBLK(status.st_mode)
+                       ? "is a disk, expected a file to write"
+                       : "is a named pipe or socket, expected a file to write, or /dev/stdout");
 }
 
 fs::path folder_of(const fs::path& file) {
@@ -112,10 +130,10 @@ void check_writable(const fs::path& file, std::initializer_list<fs::path> read) 
 
 OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
   check_writable(file_);
-  file_ = followed(file_);
-  if (is_special(file_)) {
+  if (is_special(file_)) {  // not followed: the link /dev/stdout of a pipe leads to no name
     descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
+    file_ = followed(file_);
     static std::atomic<unsigned> counter{0};
     sweep_parts(folder_of(file_), file_.filename().string());
     temporary_ =

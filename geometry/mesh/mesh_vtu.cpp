@@ -12,6 +12,7 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/utf8.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
 #include "geometry/mesh/vtk_xml.hpp"
@@ -123,7 +124,7 @@ namespace {
 
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : valid_utf8(text)) {
     if (c == '&')
       out += "&amp;";
     else if (c == '<')

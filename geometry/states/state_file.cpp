@@ -126,9 +126,11 @@ StateFile& StateFile::operator=(StateFile&&) noexcept = default;
 StateFile StateFile::open_or_create(const fs::path& name, const StateFileHeader& header) {
   check_appendable(name);
   const fs::path file = followed(name);
+  std::error_code error;
+  if (fs::exists(file, error) && !fs::is_regular_file(file, error))
+    throw InputError({.file = file.string()}, "is no file, expected a state file or a new name");
   auto impl = std::make_unique<Impl>();
   impl->where = file.string();
-  std::error_code error;
   if (fs::file_size(file, error) > 0 && !error) check_signature(file);
   impl->lock = std::make_unique<WriterLock>(file);
   if (!fs::exists(file) || fs::file_size(file, error) == 0) create(file, header);

@@ -60,6 +60,44 @@ TEST_CASE("a path that is not UTF-8 is written into JSON with replacement charac
   }
 }
 
+TEST_CASE("pages and pictures of a scene whose path is not UTF-8 are UTF-8", "[streams]") {
+  const Workshop shop;
+  shop.write("beam\xff.toml", beam_scene());
+  if (!fs::exists(shop.path() / "beam\xff.toml")) return skip("this file system has no such names");
+  for (const char* file : {"show.html", "show.svg", "show.vtu"}) {
+    REQUIRE(shop.forefeel(std::string("show beam\xff.toml -o ") + file).code == 0);
+    CHECK(shop.shell(std::string("iconv -f UTF-8 -t UTF-8 ") + file + " | cmp - " + file).code == 0);
+  }
+  REQUIRE(shop.forefeel("session beam\xff.toml -o run --clock virtual --seconds 0.05").code == 0);
+  CHECK(shop.shell("iconv -f UTF-8 -t UTF-8 run/report.html | cmp - run/report.html").code == 0);
+}
+
+TEST_CASE("an output that is a pipe with a name, or a device in place of a state file, is refused",
+          "[streams]") {
+  const Workshop shop;
+  shop.write("s.csv", states_csv);
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.shell("mkfifo pipe pipe.csv pipe.msh pipe.html").code == 0);
+  for (const char* arguments :
+       {"solve beam.toml --at=0,0,0.001 -o pipe", "export s.csv -o pipe.csv", "generate beam.toml -o pipe",
+        "import s.csv -o pipe --spacing 0.01", "mesh --phantom slab --elements 150 -o pipe.msh",
+        "show beam.toml -o pipe.html"}) {
+    const auto outcome = shop.shell("timeout 20 '" + executable() + "' " + arguments);
+    INFO(arguments << "\n" << outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.error_lines() == 1);
+    CHECK_THAT(outcome.err, Catch::Contains("is a named pipe or socket, expected"));
+  }
+  for (const char* device : {"/dev/null", "/dev/full"})
+    check_refused(shop, std::string("generate beam.toml -o ") + device, {device, "is no file"});
+  // Devices, and pipes that the shell opened, are written.
+  CHECK(shop.forefeel("export s.csv -o table.csv").code == 0);
+  CHECK(shop.forefeel("solve beam.toml --at=0,0,0.001 -o /dev/null").code == 0);
+  const auto piped =
+      shop.shell("'" + executable() + "' solve beam.toml --at=0,0,0.001 --quiet -o /dev/stdout | head -c 5");
+  CHECK(piped.out == "x,y,z");
+}
+
 TEST_CASE("an error quotes the beginning of a flood, not all of it", "[streams]") {
   const Workshop shop;
   const std::string flood(100'000, 'x');
