@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,6 +23,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/generate/generate_error.hpp"
 #include "apps/generate/generate_memory.hpp"
+#include "apps/generate/kept_states.hpp"
 #include "apps/scene_input/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
@@ -44,10 +46,12 @@ struct GenerateArguments {
 
 // Result of `forefeel generate` when it fills the lattice.
 struct GenerateResult {
-  GenerateReport report;               // of this run
-  std::size_t usable = 0, failed = 0;  // states in the file, including earlier runs
-  std::size_t inverted = 0;            // of the usable
-  bool interrupted = false;
+  GenerateReport report;                 // of this run
+  std::size_t usable = 0, failed = 0;    // states in the file, including earlier runs
+  std::size_t inverted = 0;              // of the usable
+  bool interrupted = false;              // also by a file that could not be written
+  std::optional<std::string> why = {};   // of the file
+  bool told = false;                     // the user knows that it was interrupted
   std::optional<FarmReport> ranks = {};  // with --mpi
 
   double states_per_second() const {
@@ -111,9 +115,20 @@ FarmOptions farm_options(const Globals& globals, const std::stop_token& stop,
           }};
 }
 
+// When a rank has died, mpirun sends a signal to the others and ends them about a second later. So this is said at once.
+void tell_ended_ranks(KeptStates& kept, const std::string& output) {
+  kept.flush();
+  std::cerr << "forefeel: "
+            << (kept.failed() ? kept.in_words()
+                              : fmt::format("ended by a signal (mpirun sends one when a rank has died); {} "
+                                            "states are kept in {}; rerun the same command to resume",
+                                            kept.in_file(), output))
+            << std::endl;
+}
+
 // ranks: null where threads solve.
 GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFile file,
-                            const std::vector<State>& known, RankPool* ranks) {
+                            const std::vector<State>& known, const std::string& output, RankPool* ranks) {
   std::stop_source stop;
   GenerateOptions options = options_of(scene);
   options.threads = globals.threads;
@@ -124,14 +139,14 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   std::optional<InterruptWatch> watch;
   const auto raised = [&] { return watch && watch->raised(); };
   if (ranks) watch.emplace();
-  StateWriter writer(std::move(file));
+  KeptStates kept(std::move(file), known.size(), stop);
   Progress progress(globals, "generate");
   const auto start = std::chrono::steady_clock::now();
   std::size_t fresh = 0;
   const auto keep = [&](State state) {
     if (!watch) watch.emplace();
     ++fresh;
-    writer.push(std::move(state));
+    kept.keep(std::move(state));
   };
   const auto show = [&](std::size_t done, std::size_t total) {
     if (raised()) stop.request_stop();
@@ -141,7 +156,10 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
                               seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
   };
   const auto tick = [&] {
-    if (raised()) stop.request_stop();
+    if (!raised() || result.told) return;
+    stop.request_stop();
+    result.told = true;
+    tell_ended_ranks(kept, output);
   };
   if (ranks && !is_linear(*scene.body)) {
     const RankedGenerateReport report = generate_with_ranks(*ranks, scene.body, options, known, keep, show,
@@ -153,8 +171,12 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
     result.report = generate_lattice(scene.body, options, known, keep, show);
     if (ranks) result.ranks = FarmReport{};
   }
-  writer.flush();
-  result.interrupted = raised();
+  kept.flush();
+  result.interrupted = raised() || kept.failed();
+  if (kept.failed()) {
+    result.why = kept.in_words();
+    kept.correct(result.report.solved, result.report.failed, result.report.inverted);
+  }
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(known, &State::usable));
   result.usable = usable + result.report.solved;
   result.inverted =
@@ -212,13 +234,14 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   }
 
   if (ranks) ranks->begin(rank_identity(scene.source.hash), said_spacing(scene.space.spacing));
-  const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, ranks);
+  const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, arguments.output, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
   if (is_gone(globals, arguments.output)) return 1;
   say(globals, look_at_it(globals, arguments.output, arguments.scene));
   if (result.interrupted) {
-    warn(globals, "interrupted; rerun the same command to resume");
+    if (!result.told || result.why)
+      warn(globals, result.why.value_or("interrupted; rerun the same command to resume"));
     return 1;
   }
   if (result.inverted > 0)

@@ -1,5 +1,6 @@
 #include "apps/generate/generate_error.hpp"
 #include "apps/console/json_keys.hpp"
+#include "apps/generate/kept_states.hpp"
 
 #include <fmt/format.h>
 
@@ -173,16 +174,25 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
       if (watch->raised()) stop.request_stop();
   });
   const std::vector<State> known = file.read_all();
+  KeptStates kept(std::move(file), known.size(), stop);
   Inverted inverted{.all = static_cast<std::size_t>(std::ranges::count_if(known, has_inverted_elements))};
-  const PlacementReport report = place_states(
+  PlacementReport report = place_states(
       scene.body, options, known,
       [&](State state) {
         inverted.now += has_inverted_elements(state);
         inverted.all += has_inverted_elements(state);
-        file.append(std::span(&state, 1));
+        kept.keep(std::move(state));
       },
       [&](const PlacementProgress& p) { show(*progress, p, error); });
-  if (!report.truth.checks.empty()) keep_checks(output, report.truth.checks);
+  kept.flush();
+  if (kept.failed()) {
+    const std::size_t before = report.states - report.solved, inverted_before = inverted.all - inverted.now;
+    kept.correct(report.solved, report.failed, inverted.now);
+    report.states = before + report.solved;
+    inverted.all = inverted_before + inverted.now;
+  } else if (!report.truth.checks.empty()) {
+    keep_checks(output, report.truth.checks);
+  }
   progress->phase("generate: the mesh itself");
   const MeshError mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
   listener = {};
@@ -205,7 +215,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
             report.truth.is_fresh ? "" : " (some of them became states)",
             report.truth.unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth.unsolved) : ""));
   if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
-  const std::string why = complaint(report, error, scene.space);
+  const std::string why = kept.failed() ? kept.in_words() : complaint(report, error, scene.space);
   if (why.empty()) return 0;
   warn(globals, why);
   return 1;

@@ -75,7 +75,8 @@ class StateWriter {
   StateWriter(StateWriter&&) noexcept;
   StateWriter& operator=(StateWriter&&) noexcept;
   void push(State state);
-  void flush();  // returns when all pushed so far is durable
+  void flush();                 // returns when all pushed so far is durable
+  std::size_t written() const;  // how many of the pushed states are durable, in the order of push()
 
  private:
   struct Impl;

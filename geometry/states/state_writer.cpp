@@ -50,7 +50,7 @@ struct StateWriter::Impl {
         problem = std::current_exception();
       }
       lock.lock();
-      written += batch.size();
+      if (!problem) written += batch.size();
       batch.clear();
       if (problem) failure = problem, waiting.clear();
       done.notify_all();
@@ -75,6 +75,11 @@ void StateWriter::push(State state) {
     ++impl_->pushed;
   }
   if (first) impl_->wake.notify_one();  // the thread sees further states without a signal
+}
+
+std::size_t StateWriter::written() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->written;
 }
 
 void StateWriter::flush() {

@@ -236,13 +236,35 @@ TEST_CASE("a state file is not replaced by a table, nor a stranger's file set as
   CHECK(read_text_file(shop.path() / "own/session.states") == "mine");
 }
 
+TEST_CASE("a disk that fills during generate: what is kept is counted, and a rerun resumes", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  for (const char* how :
+       {"--set state_space.spacing=0.0005", "--error 1e-5 --set state_space.spacing=0.0002"}) {
+    INFO(how);
+    const std::string generate = "'" + executable() + "' generate beam.toml -o g.states --json " + how;
+    // Files of this process cannot grow above 120 kB, nor can its log.
+    const auto full = shop.shell("rm -f g.states; ulimit -f 120; " + generate);
+    INFO(full.err);
+    CHECK(full.code == 1);
+    const auto kept = shop.forefeel("info g.states --json").json()["states"].get<int>();
+    CHECK(kept > 0);
+    CHECK_THAT(full.err, Catch::Contains("g.states: cannot be") &&
+                             Catch::Contains("; " + std::to_string(kept) + " states are kept in it; free"));
+    CHECK(full.json()["states"] == kept);
+    CHECK(full.json()["interrupted"] == true);
+    const auto again = shop.shell("timeout -s INT 3 " + generate);
+    CHECK(again.json()["resumed"] == kept);
+  }
+}
+
 TEST_CASE("a state file that is moved while it is written is said to be incomplete", "[streams]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const auto outcome =
       shop.shell("'" + executable() +
                  "' generate beam.toml -o m.states --set state_space.spacing=0.003 & p=$!; "
-                 "while ! [ -s m.states ]; do sleep 0.01; done; mv m.states n.states; wait $p");
+                 "while ! [ -s m.states-wal ]; do sleep 0.01; done; mv m.states n.states; wait $p");
   INFO(outcome.err);
   CHECK(outcome.code == 1);
   CHECK_THAT(outcome.err, Catch::Contains("m.states: was moved or removed"));
