@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_message.hpp"
@@ -86,18 +87,29 @@ void InputLog::failed(const State& state) {
 
 // Frames are taken first: the models that came with them were recorded before them, and are written before them.
 void InputLog::drain() {
-  Packer frames;
+  Bytes frames;
+  struct Written {
+    std::size_t end;  // in the bytes of the frames
+    double t;
+  };
+  std::vector<Written> ends;
   while (const std::optional<FrameInput> frame = frames_.pop()) {
-    pack_record(frames, InputKind::frame, content_of(*frame));
-    last_t_ = frame->frame * frame_seconds_;
+    Packer record;
+    pack_record(record, InputKind::frame, content_of(*frame));
+    const Bytes bytes = record.take();
+    frames.insert(frames.end(), bytes.begin(), bytes.end());
+    ends.push_back({frames.size(), frame->frame * frame_seconds_});
   }
   Bytes planned;
   {
     const std::lock_guard lock(mutex_);
     planned = planned_.take();
   }
-  write(planned);
-  write(frames.take());
+  if (!write(planned)) return;
+  const std::size_t done = put(frames);
+  for (const Written& frame : ends)
+    if (frame.end <= done) last_t_ = frame.t;
+  if (done < frames.size()) fail(std::strerror(errno));
 }
 
 void InputLog::close() {
@@ -114,16 +126,26 @@ void InputLog::close() {
   descriptor_ = -1;
 }
 
-void InputLog::write(const Bytes& bytes) {
-  for (std::size_t done = 0; done < bytes.size() && descriptor_ >= 0;) {
+// Returns how many bytes are in the file; errno says why it is not all.
+std::size_t InputLog::put(const Bytes& bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size() && descriptor_ >= 0) {
     const ssize_t count = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return fail(std::strerror(errno));
+    if (count < 0) break;
     done += static_cast<std::size_t>(count);
   }
+  return done;
+}
+
+bool InputLog::write(const Bytes& bytes) {
+  if (put(bytes) == bytes.size()) return true;
+  fail(std::strerror(errno));
+  return false;
 }
 
 void InputLog::fail(const std::string& why) {
+  if (failure_) return;
   failure_ = fmt::format("{}: cannot be written: {}; frames after {:.3f} s cannot be replayed",
                          file_.string(), why, last_t_);
   if (descriptor_ >= 0) ::close(descriptor_);

@@ -42,7 +42,8 @@ class InputLog {
   const std::optional<std::string>& failure() const { return failure_; }  // after close(); one line
 
  private:
-  void write(const Bytes& bytes);
+  std::size_t put(const Bytes& bytes);
+  bool write(const Bytes& bytes);
   void fail(const std::string& why);
 
   std::filesystem::path file_;
@@ -52,7 +53,7 @@ class InputLog {
   std::mutex mutex_;               // of planned_
   Packer planned_;
   std::uint32_t learned_ = 0;  // states recorded; planner's thread
-  double last_t_ = 0;          // of the frames written [s]
+  double last_t_ = 0;          // of the frames that are in the file [s]
   double frame_seconds_;
   std::optional<std::string> failure_;
   std::jthread thread_;

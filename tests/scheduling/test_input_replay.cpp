@@ -1,6 +1,7 @@
 // What came into a run is recorded, and renders again to the same bits: of both clocks, of runs that were cut, and not
 // where the record was changed.
 
+#include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -237,6 +238,8 @@ TEST_CASE("a full disk ends the record, not the run, and what was written replay
   CHECK(report.frames > 100);
   CHECK(report.frames < result.frames.size());
   CHECK(report.equal == report.frames);
+  CHECK_THAT(result.failures[0],
+             Catch::Contains(fmt::format("frames after {:.3f} s cannot", report.seconds)));
 }
 
 TEST_CASE(
