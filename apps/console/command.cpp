@@ -15,6 +15,7 @@
 
 #include "apps/console/suggest.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/threads.hpp"
 
 namespace forefeel {
 
@@ -340,6 +341,23 @@ Command CommandLine::add(const std::string& name, const std::string& description
   return Command(&sub, &run);
 }
 
+namespace {
+
+// Commands that refuse more threads than `most` for their memory have their own error.
+void check_threads(int threads) {
+  constexpr int most = 4096;
+  const int tried = std::min(threads, most);
+  if (tried <= 1) return;
+  if (const int start = threads_that_start(tried); start < tried)
+    throw InputError(
+        "--threads",
+        fmt::format("is {}, and the limits of this process or of its memory (ulimit -u, -v) allow "
+                    "{}, expected at most so many",
+                    threads, start));
+}
+
+}  // namespace
+
 int CommandLine::run(int argc, const char* const* argv) {
   CLI::App& app = parser_->app;
   check_command(app, argc, argv);
@@ -355,6 +373,7 @@ int CommandLine::run(int argc, const char* const* argv) {
   if (!parser_->chosen)
     throw InputError("command", "none given, expected one of " + listed(command_names(app)));
   const Globals& globals = parser_->globals;
+  check_threads(globals.threads);
   if (globals.threads > 0) omp_set_num_threads(globals.threads);
   const int code = (*parser_->chosen)(globals);
   flush_warnings();

@@ -8,6 +8,7 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
+#include "geometry/common/threads.hpp"
 #include "scheduling/log/records.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -21,6 +22,18 @@ constexpr double bytes_per_frame = sizeof(FrameRecord) + 160 + 400;
 constexpr double bytes_per_thread = 256e3;  // stack as far as it is used, buffers of the allocator
 constexpr int few = 8;                      // up to this number of solvers, no memory check is made
 constexpr int most_threads = 4096;
+constexpr int others = 8;  // threads of a session that do not solve: loop, planner, writers
+
+void check_threads(int workers) {
+  if (workers <= 1) return;
+  const int start = threads_that_start(workers + others) - others;
+  if (start < workers)
+    throw InputError(
+        "session.workers",
+        fmt::format("is {}, each a thread under the real clock, and the limits of this process or "
+                    "of its memory (ulimit -u, -v) allow {}, expected at most so many",
+                    workers, std::max(start, 0)));
+}
 
 }  // namespace
 
@@ -43,7 +56,7 @@ void check_memory(const MemoryRequest& asked, double available) {
         fmt::format("is {}, and under the real clock each worker is a thread, expected at most {}", workers,
                     most_threads));
   const MemoryNeed need = memory_need(asked);
-  if (need.all() <= available) return;
+  if (need.all() <= available) return check_threads(workers);
   const double seconds = asked.seconds;
   const double most = std::max({need.frames, need.workers, need.references});
   const double left = std::max(0.0, available - (need.all() - most));  // for what takes the most

@@ -199,6 +199,22 @@ TEST_CASE("a lattice that does not fit into the memory is refused before anythin
   CHECK_FALSE(fs::exists(shop.path() / "g.states"));
 }
 
+TEST_CASE("more threads than the limits of the process allow are refused in one line", "[streams]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  for (const char* arguments : {"solve beam.toml --at=0,0,0.001 --threads 1000",
+                                "session beam.toml -o run --clock real --seconds 0.2 --workers 1000"}) {
+    const auto outcome = shop.shell("ulimit -v 3000000; '" + executable() + "' " + arguments);
+    INFO(arguments << "\n" << outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.error_lines() == 1);
+    CHECK_THAT(outcome.err, Catch::Contains("is 1000") && Catch::Contains("expected at most"));
+  }
+  CHECK_FALSE(fs::exists(shop.path() / "run"));
+  CHECK(shop.shell("ulimit -v 3000000; '" + executable() + "' solve beam.toml --at=0,0,0.001 --threads 2")
+            .code == 0);
+}
+
 TEST_CASE("a signal ends a command that still plans", "[streams]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
