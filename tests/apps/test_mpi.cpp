@@ -116,6 +116,31 @@ TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs
   CHECK(states_of(shop, "ended.states") == expected);
 }
 
+TEST_CASE(
+    "rank 0 of generate says how many states are kept before mpirun ends it, when another rank has died") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  // Every rank is the program itself: a shell around rank 0 would take the signal of mpirun.
+  shop.write("long.sh",
+             "if [ \"$OMPI_COMM_WORLD_RANK\" = 1 ]; then\n"
+             "  (exec >/dev/null 2>&1; while ! [ -e long.states ]; do sleep 0.01; done; sleep 0.3; kill "
+             "-KILL $$) &\n"
+             "fi\nexec '" +
+                 forefeel::test::executable() +
+                 "' generate beam.toml --mpi -o long.states --set body.elements=2000 "
+                 "--set state_space.spacing=0.0002\n");
+  const auto ended = shop.shell(as_root + run + "-n 2 bash long.sh");
+  INFO(ended.err);
+  CHECK(ended.code != 0);
+  CHECK(ended.code != 124);  // of timeout(1); mpirun returns 128 + 9 of the rank that was killed
+  const std::size_t said = ended.err.find(" states are kept in long.states; rerun");
+  REQUIRE(said != std::string::npos);
+  const std::size_t from = ended.err.rfind(' ', said - 1) + 1;
+  CHECK(ended.err.find("forefeel:") == ended.err.rfind("forefeel:"));
+  CHECK(shop.forefeel("info long.states --json").json()["states"].get<int>() >=
+        std::stoi(ended.err.substr(from, said - from)));
+}
+
 TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by threads") {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
