@@ -54,14 +54,16 @@ int run_command(const std::vector<std::string>& words) {
 }
 
 // factory(**settings) makes a policy for each session; settings are texts, as after the name in a study.
-void add_policy(const std::string& name, const py::function& factory) {
-  const auto held = std::make_shared<py::function>(factory);
-  forefeel::register_policy(name, [held](FactoryContext& with) {
+// The table of policies outlives the interpreter, so it borrows the factory; a list of the module owns it.
+void add_policy(const std::string& name, const py::function& factory, py::list& owned) {
+  owned.append(factory);
+  const py::handle borrowed = factory;
+  forefeel::register_policy(name, [borrowed](FactoryContext& with) {
     const py::gil_scoped_acquire locked;
     py::dict settings;
     for (const std::string& key : with.arguments.keys())
       settings[py::str(key)] = with.arguments.text(key, "");
-    return unique_policy_of((*held)(**settings));
+    return unique_policy_of(borrowed(**settings));
   });
 }
 
@@ -69,10 +71,17 @@ void add_policy(const std::string& name, const py::function& factory) {
 
 void bind_command(py::module_& module) {
   module.def("_command", &run_command, py::arg("words"));
-  module.def("register_policy", &add_policy, py::arg("name"), py::arg("factory"),
-             "Makes a policy known by a name, in studies and sessions of this process. factory(**settings) "
-             "returns an "
-             "object with the method prioritise(candidates, view); settings are texts.");
+  py::list owned;
+  module.attr("_policy_factories") = owned;
+  module.def(
+      "register_policy",
+      [owned](const std::string& name, const py::function& factory) mutable {
+        add_policy(name, factory, owned);
+      },
+      py::arg("name"), py::arg("factory"),
+      "Makes a policy known by a name, in studies and sessions of this process. factory(**settings) "
+      "returns an "
+      "object with the method prioritise(candidates, view); settings are texts.");
   module.attr("version") = py::str(version_text());
 }
 

@@ -81,6 +81,21 @@ TEST_CASE("the Python example of a policy compares it in a study and times a pla
   CHECK(number_after(done.out, "built-in ") > 0);
 }
 
+TEST_CASE("a script that registers a policy, which nothing else holds, ends with exit code 0") {
+  if (is_missing()) return;
+  const Workshop shop;
+  shop.write("short.py",
+             "import forefeel as ff\n"
+             "class Policy:\n"
+             "    def prioritise(self, candidates, view): return 1 / (1 + candidates['delta'])\n"
+             "ff.register_policy('brief', lambda **settings: Policy())\n"
+             "print('registered')\n");
+  const Workshop::Outcome done = python(shop, (shop.path() / "short.py").string(), "");
+  INFO(done.err);
+  CHECK(done.code == 0);
+  CHECK(done.out == "registered\n");
+}
+
 TEST_CASE("the Python example of ask and tell learns a solver of SciPy to 2 % with 40 states") {
   if (is_missing()) return;
   const Workshop shop;

@@ -82,7 +82,7 @@ def write_states(file: Any, states: Any, spacing: float | None = None) -> None:
     rows = known_rows(states)
     if spacing is None:
         if not isinstance(states, States):
-            raise _core.InputError("spacing: is missing, expected metres")
+            raise _core.InputError("spacing: missing, expected metres, as write_states(file, states, spacing=0.005)")
         spacing = states.spacing
     _core.write_states(file, rows, spacing)
 
