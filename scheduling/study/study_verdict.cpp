@@ -105,10 +105,11 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
   std::string bounds;
   for (std::size_t level = 0; level < axis.values.size(); ++level)
     if (is_bound(axis, level)) bounds += (bounds.empty() ? "" : ", ") + axis.values[level].text;
+  const bool tied = all.size() > 1 && !is_shown(compare_levels(seen, all[0].level, all[1].level), metric);
   return fmt::format(
-      "Best {}: {}, with {} ({}){}.{}", axis.column, axis.values[all[0].level].text,
-      amount(metric, all[0].mean), metric.title,
-      all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
+      "{} {}{}: {}, with {} ({}){}.{}", tied ? "No best" : "Best", axis.column,
+      tied ? " is shown. First" : "", axis.values[all[0].level].text, amount(metric, all[0].mean),
+      metric.title, all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
       bounds.empty() ? "" : fmt::format(" Not compared, because it knows the motion: {}.", bounds));
 }
 
