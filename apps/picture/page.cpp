@@ -52,7 +52,7 @@ ul.note{padding-left:32px}
 table{border-collapse:collapse;background:#fff;font-size:13px;margin:0 0 12px;break-inside:avoid;width:100%}
 td,th{border:1px solid #e4e1da;padding:2px 8px;text-align:left}th{background:#f2efe8}
 td.n{text-align:right;font-variant-numeric:tabular-nums}
-.columns td{overflow-wrap:anywhere}.columns td.n{min-width:62px}h1,h2,h3,p,li,code{overflow-wrap:anywhere}
+.columns td:first-child{overflow-wrap:break-word}.columns td.n{overflow-wrap:anywhere;min-width:62px}h1,h2,h3,p,li,code{overflow-wrap:anywhere}
 .columns{columns:3;column-gap:14px}.wide td.n{text-align:left;word-break:break-word}
 summary{cursor:pointer;font-size:18px;font-weight:600;margin:30px 0 8px}
 @media(max-width:940px){.moments td.n,.ranking td.n{white-space:normal}.moments td:last-child{min-width:150px}

@@ -37,6 +37,14 @@ std::string known_words(const FrameRecord& f, double distance) {
   return fmt::format("The nearest of {} known states was {} away.", f.known, millimetres(distance));
 }
 
+// Tells a queue from a slow solve. Empty where a worker took the request at once.
+std::string waiting_words(const DispatchRecord& d) {
+  const double waited = d.started - d.requested;
+  if (!(waited > 0.1 * (d.finished - d.started))) return "";
+  return fmt::format(", waited {:.2g} s for a free worker, took {:.2g} s to solve", waited,
+                     d.finished - d.started);
+}
+
 // Describes the nearest state within `distance` that became known only later, or never: when it was requested, and when
 // it came.
 std::string missing_words(const SessionResult& result, const FrameRecord& f, double distance) {
@@ -53,7 +61,8 @@ std::string missing_words(const SessionResult& result, const FrameRecord& f, dou
                             : best->requested <= f.t
                                 ? fmt::format(" was asked for {:.2g} s before", f.t - best->requested)
                                 : fmt::format(" was asked for {:.2g} s after", best->requested - f.t);
-  if (std::isfinite(known)) return place + asked + fmt::format(" and came {:.2g} s too late.", known - f.t);
+  if (std::isfinite(known))
+    return place + asked + waiting_words(*best) + fmt::format(" and came {:.2g} s too late.", known - f.t);
   return place + asked + fmt::format(" and never came ({}).", name(best->status));
 }
 

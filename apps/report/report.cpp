@@ -154,12 +154,12 @@ std::string pictures(const SessionSummary& summary, const ReportPictures& drawin
 std::string by_label_table(const SessionSummary& summary) {
   std::string html = fmt::format("<h2>Error by label ({} samples)</h2>\n", summary.error.samples.samples) +
                      "<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
-                     "<th>max</th><th>within_jnd</th></tr>\n";
+                     "<th>max</th><th>within the JND</th></tr>\n";
   const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
   for (const Label label : all_labels) {
     const SessionSummary::Errors& row = summary.error.by_label[label];
-    html += fmt::format("<tr><td>{}</td>", name(label)) + cell(shown(row.samples)) + cell(shown(row.p50)) +
-            cell(shown(row.p95)) + cell(shown(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
+    html += fmt::format("<tr><td>{}</td>", name(label)) + cell(shown(row.samples)) + cell(percent(row.p50)) +
+            cell(percent(row.p95)) + cell(percent(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
   }
   return html + "</table>\n";
 }

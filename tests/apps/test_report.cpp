@@ -94,6 +94,10 @@ TEST_CASE(
       bad_moments(result, view)[0].why,
       Catch::StartsWith("The nearest of 1 known states was 20 mm away. A state 1 mm away was asked for "
                         "0.5 s before and came 0.25 s too late."));
+  result.dispatch[1].started = 2;
+  CHECK_THAT(bad_moments(result, view)[0].why,
+             Catch::Contains("asked for 0.5 s before, waited 0.5 s for a free worker, took 0.25 s to solve "
+                             "and came 0.25 s too late."));
   result.frames[0].judged.staleness = 1;
   result.frames[0].at = Vec3(0.2, 0, 0);
   CHECK_THAT(bad_moments(result, view)[0].why,
