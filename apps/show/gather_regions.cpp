@@ -38,8 +38,14 @@ std::map<Face, std::array<TetIndex, 2>> sides_of(const TetMesh& mesh) {
   return sides;
 }
 
+// Where two regions touch, the one of fewer elements owns the faces: a tumour is seen in its own colour.
 void take_interface(const TetMesh& mesh, const RegionOf& of, ShownInterface& inside) {
   std::vector<std::int32_t> place(mesh.nodes.size(), -1);
+  std::array<std::size_t, 256> elements{};
+  for (const std::uint8_t region : of) ++elements[region];
+  const auto is_inner = [&](std::uint8_t mine, std::uint8_t theirs) {
+    return std::pair(elements[mine], mine) < std::pair(elements[theirs], theirs);
+  };
   const auto sides = sides_of(mesh);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
     for (const Triangle& face : faces_of(mesh.tets[t])) {
@@ -47,7 +53,7 @@ void take_interface(const TetMesh& mesh, const RegionOf& of, ShownInterface& ins
       const auto other = static_cast<std::size_t>(a) == t ? b : a;
       if (other < 0) continue;
       const std::uint8_t mine = of[t], theirs = of[static_cast<std::size_t>(other)];
-      if (mine == 0 || mine == theirs || (theirs > 0 && theirs < mine)) continue;
+      if (mine == 0 || mine == theirs || (theirs > 0 && !is_inner(mine, theirs))) continue;
       Triangle own{};
       for (std::size_t i = 0; i < 3; ++i) {
         std::int32_t& at = place[static_cast<std::size_t>(face[i])];

@@ -118,3 +118,25 @@ TEST_CASE(
   CHECK(shop.forefeel("show one.toml -o one.svg --json").json()["body"]["regions"].empty());
   test::check_refused(shop, "show one.toml -o two.svg --palette mine", {"--palette", "okabe-ito"});
 }
+
+TEST_CASE("show: faces where two regions touch belong to the one of fewer elements, whichever comes first",
+          "[show]") {
+  const Workshop shop;
+  for (const bool small_first : {true, false}) {
+    TetMesh mesh = phantom("beam", 900);
+    const Box box = bounding_box(mesh);
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+      const double x = mesh.nodes[static_cast<std::size_t>(mesh.tets[t][0])].x();
+      const bool is_end = (x - box.low.x()) / box.size().x() > 0.8;
+      mesh.element_groups[is_end == small_first ? "a" : "b"].push_back(static_cast<TetIndex>(t));
+    }
+    write_msh(shop.path() / "two.msh", mesh);
+    if (shop.forefeel("show two.msh -o two.html --quiet").code == 2)
+      return test::skip("three.js was not found at build time and is not installed");
+    const ShownPage page(shop.path() / "two.html");
+    const std::string small = small_first ? "a" : "b";
+    const auto owners = numbers<std::uint8_t>(page.data["body"]["inside"]["region"], "u8");
+    REQUIRE_FALSE(owners.empty());
+    for (const std::uint8_t owner : owners) CHECK(page.data["body"]["regions"][owner]["name"] == small);
+  }
+}
