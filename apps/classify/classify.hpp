@@ -18,18 +18,35 @@
 
 namespace forefeel {
 
-struct ClassifyArguments {
-  std::string states, index = "delaunay", box, points, line, output, scene, through, known, calibrate;
+struct ClassifyInput {
+  std::string states, scene;
+  std::string known;      // states from before a run
+  std::string calibrate;  // a scene
   std::vector<std::string> diff;
-  std::optional<double> spacing, grid;   // [m]
+  bool foreign = false;  // states of another body beside a scene
+};
+
+struct ClassifySpace {
+  std::string index = "delaunay", box;
+  std::optional<double> spacing;  // [m]
+  CoverageOptions coverage;
+};
+
+struct ClassifyPlaces {
+  std::string points, line, through;
+  std::optional<double> grid;            // [m]
   std::optional<std::size_t> snapshots;  // default 40
+  bool list = false;                     // print every point
+};
+
+struct ClassifyArguments {
+  ClassifyInput input;
+  ClassifySpace space;
+  ClassifyPlaces places;
   bool agreement = false;
-  bool foreign = false;        // states of another body beside a scene
-  bool list = false;           // print every point
   bool bars = false;           // error bars, from forces left out
   std::string tolerance = {};  // for the error; empty: the scene's, else 7 %
-  std::string palette = {};
-  CoverageOptions coverage;
+  std::string output, palette = {};
 };
 
 // States in the chosen index. With the index `delaunay`, regions come from a map, which needs little memory, or from a

@@ -53,19 +53,19 @@ Classified common_frame(const Globals& globals, const ClassifyArguments& argumen
                         const std::array<StatesInFrame, 2>& loaded) {
   OwnFrame own = loaded[0].own;
   const double other = loaded[1].own.spacing;
-  if (!arguments.spacing && arguments.scene.empty() && std::isfinite(own.spacing) && std::isfinite(other) &&
-      std::abs(other - own.spacing) > 1e-9 * own.spacing)
+  if (!arguments.space.spacing && arguments.input.scene.empty() && std::isfinite(own.spacing) &&
+      std::isfinite(other) && std::abs(other - own.spacing) > 1e-9 * own.spacing)
     throw InputError(
         "--diff",
         fmt::format("{} has a spacing of {:.4g} m and {} one of {:.4g} m, expected --spacing for both",
-                    arguments.diff[0], own.spacing, arguments.diff[1], other));
-  check_same_body(arguments.diff[1], loaded[1].own.identity, own.identity);
+                    arguments.input.diff[0], own.spacing, arguments.input.diff[1], other));
+  check_same_body(arguments.input.diff[1], loaded[1].own.identity, own.identity);
   if (own.box && loaded[1].own.box)
     own.box =
         Box{own.box->low.cwiseMin(loaded[1].own.box->low), own.box->high.cwiseMax(loaded[1].own.box->high)};
   std::vector<State> both = loaded[0].states;
   both.insert(both.end(), loaded[1].states.begin(), loaded[1].states.end());
-  return prepare_states(arguments, arguments.diff[0], std::move(both), own, globals);
+  return prepare_states(arguments, arguments.input.diff[0], std::move(both), own, globals);
 }
 
 // Compares voxels of h/4 inside the leaves of B, because a leaf of B may contain several of A.
@@ -103,16 +103,16 @@ void write_changes_csv(const std::string& file, const std::vector<RegionChange>&
 
 DiffResult make_diff(const Globals& globals, const ClassifyArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  std::array<StatesInFrame, 2> loaded{load_set(arguments.diff[0]), load_set(arguments.diff[1])};
+  std::array<StatesInFrame, 2> loaded{load_set(arguments.input.diff[0]), load_set(arguments.input.diff[1])};
   const Classified frame = common_frame(globals, arguments, loaded);
   ClassifyArguments common = arguments;
-  common.spacing = frame.spacing;
-  common.box.clear();
-  common.scene.clear();
+  common.space.spacing = frame.spacing;
+  common.space.box.clear();
+  common.input.scene.clear();
   DiffResult result;
   result.spacing = frame.spacing;
   for (std::size_t i = 0; i < 2; ++i) {
-    result.set[i] = prepare_states(common, arguments.diff[i], std::move(loaded[i].states),
+    result.set[i] = prepare_states(common, arguments.input.diff[i], std::move(loaded[i].states),
                                    {frame.spacing, frame.box}, globals);
     label_regions(result.set[i], common, globals, i == 1);
   }

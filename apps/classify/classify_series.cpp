@@ -82,8 +82,8 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
   history.arrivals = read_arrivals(folder);
   std::vector<State> solved;
   if (fs::exists(folder / "states.csv")) solved = read_states_csv(folder / "states.csv");
-  if (!arguments.known.empty()) {
-    StatesInFrame loaded = load_set(arguments.known);
+  if (!arguments.input.known.empty()) {
+    StatesInFrame loaded = load_set(arguments.input.known);
     history.start = std::move(loaded.states);
     history.own = loaded.own;
   } else {
@@ -94,13 +94,13 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
   if (fs::exists(folder / "session.states")) {
     LoadedStates loaded = load_states(folder / "session.states");
     const double other = history.own.spacing, own = loaded.header.spacing;
-    if (!arguments.spacing && std::isfinite(other) && std::isfinite(own) &&
+    if (!arguments.space.spacing && std::isfinite(other) && std::isfinite(own) &&
         std::abs(other - own) > 1e-9 * own)
       throw InputError(
           "--known",
           fmt::format("{} has a spacing of {:.4g} m and the run one of {:.4g} m, expected --spacing for both",
-                      arguments.known, other, own));
-    check_same_body(arguments.known, history.own.identity, loaded.header.identity);
+                      arguments.input.known, other, own));
+    check_same_body(arguments.input.known, history.own.identity, loaded.header.identity);
     if (std::isfinite(own)) history.own.spacing = own;
     history.own.identity = loaded.header.identity;
     solved = std::move(loaded.states);
@@ -214,14 +214,14 @@ class SeriesFiles {
 
 SeriesResult make_series(const Globals& globals, const ClassifyArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  const fs::path folder = arguments.states;
+  const fs::path folder = arguments.input.states;
   const History past = read_history(arguments, folder);
   const Hip hip = read_hip(folder);
   std::vector<State> all = past.start;
   for (const Arrival& a : past.arrivals) all.push_back(a.state);
   const Classified set = prepare_states(arguments, folder.string(), std::move(all), past.own, globals);
   StateSpace space(
-      {.spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
+      {.spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice});
   std::vector<State> so_far;
   const auto add = [&](const State& state) {
     if (state.usable() && space.insert(state).is_new) so_far.push_back(state);
@@ -233,7 +233,7 @@ SeriesResult make_series(const Globals& globals, const ClassifyArguments& argume
   SeriesFiles files(result.series);
   Progress progress(globals, "classify");
   std::size_t next = 0;
-  const std::size_t count = std::min(arguments.snapshots.value_or(40), hip.t.size());
+  const std::size_t count = std::min(arguments.places.snapshots.value_or(40), hip.t.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t frame = count == 1 ? hip.t.size() - 1 : i * (hip.t.size() - 1) / (count - 1);
     const double t = hip.t[frame];

@@ -48,8 +48,8 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
                 const Globals& globals, Classified& result) {
   const bool needed = !std::isfinite(result.spacing);
   const Scene scene =
-      load_scene(arguments.scene, globals.set, nullptr, {.spacing = needed, .quiet = globals.quiet});
-  belonging_of(globals, scene, where, own.identity, result.states, arguments.foreign);
+      load_scene(arguments.input.scene, globals.set, nullptr, {.spacing = needed, .quiet = globals.quiet});
+  belonging_of(globals, scene, where, own.identity, result.states, arguments.input.foreign);
   if (needed) result.spacing = scene.space.spacing;
   result.box = scene.space.box;
   // HIP coordinates are relative to the rest position of the contact.
@@ -87,7 +87,8 @@ void check_extent(const Classified& set, const std::string& where) {
 }
 
 bool has_points(const ClassifyArguments& arguments) {
-  return !arguments.points.empty() || !arguments.line.empty() || arguments.grid.has_value();
+  return !arguments.places.points.empty() || !arguments.places.line.empty() ||
+         arguments.places.grid.has_value();
 }
 
 // What a classification with the index `delaunay` has to make.
@@ -96,7 +97,7 @@ struct Wanted {
 
   Wanted(const Classified& set, const ClassifyArguments& arguments) {
     const bool vtu = arguments.output.ends_with(".vtu");
-    map = arguments.index == "delaunay" && !set.lattice;
+    map = arguments.space.index == "delaunay" && !set.lattice;
     space = !map || has_points(arguments) || arguments.agreement || vtu;
     leaves = vtu || (arguments.output.ends_with(".csv") && !has_points(arguments));
   }
@@ -130,8 +131,9 @@ void check_memory(const Classified& set, const Wanted& wanted, const std::string
 }
 
 std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyArguments& arguments) {
-  auto octree = set.lattice ? std::make_unique<OctreeIndex>(AdaptiveLattice(*set.lattice), arguments.coverage)
-                            : std::make_unique<OctreeIndex>(set.spacing, arguments.coverage);
+  auto octree = set.lattice
+                    ? std::make_unique<OctreeIndex>(AdaptiveLattice(*set.lattice), arguments.space.coverage)
+                    : std::make_unique<OctreeIndex>(set.spacing, arguments.space.coverage);
   for (std::uint32_t i = 0; i < set.states.size(); ++i) octree->insert({i}, set.states[i].at);
   return octree;
 }
@@ -156,7 +158,7 @@ void find_sides(const OctreeIndex& octree, const Classified& set, const Coverage
 std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArguments& arguments,
                                        const std::function<void(double)>& progress) {
   auto space = std::make_unique<StateSpace>(StateSpaceOptions{
-      .spacing = set.spacing, .box = set.box, .coverage = arguments.coverage, .lattice = set.lattice});
+      .spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice});
   std::size_t done = 0;
   for (const std::uint32_t i : morton_order(set.states, set.box, set.spacing)) {
     State light = set.states[i];
@@ -176,13 +178,13 @@ void measure_holes(Classified& result, const StateSpace& space) {
 
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
   result.octree = make_octree(result, arguments);
-  const double rim = rim_reach(arguments.coverage.sparse_distance,
+  const double rim = rim_reach(arguments.space.coverage.sparse_distance,
                                result.lattice ? result.lattice->coarsest() : result.spacing);
   result.regions = sample_regions(result.box, result.spacing, rim, [&](const Vec3& q) {
     thread_local PathWalk walk;  // along the rows of voxels
     return result.octree->label(q, walk);
   });
-  find_sides(*result.octree, result, arguments.coverage, result.regions.components);
+  find_sides(*result.octree, result, arguments.space.coverage, result.regions.components);
   if (!with_holes) return;
   const std::unique_ptr<StateSpace> space = make_space(result, arguments, [](double) {});
   measure_holes(result, *space);
@@ -239,14 +241,14 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   result.states = std::move(states);
   result.checks = own.checks;
   result.checked = own.checked;
-  result.spacing = arguments.spacing.value_or(unknown);
-  bool have_box = !arguments.box.empty();
-  if (!arguments.scene.empty()) {
+  result.spacing = arguments.space.spacing.value_or(unknown);
+  bool have_box = !arguments.space.box.empty();
+  if (!arguments.input.scene.empty()) {
     take_scene(arguments, where, own, globals, result);
     have_box = true;
   }
   if (!std::isfinite(result.spacing)) result.spacing = own.spacing;
-  const bool own_spacings = !std::isfinite(result.spacing) || !arguments.spacing;
+  const bool own_spacings = !std::isfinite(result.spacing) || !arguments.space.spacing;
   if (!std::isfinite(result.spacing))
     for (const State& s : result.states)
       if (std::isfinite(s.spacing) && !(s.spacing <= result.spacing)) result.spacing = s.spacing;
@@ -260,7 +262,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   if (!(result.spacing <= largest_spacing))
     throw InputError(where, fmt::format("has a spacing of {:.3g} m, expected at most {:.0e} m",
                                         result.spacing, largest_spacing));
-  if (!arguments.box.empty()) result.box = parse_box(arguments.box);
+  if (!arguments.space.box.empty()) result.box = parse_box(arguments.space.box);
   if (!have_box && own.box) {
     result.box = *own.box;
   } else if (!have_box) {
@@ -281,7 +283,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
 
 void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals,
                    bool with_holes) {
-  if (arguments.index == "octree") return label_octree(result, arguments, with_holes);
+  if (arguments.space.index == "octree") return label_octree(result, arguments, with_holes);
   Progress progress(globals, "classify");
   result.space = make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
   result.space->regions().settle(static_cast<std::size_t>(-1),
@@ -301,7 +303,7 @@ void label_by_map(Classified& result, const ClassifyArguments& arguments, const 
   for (const State& state : result.states) at.push_back(state.at);
   result.map = std::make_unique<CoverageMap>(
       std::move(at),
-      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.coverage},
+      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.space.coverage},
       [&](double share) { progress.show(0.8 * share, "regions"); });
   result.regions = result.map->summary(wanted.leaves);
   result.fill_distance = result.map->fill_distance();

@@ -32,8 +32,8 @@ Tolerance tolerance_of(const Globals& globals, const ClassifyArguments& argument
                                    arguments.tolerance));
     return *given;
   }
-  if (!arguments.scene.empty())
-    if (const std::optional<Tolerance> written = written_tolerance(arguments.scene, globals.set))
+  if (!arguments.input.scene.empty())
+    if (const std::optional<Tolerance> written = written_tolerance(arguments.input.scene, globals.set))
       return *written;
   return {};
 }
@@ -43,7 +43,7 @@ bool wants_errors(const ClassifyArguments& arguments, const Classified& set) {
       set.states, [](const State& s) { return s.force.allFinite() && !s.force.isZero(0); });
   if (arguments.bars && !forces)
     throw InputError("--bars", "needs forces, expected states that are not all without one");
-  return forces && (arguments.bars || (set.spacing_estimated && !arguments.spacing));
+  return forces && (arguments.bars || (set.spacing_estimated && !arguments.space.spacing));
 }
 
 ErrorKnown error_known(const Globals& globals, const ClassifyArguments& arguments, const Classified& set,
@@ -63,7 +63,7 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   if (known.box.bars->measured.checked())  // one factor for all, as at the places
     for (BarSample& s : called) s.bar = known.box.bars->measured.at(s.label, s.seen.outside, s.scale);
   known.left_out = known_within(called, known.tolerance);
-  known.advice = advise_spacing(samples, known.tolerance, arguments.coverage.safe_spread);
+  known.advice = advise_spacing(samples, known.tolerance, arguments.space.coverage.safe_spread);
   return known;
 }
 
@@ -91,7 +91,7 @@ void describe_errors(nlohmann::ordered_json& document, const ClassifyArguments& 
 }
 
 void tell_errors(const Globals& globals, const ClassifyArguments& arguments, const ErrorKnown& found) {
-  if (!arguments.spacing) answer(globals, advice_in_words(found.advice, found.tolerance));
+  if (!arguments.space.spacing) answer(globals, advice_in_words(found.advice, found.tolerance));
   if (!arguments.bars || !found.box.bars) return;
   answer(globals, bars_in_words(found.points && found.points->bars ? *found.points->bars : *found.box.bars));
   std::string text =

@@ -78,7 +78,7 @@ nlohmann::ordered_json document_of(const ClassifyArguments& arguments, const Cla
   out["spacing"] = set.spacing;
   out["spacing_estimated"] = set.spacing_estimated;
   out["box"] = {vector3(set.box.low), vector3(set.box.high)};
-  out["index"] = arguments.index;
+  out["index"] = arguments.space.index;
   out["adaptive"] = set.lattice != nullptr;
   if (result.agreement) out["agreement"] = agreement_json(*result.agreement);
   if (result.errors) describe_errors(out, arguments, *result.errors);
@@ -199,7 +199,7 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
                       const ClassifiedPoints& result) {
   if (globals.json) return print_json(document_of(arguments, result));
   const std::string extension = std::filesystem::path(arguments.output).extension();
-  if (arguments.list || (result.points.size() <= most_listed && extension != ".csv"))
+  if (arguments.places.list || (result.points.size() <= most_listed && extension != ".csv"))
     list_points(result.points, result.found, globals);
   else if (!result.points.empty())
     count_points(result.found, globals);

@@ -100,17 +100,17 @@ void write_points(const std::string& file, const std::vector<Vec3>& points,
 CoveragePicture picture_of(const Classified& set, const ClassifyArguments& arguments) {
   CoveragePicture picture;
   picture.box = set.box;
-  picture.through = !arguments.through.empty()       ? parse_vector(arguments.through, "--through")
-                    : set.box.contains(Vec3::Zero()) ? Vec3(Vec3::Zero())
-                                                     : set.box.centre();
+  picture.through = !arguments.places.through.empty() ? parse_vector(arguments.places.through, "--through")
+                    : set.box.contains(Vec3::Zero())  ? Vec3(Vec3::Zero())
+                                                      : set.box.centre();
   picture.spacing = set.spacing;
   for (const State& s : set.states) picture.states.push_back(s.at);
   picture.label = [&set](const Vec3& q) { return set.region_label(q); };
   picture.volume = set.regions.volume;
   picture.components = set.regions.component_count;
   picture.title =
-      fmt::format("Coverage of {} ({}, h = {:.4g} mm)", fs::path(arguments.states).filename().string(),
-                  arguments.index, 1e3 * set.spacing);
+      fmt::format("Coverage of {} ({}, h = {:.4g} mm)", fs::path(arguments.input.states).filename().string(),
+                  arguments.space.index, 1e3 * set.spacing);
   picture.body = set.body;
   return picture;
 }
@@ -153,55 +153,59 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
 // Refuses options that would have no effect.
 void check_effect(const Globals& globals, const ClassifyArguments& arguments, bool run) {
   const std::string extension = fs::path(arguments.output).extension();
-  if (!run && (!arguments.known.empty() || arguments.snapshots))
-    throw InputError(arguments.known.empty() ? "--snapshots" : "--known",
+  if (!run && (!arguments.input.known.empty() || arguments.places.snapshots))
+    throw InputError(arguments.input.known.empty() ? "--snapshots" : "--known",
                      "is for the folder of a run, expected classify RUN/");
-  if (!globals.set.empty() && arguments.scene.empty())
+  if (!globals.set.empty() && arguments.input.scene.empty())
     throw InputError("--set", "overrides keys of a scene, expected it with --scene or --calibrate");
-  if (arguments.foreign && arguments.scene.empty())
+  if (arguments.input.foreign && arguments.input.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   if (!arguments.tolerance.empty() && !arguments.bars)
     throw InputError("--tolerance", "is the tolerance of the error bars, expected it with --bars");
-  if (arguments.bars && (run || !arguments.diff.empty()))
+  if (arguments.bars && (run || !arguments.input.diff.empty()))
     throw InputError("--bars", "is for one set of states, expected it without --diff or a run");
-  if (!arguments.through.empty() && extension != ".svg" && extension != ".png" && extension != ".pdf")
+  if (!arguments.places.through.empty() && extension != ".svg" && extension != ".png" && extension != ".pdf")
     throw InputError("--through",
                      "places the slices of a picture, expected it with -o OUT.svg, OUT.png or OUT.pdf");
-  const bool points = !arguments.points.empty() || !arguments.line.empty() || arguments.grid;
-  if (points && (run || !arguments.diff.empty()))
+  const bool points =
+      !arguments.places.points.empty() || !arguments.places.line.empty() || arguments.places.grid;
+  if (points && (run || !arguments.input.diff.empty()))
     throw InputError(
         "classify",
         "labels positions of one set of states, expected --points, --line or --grid without --diff or a run");
-  if (run && arguments.index != "delaunay")
+  if (run && arguments.space.index != "delaunay")
     throw InputError("--index", "octree is for a set of states, expected delaunay for a run");
 }
 
 void check_arguments(const Globals& globals, const ClassifyArguments& arguments) {
-  if (arguments.diff.empty() == arguments.states.empty())
+  if (arguments.input.diff.empty() == arguments.input.states.empty())
     throw InputError("classify", "expected either STATES (or a RUN/ folder) or --diff A B");
-  if (arguments.spacing && !(*arguments.spacing > 0 && *arguments.spacing <= largest_spacing))
+  if (arguments.space.spacing &&
+      !(*arguments.space.spacing > 0 && *arguments.space.spacing <= largest_spacing))
     throw InputError(
         "--spacing",
         fmt::format("is not a length that states can have, expected metres in (0, {:.0e}]", largest_spacing));
-  check_effect(globals, arguments, arguments.diff.empty() && fs::is_directory(arguments.states));
-  if (arguments.grid && !(*arguments.grid > 0 && std::isfinite(*arguments.grid)))
+  check_effect(globals, arguments, arguments.input.diff.empty() && fs::is_directory(arguments.input.states));
+  if (arguments.places.grid && !(*arguments.places.grid > 0 && std::isfinite(*arguments.places.grid)))
     throw InputError("--grid", "is not a length, expected metres > 0");
-  if (int(!arguments.points.empty()) + int(!arguments.line.empty()) + int(arguments.grid.has_value()) > 1)
+  if (int(!arguments.places.points.empty()) + int(!arguments.places.line.empty()) +
+          int(arguments.places.grid.has_value()) >
+      1)
     throw InputError("classify", "expected one of --points, --line and --grid");
-  if (arguments.agreement && (!arguments.diff.empty() || fs::is_directory(arguments.states)))
+  if (arguments.agreement && (!arguments.input.diff.empty() || fs::is_directory(arguments.input.states)))
     throw InputError("--agreement", "is for one set of states, expected it without --diff or a run");
   if (arguments.output.empty()) return;
   const std::string extension = fs::path(arguments.output).extension();
-  const bool series = !arguments.states.empty() && fs::is_directory(arguments.states);
+  const bool series = !arguments.input.states.empty() && fs::is_directory(arguments.input.states);
   const std::vector<std::string> known =
-      series                    ? std::vector<std::string>{".pvd"}
-      : !arguments.diff.empty() ? std::vector<std::string>{".csv", ".vtu"}
-                                : std::vector<std::string>{".vtu", ".csv", ".svg", ".png", ".pdf"};
+      series                          ? std::vector<std::string>{".pvd"}
+      : !arguments.input.diff.empty() ? std::vector<std::string>{".csv", ".vtu"}
+                                      : std::vector<std::string>{".vtu", ".csv", ".svg", ".png", ".pdf"};
   if (std::ranges::find(known, extension) == known.end())
     throw InputError(arguments.output,
                      fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
-  check_writable(arguments.output, {arguments.states});
-  for (const std::string& states : arguments.diff) check_writable(arguments.output, {states});
+  check_writable(arguments.output, {arguments.input.states});
+  for (const std::string& states : arguments.input.diff) check_writable(arguments.output, {states});
 }
 
 std::string at_most_90(const std::string& text) {
@@ -209,32 +213,34 @@ std::string at_most_90(const std::string& text) {
 }
 
 int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
-  if (!arguments.calibrate.empty()) {
-    if (arguments.foreign && arguments.states.empty())
+  if (!arguments.input.calibrate.empty()) {
+    if (arguments.input.foreign && arguments.input.states.empty())
       throw InputError("--foreign", "takes states of another body, expected STATES with it");
-    if (!arguments.diff.empty() || !arguments.points.empty() || !arguments.line.empty() || arguments.grid)
+    if (!arguments.input.diff.empty() || !arguments.places.points.empty() || !arguments.places.line.empty() ||
+        arguments.places.grid)
       throw InputError("--calibrate", "goes with STATES, --foreign, --set, --seed and -o DIR/ alone");
-    return calibrate_labels(globals, {.scene = arguments.calibrate,
-                                      .states = arguments.states,
-                                      .foreign = arguments.foreign,
+    return calibrate_labels(globals, {.scene = arguments.input.calibrate,
+                                      .states = arguments.input.states,
+                                      .foreign = arguments.input.foreign,
                                       .output = arguments.output});
   }
   check_arguments(globals, arguments);
   use_palette(arguments.palette);
-  if (!arguments.diff.empty()) return classify_diff(globals, arguments);
-  if (fs::is_directory(arguments.states)) return classify_run(globals, arguments);
+  if (!arguments.input.diff.empty()) return classify_diff(globals, arguments);
+  if (fs::is_directory(arguments.input.states)) return classify_run(globals, arguments);
   const auto start = std::chrono::steady_clock::now();
   std::vector<Vec3> points;
-  if (!arguments.points.empty()) points = read_points_csv(arguments.points);
-  if (!arguments.line.empty()) points = parse_line(arguments.line);
-  const Classified set = classify_states(globals, arguments, arguments.states);
-  if (arguments.spacing)
+  if (!arguments.places.points.empty()) points = read_points_csv(arguments.places.points);
+  if (!arguments.places.line.empty()) points = parse_line(arguments.places.line);
+  const Classified set = classify_states(globals, arguments, arguments.input.states);
+  if (arguments.space.spacing)
     if (const auto line = spacing_beyond("--spacing", set.spacing, set.box, "the states"))
       warn(globals, *line);
-  if (arguments.grid) points = grid_points(set.box, *arguments.grid);
-  if (!arguments.through.empty() && !set.box.contains(parse_vector(arguments.through, "--through")))
-    throw InputError("--through",
-                     fmt::format("'{}' lies outside the box, expected a place in it", arguments.through));
+  if (arguments.places.grid) points = grid_points(set.box, *arguments.places.grid);
+  if (!arguments.places.through.empty() &&
+      !set.box.contains(parse_vector(arguments.places.through, "--through")))
+    throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it",
+                                              arguments.places.through));
   const std::vector<Coverage> found = cover(set, points);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::optional<ErrorKnown> errors;
@@ -256,28 +262,29 @@ void add_classify(CommandLine& line) {
                "Show where the force is known from states: safe (densely), sparse, gap (a bridge between "
                "known regions), blank");
   sub.runs([arguments](const Globals& globals) { return run_classify(globals, *arguments); });
-  sub.option("STATES", arguments->states,
+  sub.option("STATES", arguments->input.states,
              ".states file, CSV, the folder of a run, or setup:gap (full, sparse, blank)")
       .shows("STATES|RUN/");
-  sub.option("--index", arguments->index, "delaunay (exact) or octree (by counting)")
+  sub.option("--index", arguments->space.index, "delaunay (exact) or octree (by counting)")
       .one_of({"delaunay", "octree"});
-  sub.option("--spacing", arguments->spacing,
+  sub.option("--spacing", arguments->space.spacing,
              "Spacing h that counts as fully populated [m]; default: the file's")
       .shows("H");
-  sub.option("--box", arguments->box, "Box [m]; default: the scene's, else that of the states")
+  sub.option("--box", arguments->space.box, "Box [m]; default: the scene's, else that of the states")
       .shows("X0,Y0,Z0:X1,Y1,Z1");
-  sub.option("--points", arguments->points, "Label these positions (CSV x,y,z)").shows("Q.csv");
-  sub.option("--line", arguments->line, "Label N positions along a line").shows("X,Y,Z:X,Y,Z:N");
-  sub.option("--grid", arguments->grid, "Label a grid of this step over the box [m]").shows("H");
+  sub.option("--points", arguments->places.points, "Label these positions (CSV x,y,z)").shows("Q.csv");
+  sub.option("--line", arguments->places.line, "Label N positions along a line").shows("X,Y,Z:X,Y,Z:N");
+  sub.option("--grid", arguments->places.grid, "Label a grid of this step over the box [m]").shows("H");
   sub.option("-o,--output", arguments->output,
              ".vtu .csv .svg .png .pdf; .pvd for a run, .vtu or .csv with --diff")
       .shows("OUT");
-  sub.option("--diff", arguments->diff, "Compare two sets of states: changes from A to B")
+  sub.option("--diff", arguments->input.diff, "Compare two sets of states: changes from A to B")
       .takes(2)
       .shows("A B");
   sub.flag("--agreement", arguments->agreement, "Compare both indexes by volume");
-  sub.option("--scene", arguments->scene, "Scene: spacing, box and the outline of the body").shows("SCENE");
-  sub.flag("--foreign", arguments->foreign, foreign_help);
+  sub.option("--scene", arguments->input.scene, "Scene: spacing, box and the outline of the body")
+      .shows("SCENE");
+  sub.flag("--foreign", arguments->input.foreign, foreign_help);
   sub.flag(
       "--bars", arguments->bars,
       "Error bars of the points and the share of the box known within a tolerance, from known forces left "
@@ -287,17 +294,18 @@ void add_classify(CommandLine& line) {
          "With --bars: error that counts as known, a share of the force or newtons; default: the scene's, "
          "else 0.07")
       .shows("0.07|\"0.07 N\"");
-  sub.flag("--list", arguments->list, "Print every point; default: if they are at most 20");
-  sub.option("--through", arguments->through, "Point that the slices share; default: rest, or the middle")
+  sub.flag("--list", arguments->places.list, "Print every point; default: if they are at most 20");
+  sub.option("--through", arguments->places.through,
+             "Point that the slices share; default: rest, or the middle")
       .shows("X,Y,Z");
-  sub.option("--known", arguments->known, "States known before a run began").shows("STATES");
-  sub.option("--calibrate", arguments->calibrate,
+  sub.option("--known", arguments->input.known, "States known before a run began").shows("STATES");
+  sub.option("--calibrate", arguments->input.calibrate,
              "Scene: measure the error of each label by tight solves, or, with --foreign, by leaving out a "
              "part of the states; -o is a folder, STATES default to the lattice of the scene")
       .shows("SCENE");
-  sub.option("--snapshots", arguments->snapshots, "Number of times in the series of a run; default 40")
+  sub.option("--snapshots", arguments->places.snapshots, "Number of times in the series of a run; default 40")
       .between(1, 10000);
-  CoverageOptions& limits = arguments->coverage;
+  CoverageOptions& limits = arguments->space.coverage;
   const auto threshold = [&](const char* option, double& value, const char* text) {
     sub.option(option, value, text).check(above_zero).group("Thresholds");
   };

@@ -71,8 +71,8 @@ std::string as_text(const Box& box) {
 void take_states(const Globals& globals, const LabelFrame& frame, std::vector<ShownState> states,
                  std::span<const double> times, ShowContent& content) {
   ClassifyArguments arguments;
-  if (std::isfinite(frame.spacing)) arguments.spacing = frame.spacing;
-  if (frame.box && frame.box->size().minCoeff() > 0) arguments.box = as_text(*frame.box);
+  if (std::isfinite(frame.spacing)) arguments.space.spacing = frame.spacing;
+  if (frame.box && frame.box->size().minCoeff() > 0) arguments.space.box = as_text(*frame.box);
   std::vector<State> usable;
   for (const ShownState& s : states)
     if (s.state.usable()) usable.push_back(s.state);

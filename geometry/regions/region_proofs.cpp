@@ -53,8 +53,8 @@ bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
           const bool corner = (i == 0 || i == w - 1) && (j == 0 || j == w - 1) && (k == 0 || k == w - 1);
           if (corner != (pass == 0)) continue;
           const std::array<std::int32_t, 3> at{node.low[0] + i, node.low[1] + j, node.low[2] + k};
-          if (at[0] >= voxels_[0] || at[1] >= voxels_[1] || at[2] >= voxels_[2]) continue;
-          const Vec3 q = grid_.centre(at);
+          if (at[0] >= frame_.voxels[0] || at[1] >= frame_.voxels[1] || at[2] >= frame_.voxels[2]) continue;
+          const Vec3 q = frame_.grid.centre(at);
           const Spread spread = delaunay_.spread(q, walk_);
           if (spread.spread > limits.safe_spread || !query_.safe_cone(q, spread, limits)) return false;
         }
@@ -63,7 +63,7 @@ bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
 }
 
 void RegionTree::resolve_voxel(std::int32_t index) {
-  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
   const Thresholds& limits = *limits_over(here);
   const Vec3 q = centre(here);
   const bool was_sparse = here.label == Label::sparse;  // known: a state lies within kappa_p h
@@ -84,7 +84,7 @@ void RegionTree::resolve_voxel(std::int32_t index) {
     if (coarse)
       watch_cell(index);
     else if (enclosed && !watch_place(q, index))
-      restless_.push_back(index);
+      watches_.restless.push_back(index);
     return become_leaf(here, Label::sparse, enclosed ? Vec3(Vec3::Zero()) : axis);
   }
   if (here.label == Label::gap) return become_leaf(here, Label::gap);
@@ -101,12 +101,12 @@ void RegionTree::resolve_voxel(std::int32_t index) {
 }
 
 void RegionTree::resolve(std::int32_t index) {
-  RegionNode& here = nodes_[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
   if (here.level == 0) return resolve_voxel(index);
   const Thresholds* limits = limits_over(here);
   if (!limits) return branch(index);
   const Vec3 q = centre(here);
-  const double e = reach(here) * (1 + 1e-9), tiny = 1e-9 * voxel_;
+  const double e = reach(here) * (1 + 1e-9), tiny = 1e-9 * frame_.voxel;
   const PointOctree::Neighbour found = query_.points().nearest(q);
   if (found.id == nobody) return become_leaf(here, Label::blank, Vec3::UnitX());
   const Vec3 offset = delaunay_.position({found.id}) - q;

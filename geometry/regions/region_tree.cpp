@@ -20,51 +20,57 @@ std::int32_t child_of(const RegionNode& node, const std::array<std::int32_t, 3>&
 
 }  // namespace
 
+RegionTree::SpacingLimits::SpacingLimits(const StateSpaceOptions& options)
+    : spacing(options.spacing),
+      lattice(options.lattice),
+      usual(options.coverage, options.spacing, options.merge_distance * options.spacing),
+      widest(lattice ? usual.scaled(lattice->coarsest() / options.spacing) : usual),
+      scaled(usual) {}
+
+RegionTree::Frame::Frame(const StateSpaceOptions& options)
+    : grid(options.box, options.spacing / 4), voxel(grid.side), root_level(block_level + 3) {
+  for (std::size_t axis = 0; axis < 3; ++axis) voxels[axis] = static_cast<std::int32_t>(grid.count[axis]);
+  for (;; ++root_level) {
+    roots = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      root_grid[axis] = ((voxels[axis] - 1) >> root_level) + 1;
+      roots *= static_cast<std::size_t>(root_grid[axis]);
+    }
+    if (roots <= most_roots) break;
+  }
+}
+
 RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const StateSpaceOptions& options)
     : delaunay_(delaunay),
       query_(points, delaunay),
-      lattice_(options.lattice),
-      limits_(options.coverage, options.spacing, options.merge_distance * options.spacing),
-      widest_(lattice_ ? limits_.scaled(lattice_->coarsest() / options.spacing) : limits_),
-      scaled_(limits_),
-      spacing_(options.spacing),
+      thresholds_(options),
       link_deg_(bridge_link_deg(options.coverage.sparse_distance)),
-      grid_(options.box, options.spacing / 4),
-      voxel_(grid_.side),
-      root_level_(block_level + 3),
+      frame_(options),
       far_(points) {
-  for (std::size_t axis = 0; axis < 3; ++axis) voxels_[axis] = static_cast<std::int32_t>(grid_.count[axis]);
-  for (;; ++root_level_) {
-    roots_ = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      root_grid_[axis] = ((voxels_[axis] - 1) >> root_level_) + 1;
-      roots_ *= static_cast<std::size_t>(root_grid_[axis]);
-    }
-    if (roots_ <= most_roots) break;
-  }
-  nodes_.resize(roots_);
-  for (std::size_t root = 0; root < roots_; ++root) {
+  pool_.nodes.resize(frame_.roots);
+  for (std::size_t root = 0; root < frame_.roots; ++root) {
     const auto r = static_cast<std::int32_t>(root);
-    nodes_[root].level = static_cast<std::uint8_t>(root_level_);
-    nodes_[root].low = {(r % root_grid_[0]) << root_level_,
-                        (r / root_grid_[0] % root_grid_[1]) << root_level_,
-                        (r / root_grid_[0] / root_grid_[1]) << root_level_};
+    pool_.nodes[root].level = static_cast<std::uint8_t>(frame_.root_level);
+    pool_.nodes[root].low = {(r % frame_.root_grid[0]) << frame_.root_level,
+                             (r / frame_.root_grid[0] % frame_.root_grid[1]) << frame_.root_level,
+                             (r / frame_.root_grid[0] / frame_.root_grid[1]) << frame_.root_level};
   }
-  pending_ = roots_;
+  progress_.pending = frame_.roots;
 }
 
 Box RegionTree::box_of(const RegionNode& node) const {
-  return grid_.cube(node.low, node.width());
+  return frame_.grid.cube(node.low, node.width());
 }
 
 std::int32_t RegionTree::root_of(const std::array<std::int32_t, 3>& voxel) const {
-  return ((voxel[2] >> root_level_) * root_grid_[1] + (voxel[1] >> root_level_)) * root_grid_[0] +
-         (voxel[0] >> root_level_);
+  return ((voxel[2] >> frame_.root_level) * frame_.root_grid[1] + (voxel[1] >> frame_.root_level)) *
+             frame_.root_grid[0] +
+         (voxel[0] >> frame_.root_level);
 }
 
 std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const {
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (voxel[axis] < 0 || voxel[axis] >= voxels_[axis]) return -1;
+    if (voxel[axis] < 0 || voxel[axis] >= frame_.voxels[axis]) return -1;
   std::int32_t index = root_of(voxel);
   while (node(index).kind == RegionNode::Kind::branch) index = child_of(node(index), voxel);
   return index;
@@ -72,30 +78,33 @@ std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const
 
 Label RegionTree::label_of(const Vec3& q, PathWalk& walk) {
   if (!walk.near.valid()) walk.near = {query_.points().nearest(q).id};
-  if (!lattice_) return query_.label(q, walk, limits_);
-  return query_.label(q, walk, limits_.scaled(lattice_->spacing_at(q) / spacing_));
+  if (!thresholds_.lattice) return query_.label(q, walk, thresholds_.usual);
+  return query_.label(q, walk,
+                      thresholds_.usual.scaled(thresholds_.lattice->spacing_at(q) / thresholds_.spacing));
 }
 
 double RegionTree::gap_radius(const Vec3& q) const {
-  return limits_.gap_radius * (lattice_ ? lattice_->spacing_at(q) / spacing_ : 1);
+  return thresholds_.usual.gap_radius *
+         (thresholds_.lattice ? thresholds_.lattice->spacing_at(q) / thresholds_.spacing : 1);
 }
 
 double RegionTree::rim(const Vec3& q) const {
-  return rim_reach(limits_.sparse_distance / spacing_, lattice_ ? lattice_->spacing_at(q) : spacing_);
+  return rim_reach(thresholds_.usual.sparse_distance / thresholds_.spacing,
+                   thresholds_.lattice ? thresholds_.lattice->spacing_at(q) : thresholds_.spacing);
 }
 
 const Thresholds* RegionTree::limits_over(const RegionNode& node) {
-  if (!lattice_) return &limits_;
-  const Vec3 q = centre(node), half = Vec3::Constant(0.5 * (node.width() - 1) * voxel_);
-  const std::optional<double> h = lattice_->spacing_over({q - half, q + half});
+  if (!thresholds_.lattice) return &thresholds_.usual;
+  const Vec3 q = centre(node), half = Vec3::Constant(0.5 * (node.width() - 1) * frame_.voxel);
+  const std::optional<double> h = thresholds_.lattice->spacing_over({q - half, q + half});
   if (!h) return nullptr;
-  scaled_ = limits_.scaled(*h / spacing_);
-  return &scaled_;
+  thresholds_.scaled = thresholds_.usual.scaled(*h / thresholds_.spacing);
+  return &thresholds_.scaled;
 }
 
 Label RegionTree::label_at(const Vec3& q) {
-  if (!grid_.box.contains(q)) return label_of(q, walk_);
-  const std::array<std::int32_t, 3> voxel = grid_.voxel_of(q);
+  if (!frame_.grid.box.contains(q)) return label_of(q, walk_);
+  const std::array<std::int32_t, 3> voxel = frame_.grid.voxel_of(q);
   std::int32_t index = root_of(voxel);
   for (;;) {
     if (node(index).waiting >= 0) pass_on(index);
@@ -127,19 +136,19 @@ std::uint8_t RegionTree::summary(const RegionNode& node) const {
 
 void RegionTree::branch(std::int32_t index) {
   std::int32_t children;
-  if (free_.empty()) {
-    children = static_cast<std::int32_t>(nodes_.size());
-    nodes_.resize(nodes_.size() + 8);
+  if (pool_.free.empty()) {
+    children = static_cast<std::int32_t>(pool_.nodes.size());
+    pool_.nodes.resize(pool_.nodes.size() + 8);
   } else {
-    children = free_.back();
-    free_.pop_back();
+    children = pool_.free.back();
+    pool_.free.pop_back();
   }
-  RegionNode& parent = nodes_[static_cast<std::size_t>(index)];
+  RegionNode& parent = pool_.nodes[static_cast<std::size_t>(index)];
   parent.children = children;
   parent.kind = RegionNode::Kind::branch;
   const std::int32_t half = parent.width() / 2;
   for (std::int32_t child = 0; child < 8; ++child) {
-    RegionNode& made = nodes_[static_cast<std::size_t>(children + child)];
+    RegionNode& made = pool_.nodes[static_cast<std::size_t>(children + child)];
     made = RegionNode{};
     made.parent = index;
     made.level = static_cast<std::uint8_t>(parent.level - 1);
@@ -150,13 +159,13 @@ void RegionTree::branch(std::int32_t index) {
   }
   // All bits are set, here and above, until a visit finds out which hold.
   for (std::int32_t up = index; up >= 0; up = node(up).parent)
-    nodes_[static_cast<std::size_t>(up)].below = RegionNode::anything;
+    pool_.nodes[static_cast<std::size_t>(up)].below = RegionNode::anything;
 }
 
 // Replaces eight leaves that are all safe, or all gap, by their parent. Repeats this upwards as far as possible.
 void RegionTree::collapse(std::int32_t index) {
   for (; index >= 0; index = node(index).parent) {
-    RegionNode& parent = nodes_[static_cast<std::size_t>(index)];
+    RegionNode& parent = pool_.nodes[static_cast<std::size_t>(index)];
     if (parent.kind != RegionNode::Kind::branch) return;
     bool first = true;
     Label label = Label::blank;
@@ -169,8 +178,8 @@ void RegionTree::collapse(std::int32_t index) {
       first = false;
     }
     for (std::int32_t child = 0; child < 8; ++child)  // a watch that reports later must not mark them
-      nodes_[static_cast<std::size_t>(parent.children + child)].kind = RegionNode::Kind::outside;
-    free_.push_back(parent.children);
+      pool_.nodes[static_cast<std::size_t>(parent.children + child)].kind = RegionNode::Kind::outside;
+    pool_.free.push_back(parent.children);
     parent.children = -1;
     become_leaf(parent, label);
   }
@@ -190,14 +199,14 @@ void RegionTree::settle_below(std::int32_t index, std::size_t& budget) {
     if (node(index).kind != RegionNode::Kind::branch) return;  // collapsing the child reached this node
     below |= summary(node(node(index).children + child));
   }
-  nodes_[static_cast<std::size_t>(index)].below = below;
+  pool_.nodes[static_cast<std::size_t>(index)].below = below;
   collapse(index);
 }
 
 // After the labels below a node changed: computes the summaries of its ancestors anew.
 void RegionTree::refresh_above(std::int32_t index) {
   for (std::int32_t up = node(index).parent; up >= 0; up = node(up).parent) {
-    RegionNode& above = nodes_[static_cast<std::size_t>(up)];
+    RegionNode& above = pool_.nodes[static_cast<std::size_t>(up)];
     if (above.kind != RegionNode::Kind::branch) continue;
     std::uint8_t below = 0;
     for (std::int32_t child = 0; child < 8; ++child) below |= summary(node(above.children + child));
@@ -206,33 +215,33 @@ void RegionTree::refresh_above(std::int32_t index) {
 }
 
 bool RegionTree::settle_marked(std::size_t budget) {
-  while (!marked_.empty() && budget > 0) {
-    const std::int32_t index = marked_.back();
+  while (!progress_.marked.empty() && budget > 0) {
+    const std::int32_t index = progress_.marked.back();
     const std::int32_t parent = node(index).parent;
     settle_below(index, budget);
     if (budget == 0 && (summary(node(index)) & RegionNode::unresolved_bit)) break;
-    marked_.pop_back();
+    progress_.marked.pop_back();
     collapse(parent);
     // Siblings are adjacent in the list: one refresh after the last of them is enough.
-    if (marked_.empty() || node(marked_.back()).parent != parent) refresh_above(index);
+    if (progress_.marked.empty() || node(progress_.marked.back()).parent != parent) refresh_above(index);
   }
-  pending_ = marked_.size();
-  return marked_.empty();
+  progress_.pending = progress_.marked.size();
+  return progress_.marked.empty();
 }
 
 bool RegionTree::settle(std::size_t budget, const std::function<void(double)>& progress) {
-  for (const std::int32_t root : waiting_roots_) pass_on_all(root);
-  waiting_roots_.clear();
-  if (complete_) return settle_marked(budget);
+  for (const std::int32_t root : waiting_.roots) pass_on_all(root);
+  waiting_.roots.clear();
+  if (progress_.complete) return settle_marked(budget);
   if (budget == static_cast<std::size_t>(-1) && is_fresh()) settle_fresh(progress);
-  for (std::size_t root = 0; root < roots_ && budget > 0; ++root) {
+  for (std::size_t root = 0; root < frame_.roots && budget > 0; ++root) {
     settle_below(static_cast<std::int32_t>(root), budget);
-    if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(roots_));
+    if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(frame_.roots));
   }
   if (budget == 0) return false;
-  complete_ = true;
-  marked_.clear();
-  pending_ = 0;
+  progress_.complete = true;
+  progress_.marked.clear();
+  progress_.pending = 0;
   return true;
 }
 

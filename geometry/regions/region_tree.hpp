@@ -74,14 +74,15 @@ class RegionTree {
   // visit(index, node) for every resolved leaf inside the box.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
-    for (std::size_t root = 0; root < roots_; ++root) visit_leaves(static_cast<std::int32_t>(root), visit);
+    for (std::size_t root = 0; root < frame_.roots; ++root)
+      visit_leaves(static_cast<std::int32_t>(root), visit);
   }
-  const RegionNode& node(std::int32_t index) const { return nodes_[static_cast<std::size_t>(index)]; }
-  std::size_t root_count() const { return roots_; }
+  const RegionNode& node(std::int32_t index) const { return pool_.nodes[static_cast<std::size_t>(index)]; }
+  std::size_t root_count() const { return frame_.roots; }
   std::int32_t leaf_of(const std::array<std::int32_t, 3>& voxel) const;  // -1 outside the box
   Box box_of(const RegionNode& node) const;                              // clipped to the box of the states
-  const Box& box() const { return grid_.box; }
-  double voxel() const { return voxel_; }
+  const Box& box() const { return frame_.grid.box; }
+  double voxel() const { return frame_.voxel; }
   const CoverageQuery& query() const { return query_; }
   Label label_of(const Vec3& q, PathWalk& walk);  // from the indexes, not from the leaves
   double gap_radius(const Vec3& q) const;         // [m]
@@ -89,12 +90,12 @@ class RegionTree {
   // visit(index) for every safe leaf within `reach` [m] of `around`; call settle() before.
   template <class Visit>
   void for_each_safe_near(const Box& around, double reach, Visit&& visit) const {
-    for (std::size_t root = 0; root < roots_; ++root)
+    for (std::size_t root = 0; root < frame_.roots; ++root)
       visit_safe_near(static_cast<std::int32_t>(root), around, reach * reach, visit);
   }
   double link_deg() const { return link_deg_; }
   // Leaves marked and insertions not yet handed on, since the last settle().
-  std::size_t pending() const { return pending_ + waiting_.size() - free_waiting_.size(); }
+  std::size_t pending() const { return progress_.pending + waiting_.all.size() - waiting_.free.size(); }
 
  private:
   template <class Visit>
@@ -149,62 +150,84 @@ class RegionTree {
   void mark(std::int32_t index);
   std::uint8_t summary(const RegionNode& node) const;
 
-  DelaunayIndex& delaunay_;
-  CoverageQuery query_;
-  std::shared_ptr<const AdaptiveLattice> lattice_;
-  Thresholds limits_;  // at the spacing that the regions are made for
-  Thresholds widest_;  // at the coarsest spacing of the lattice
-  Thresholds scaled_;  // storage of what limits_over() returns
-  double spacing_;     // [m]
-  double link_deg_;
-  VoxelGrid grid_;
-  double voxel_;  // h / 4 [m]
-  std::array<std::int32_t, 3> voxels_{}, root_grid_{};
-  int root_level_;
-  std::size_t roots_ = 0;
-  std::vector<RegionNode> nodes_;
-  std::vector<std::int32_t> free_;      // first of eight unused nodes, each
-  std::vector<std::int32_t> restless_;  // voxels that no watch covers: marked by every insertion
-  struct WishedWatch {                  // postponed: a part of the tree must not change the triangulation
-    const void* cell;                   // null: of the cell at q
+  struct SpacingLimits {
+    explicit SpacingLimits(const StateSpaceOptions& options);
+    double spacing;                                  // [m]
+    std::shared_ptr<const AdaptiveLattice> lattice;  // null where the spacing is the same everywhere
+    Thresholds usual;                                // at the spacing that the regions are made for
+    Thresholds widest;                               // at the coarsest spacing of the lattice
+    Thresholds scaled;                               // storage of what limits_over() returns
+  };
+  struct Frame {
+    explicit Frame(const StateSpaceOptions& options);
+    VoxelGrid grid;
+    double voxel;  // h / 4 [m]
+    std::array<std::int32_t, 3> voxels{}, root_grid{};
+    int root_level;
+    std::size_t roots = 0;
+  };
+  struct NodePool {
+    std::vector<RegionNode> nodes;
+    std::vector<std::int32_t> free;  // first of eight unused nodes, each
+  };
+  struct WishedWatch {
+    const void* cell;  // null: of the cell at q
     Vec3 q;
     StateId near;
     std::int32_t index;
   };
-  std::vector<WishedWatch> wished_;
-  bool is_part_ = false;
-  struct Waiting {
+  struct Watches {
+    std::vector<std::int32_t> restless;  // voxels that no watch covers: marked by every insertion
+    std::vector<WishedWatch> wished;     // only where postponed
+    bool postponed = false;              // a part of the tree must not change the triangulation
+  };
+  struct Insertion {
     Vec3 at;
     std::int32_t next;
   };
-  std::vector<Waiting> waiting_;  // linked lists, one a node
-  std::vector<std::int32_t> free_waiting_;
-  std::vector<std::int32_t> waiting_roots_;
+  struct Insertions {
+    std::vector<Insertion> all;  // linked lists, one a node
+    std::vector<std::int32_t> free;
+    std::vector<std::int32_t> roots;
+  };
+  struct Progress {
+    std::vector<std::int32_t> marked;  // since settle() last resolved all leaves
+    bool complete = false;  // settle() resolved all leaves once; unresolved ones lie below `marked`
+    std::size_t pending = 0;
+  };
+
+  DelaunayIndex& delaunay_;
+  CoverageQuery query_;
+  SpacingLimits thresholds_;
+  double link_deg_;
+  Frame frame_;
+  NodePool pool_;
+  Watches watches_;
+  Insertions waiting_;
   PathWalk walk_;
   FarProof far_;
-  std::vector<std::int32_t> marked_;  // since settle() last resolved all leaves
-  bool complete_ = false;             // settle() resolved all leaves once; unresolved ones lie below marked_
-  std::size_t pending_ = 0;
+  Progress progress_;
 };
 
 inline Vec3 RegionTree::centre(const RegionNode& node) const {
-  if (node.level == 0) return grid_.centre(node.low);
-  return grid_.low_of(node.low) + Vec3::Constant(0.5 * voxel_ * node.width());
+  if (node.level == 0) return frame_.grid.centre(node.low);
+  return frame_.grid.low_of(node.low) + Vec3::Constant(0.5 * frame_.voxel * node.width());
 }
 
 inline double RegionTree::reach(const RegionNode& node) const {
-  const double whole = 0.5 * (node.width() - 1) * voxel_ * std::numbers::sqrt3;
+  const double whole = 0.5 * (node.width() - 1) * frame_.voxel * std::numbers::sqrt3;
   if (node.level == 0) return whole;
   // The box may cut a voxel off: its centre is then up to half a voxel from the middle of the whole voxel,
   // per axis.
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (node.low[axis] == 0 || node.low[axis] + node.width() >= voxels_[axis])
-      return whole + 0.5 * voxel_ * std::numbers::sqrt3;
+    if (node.low[axis] == 0 || node.low[axis] + node.width() >= frame_.voxels[axis])
+      return whole + 0.5 * frame_.voxel * std::numbers::sqrt3;
   return whole;
 }
 
 inline bool RegionTree::outside(const RegionNode& node) const {
-  return node.low[0] >= voxels_[0] || node.low[1] >= voxels_[1] || node.low[2] >= voxels_[2];
+  return node.low[0] >= frame_.voxels[0] || node.low[1] >= frame_.voxels[1] ||
+         node.low[2] >= frame_.voxels[2];
 }
 
 inline void RegionTree::become_leaf(RegionNode& node, Label label, const Vec3& axis) {
