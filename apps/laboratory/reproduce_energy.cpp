@@ -352,13 +352,12 @@ std::string what_we_found(const EnergyFindings& found) {
   const std::size_t beyond = loops_beyond(found.space);
   std::string text = fmt::format(
       "Medians of net over gross energy. {} loops each: ellipses in three planes around ({}) mm{}. Half "
-      "axes: "
-      "{:.3g} and {:.3g} mm for models of a fixed set, {:.3g} and {:.3g} mm for moving sets and for the "
-      "older "
+      "axes: {:.3g} and {:.3g} mm for models of a fixed set, {:.3g} and {:.3g} mm for moving sets and for "
+      "the older "
       "methods, which know all states. On a fixed set: an interpolant of the energy {:.1g}, Hermite r5 "
       "{:.1g}, "
-      "r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of all states {:.1g}. If "
-      "the set moves with the HIP and models are used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
+      "r3 {:.1g}, r {:.1g}; older methods: trilinear cells {:.1g}, one r3 model of all states {:.1g}. If the "
+      "set moves with the HIP and models are used at once: Hermite r5 {:.1g}, r3 {:.1g}, r {:.1g}; {}",
       3 * places, where, beyond > 0 ? fmt::format(" ({} of {} go beyond the box)", beyond, 6 * places) : "",
       1e3 * small * h, 800 * small * h, 1e3 * large * h, 800 * large * h,
       found.median("energy interpolant, n 25", "fixed"), found.median("Hermite r5, n 25", "fixed"),

@@ -125,7 +125,7 @@ void CoverageMap::Impl::add_large_cells() {
 CoverageMap::CoverageMap(std::vector<Vec3> states, const StateSpaceOptions& options,
                          const std::function<void(double)>& progress)
     : impl_(std::make_unique<Impl>(states, options)) {
-  StateSpace{options};  // refuses the options that no state space takes
+  check_options(options);
   std::vector<Vec3>().swap(states);
   Impl& my = *impl_;
   my.cover(progress);

@@ -42,7 +42,7 @@ struct StateSpace::Impl {
   }
 };
 
-StateSpace::StateSpace(StateSpaceOptions options) {
+void check_options(const StateSpaceOptions& options) {
   if (!(options.spacing > 0) || !std::isfinite(options.spacing))
     throw InputError("spacing",
                      "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
@@ -50,6 +50,10 @@ StateSpace::StateSpace(StateSpaceOptions options) {
   if (!(options.coverage.sparse_distance >= options.coverage.safe_spread))
     throw InputError("coverage",
                      "the sparse distance is below the safe spread, expected it to be at least as large");
+}
+
+StateSpace::StateSpace(StateSpaceOptions options) {
+  check_options(options);
   impl_ = std::make_unique<Impl>(std::move(options));
 }
 StateSpace::~StateSpace() = default;

@@ -18,6 +18,9 @@ namespace forefeel {
 class DelaunayIndex;
 class Regions;
 
+// InputError for a spacing that is not a positive length, and for a sparse distance below the safe spread.
+void check_options(const StateSpaceOptions& options);
+
 class StateSpace {
  public:
   explicit StateSpace(StateSpaceOptions options);

@@ -10,6 +10,7 @@
 #include "scheduling/record/stability.hpp"
 #include "scheduling/render/safety.hpp"
 #include "scheduling/setup/passivity_plan.hpp"
+#include "tests/support/free_swing.hpp"
 
 using namespace forefeel;
 
@@ -70,25 +71,6 @@ LoopPlant plant_of(const HandProfile& profile, double grip) {
   return make_hand_device(profile, std::make_unique<Press>(), {.grip = grip})->limits().plant;
 }
 
-// Whether a free swing of the loop grows, simulated by small steps: an independent integration of the same plant.
-bool grows(const LoopPlant& plant, double stiffness) {
-  double x = 1e-3, v = 0, force = 0;
-  double first = 0, last = 0;
-  constexpr int steps = 200, frames = 4000;
-  for (int k = 0; k < frames; ++k) {
-    force = -stiffness * x;
-    (k < frames / 2 ? first : last) = std::max(k < frames / 2 ? first : last, std::abs(x));
-    for (int i = 0; i < steps; ++i) {
-      const double h = frame / steps, a = (force - plant.stiffness * x - plant.damping * v) / plant.mass;
-      const double mid_v = v + 0.5 * h * a, mid_x = x + 0.5 * h * v;
-      x += h * mid_v;
-      v += h * (force - plant.stiffness * mid_x - plant.damping * mid_v) / plant.mass;
-    }
-    if (!(std::abs(x) < 1)) return true;
-  }
-  return last > first;
-}
-
 }  // namespace
 
 TEST_CASE("the exact boundary of the sampled loop is that of a simulation by small steps") {
@@ -98,8 +80,8 @@ TEST_CASE("the exact boundary of the sampled loop is that of a simulation by sma
                                  LoopPlant{.mass = 0.2, .damping = 30, .stiffness = 500}}) {
     const double limit = sampled_limit(plant, frame);
     CAPTURE(plant.mass, plant.damping, plant.stiffness, limit);
-    CHECK_FALSE(grows(plant, 0.98 * limit));
-    CHECK(grows(plant, 1.02 * limit));
+    CHECK_FALSE(test::free_swing_grows(plant, 0.98 * limit, frame));
+    CHECK(test::free_swing_grows(plant, 1.02 * limit, frame));
     // Colgate's bound is sufficient, and close to the exact one while frames are short.
     CHECK(colgate_limit(plant, frame) <= limit);
     CHECK(hulin_limit(plant, frame) == Approx(colgate_limit(plant, frame)));
