@@ -83,7 +83,7 @@ int run_replay(const Globals& globals, const std::string& run) {
   else
     tell(globals, report);
   flush_warnings();
-  return report.first || report.frames == 0 ? 1 : 0;
+  return report.first || report.frames == 0 || !report.whole ? 1 : 0;
 }
 
 }  // namespace
@@ -91,7 +91,9 @@ int run_replay(const Globals& globals, const std::string& run) {
 void add_replay(CommandLine& line) {
   const auto run = std::make_shared<std::string>();
   Command sub = line.add(
-      "replay", "Render a recorded run again and compare each force with the recorded one, bit by bit");
+      "replay",
+      "Render a recorded run again and compare each force with the recorded one, bit by bit. Exit code 1: a "
+      "force differs, or the record ends early");
   sub.runs([run](const Globals& globals) { return run_replay(globals, *run); });
   sub.option("RUN", *run, "Folder of a session, whose session.inputs is read").required();
   sub.reads_no_scene();

@@ -117,12 +117,15 @@ std::vector<std::string> sayings(const TraceCheck& check) {
   std::vector<std::string> lines;
   if (check.starts_pressed_in())
     lines.push_back(
-        fmt::format("starts pressed in: its first position is {:.3g} mm from rest (forefeel trace "
+        fmt::format("starts away from rest: its first position is {:.3g} mm from it (forefeel trace "
                     "--to-contact shifts it)",
                     1e3 * check.start));
   if (check.outside.value_or(0) > outside_much)
     lines.push_back(fmt::format("leaves the box of states: {:.3g} % of it is outside, from {:.3g} s on",
                                 100 * *check.outside, *check.outside_from));
+  if (check.times.longest_gap > long_gap)
+    lines.push_back(fmt::format("has {} gaps in time, the longest {:.3g} s: the motion is interpolated there",
+                                check.times.gaps, check.times.longest_gap));
   if (check.rests.count > 0)
     lines.push_back(fmt::format("rests for {:.3g} % of its time, longest for {:.3g} s from {:.3g} s on",
                                 100 * check.rests.share, check.rests.longest, check.rests.longest_from));
@@ -144,6 +147,7 @@ std::vector<std::string> sayings(const TraceRows& rows) {
                   "{} rows at 0, 0, 0 lie far from their neighbours, as samples do that a tracker lost "
                   "(with columns=t/x/y/z they are left out)",
                   rows.lost));
+  if (rows.times_unused) lines.push_back("its column of times is not used: the rate gives the times");
   if (rows.orientation)
     lines.push_back(
         fmt::format("the recorded orientation is not used: the HIP is a point ({} columns are "

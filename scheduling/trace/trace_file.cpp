@@ -355,6 +355,7 @@ class Reader {
       if (std::ranges::find(layout_.at, column) != layout_.at.end() || layout_.names == column) continue;
       ++out.ignored;
       out.orientation = out.orientation || is_of_orientation(title(column));
+      out.times_unused = out.times_unused || (!timed() && is_of_time(title(column)));
     }
     return out;
   }

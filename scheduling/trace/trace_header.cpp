@@ -76,6 +76,11 @@ bool is_of_orientation(std::string_view title) {
   return std::ranges::any_of(words, [&](const char* word) { return text.find(word) != std::string::npos; });
 }
 
+bool is_of_time(std::string_view title) {
+  const std::string text = lower_case(title);
+  return text == "t" || text.find("time") != std::string::npos;
+}
+
 bool is_of_tool(std::string_view title) {
   static constexpr std::array words{"tool",   "tool id", "tool_id", "toolid",    "tool name", "sensor",
                                     "marker", "device",  "station", "sensor_id", "sensorid",  "hand",

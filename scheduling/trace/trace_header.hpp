@@ -24,8 +24,9 @@ std::optional<std::size_t> headless_row(const std::vector<TraceRow>& rows, std::
 // The row before `end` that is most likely meant as a header: that with most names before rows of numbers.
 std::size_t likely_header(const std::vector<TraceRow>& rows, std::size_t end);
 
-// Whether the title of a column speaks of an orientation, or of a tool.
+// Whether the title of a column speaks of an orientation, of times, or of a tool.
 bool is_of_orientation(std::string_view title);
+bool is_of_time(std::string_view title);
 bool is_of_tool(std::string_view title);
 
 }  // namespace forefeel

@@ -17,6 +17,7 @@ struct TraceRows {
   std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_flaws.hpp)
   bool lost_left_out = false;      // true if the format gives columns, a rate, units or a tool
   std::size_t ignored = 0;         // columns that are not read
+  bool times_unused = false;       // a column of times beside a rate
   bool orientation = false;        // some of the ignored columns look like an orientation
 };
 

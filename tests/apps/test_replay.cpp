@@ -65,7 +65,7 @@ TEST_CASE("interrupted and killed runs replay as far as they came", "[replay]") 
   CHECK(shop.shell("test -e killed/summary.json").code != 0);
   const Workshop::Outcome killed = shop.forefeel("replay killed --json");
   INFO(killed.err);
-  CHECK(killed.code == 0);
+  CHECK(killed.code == 1);
   CHECK(killed.json()["whole"] == false);
   CHECK(killed.json()["frames"] > 200);
   CHECK(killed.json()["equal"] == killed.json()["frames"]);

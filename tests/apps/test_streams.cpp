@@ -10,6 +10,7 @@
 #include "geometry/common/scanner.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/skip.hpp"
 
 namespace forefeel::test {
@@ -185,6 +186,7 @@ TEST_CASE("spacings and moduli that no body has are refused", "[streams]") {
 }
 
 TEST_CASE("a lattice that does not fit into the memory is refused before anything is solved", "[streams]") {
+  if (test::sanitized) return test::skip("a sanitizer needs the whole address space");
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const auto outcome =
@@ -200,6 +202,7 @@ TEST_CASE("a lattice that does not fit into the memory is refused before anythin
 }
 
 TEST_CASE("more threads than the limits of the process allow are refused in one line", "[streams]") {
+  if (test::sanitized) return test::skip("a sanitizer needs the whole address space");
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   for (const char* arguments : {"solve beam.toml --at=0,0,0.001 --threads 1000",

@@ -80,8 +80,25 @@ TEST_CASE("a session says what is unusual about its recorded motion", "[trace]")
   const auto json = nlohmann::json::parse(run.out);
   CHECK(json["seconds"].get<double>() == Approx(3).margin(0.01));
   const std::string notes = json["notes"].dump();
-  CHECK_THAT(notes, Catch::Contains("starts pressed in: its first position is 1 mm from rest") &&
+  CHECK_THAT(notes, Catch::Contains("starts away from rest: its first position is 1 mm from it") &&
                         Catch::Contains("rests for") && Catch::Contains("orientation is not used"));
+}
+
+TEST_CASE("a column of times beside a rate, and long gaps in time, are said", "[trace]") {
+  const Workshop shop;
+  shop.write("timed.csv",
+             "t,x,y,z\n0,0,0,0\n0.01,0,0,0.001\n0.02,0,0,0.002\n0.52,0,0,0.003\n0.53,0,0,0.004\n");
+  const auto plain = shop.forefeel("trace timed.csv");
+  INFO(plain.out + plain.err);
+  CHECK(plain.code == 0);
+  CHECK_THAT(plain.out + plain.err, Catch::Contains("1 gaps in time, the longest 0.5 s") &&
+                                        !Catch::Contains("column of times is not used"));
+  const auto rated = shop.forefeel("trace timed.csv,columns=x/y/z,rate=100");
+  INFO(rated.out + rated.err);
+  CHECK(rated.code == 0);
+  CHECK_THAT(rated.out + rated.err,
+             Catch::Contains("its column of times is not used: the rate gives the times") &&
+                 !Catch::Contains("gaps in time"));
 }
 
 TEST_CASE("a study takes a trace's own length, unless it gives one itself, and says what the trace is like",
@@ -95,7 +112,7 @@ TEST_CASE("a study takes a trace's own length, unless it gives one itself, and s
     const auto run = shop.forefeel("study study.toml -o out" + std::to_string(given.size()) + " --json");
     INFO(run.err);
     REQUIRE(run.code == 0);
-    CHECK_THAT(run.err, Catch::Contains("trace long.csv: starts pressed in: its first position is 2 mm"));
+    CHECK_THAT(run.err, Catch::Contains("trace long.csv: starts away from rest: its first position is 2 mm"));
     return run.json()["devices"][0]["seconds"].get<double>();
   };
   CHECK(seconds("") == Approx(0.801));

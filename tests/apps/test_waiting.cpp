@@ -7,6 +7,7 @@
 #include "apps/console/console.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/skip.hpp"
 
 using namespace forefeel;
@@ -127,6 +128,7 @@ TEST_CASE("a state file of the cache that a session writes is left there, and sa
 }
 
 TEST_CASE("generate asks what its threads will take before it begins") {
+  if (test::sanitized) return test::skip("a sanitizer needs the whole address space");
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   // With little memory left, the error names the memory that this number of solvers needs.

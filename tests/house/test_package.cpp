@@ -7,17 +7,10 @@
 
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/skip.hpp"
 
 using namespace forefeel::test;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FOREFEEL_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define FOREFEEL_SANITIZED 1
-#endif
-#endif
 
 namespace {
 
@@ -107,9 +100,7 @@ void check_readme(const Workshop& shop) {
 }  // namespace
 
 TEST_CASE("examples are built against the installed library in a clean prefix, and run", "[package]") {
-#ifdef FOREFEEL_SANITIZED
-  return skip("the library is built with a sanitizer");
-#endif
+  if (sanitized) return skip("the library is built with a sanitizer");
   const Workshop shop;
   ran(shop, "cmake --install '" + build_folder().string() + "' --prefix prefix");
   check_headers(shop);
