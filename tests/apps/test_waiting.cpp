@@ -131,9 +131,9 @@ TEST_CASE("generate asks what its threads will take before it begins") {
   if (test::sanitized) return test::skip("a sanitizer needs the whole address space");
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  // With little memory left, the error names the memory that this number of solvers needs.
+  // With little memory left, the error names the number of threads that the limit allows.
   const auto outcome = shop.shell("ulimit -v 3000000; " + executable() +
                                   " generate beam.toml -o s.states --threads 4000 2>&1 || echo code $?");
-  CHECK_THAT(outcome.out, Catch::Contains("--threads") && Catch::Contains("of memory") &&
+  CHECK_THAT(outcome.out, Catch::Contains("--threads") && Catch::Contains("memory (ulimit -u, -v) allow") &&
                               Catch::Contains("expected at most") && Catch::EndsWith("code 2\n"));
 }
