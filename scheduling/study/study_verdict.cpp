@@ -245,12 +245,19 @@ class Mean {
   double sum_ = 0, weight_ = 0;
 };
 
+bool is_unstable(const StudyCellResult& cell) {
+  const auto found = std::ranges::find(cell.columns(), "stability.stable", &Column::name);
+  const bool* stable = found == cell.columns().end() ? nullptr : std::get_if<bool>(&found->value);
+  return stable != nullptr && !*stable;
+}
+
 StudyDevice device_of(const std::string& name, const std::vector<std::size_t>& members, const StudyPlan& plan,
                       const std::vector<StudyCellResult>& cells) {
   StudyDevice device{.device = name, .cells = members.size()};
   Mean within, clamped, slewed, outside, busy, generated;
   for (const std::size_t i : members) {
     const StudyCellResult& cell = cells[i];
+    device.unstable += is_unstable(cell);
     const double seconds = cell.number("seconds"), visits = cell.number("error.first_visit.samples");
     device.motion_seconds = plan.cells[i].motion_seconds;
     if (std::isfinite(seconds)) device.seconds = std::max(device.seconds, seconds);
@@ -288,6 +295,12 @@ std::vector<StudyDevice> study_devices(const StudyPlan& plan, const std::vector<
 
 std::vector<std::string> attention(const std::vector<StudyDevice>& devices) {
   std::vector<std::string> lines;
+  for (const StudyDevice& d : devices)
+    if (d.unstable > 0)
+      lines.push_back(
+          fmt::format("{}: {} of {} sessions were unstable (column stability.stable): their errors are those "
+                      "of a vibrating tip",
+                      d.device, d.unstable, d.cells));
   for (const StudyDevice& d : devices) {
     if (d.clamped > clamped_too_often)
       lines.push_back(fmt::format(

@@ -34,6 +34,7 @@ struct StudyDevice {
   double motion_seconds = 0;                    // of the motion itself [s]; infinite for one without end
   double seconds = 0;                           // of its sessions [s]
   std::size_t cells = 0, first_visits = 0;      // first visits: with an error, in all its cells
+  std::size_t unstable = 0;                     // cells with an instability of the loop
   double within_jnd = 0;                        // of the first visits
   double clamped = 0, slewed = 0, outside = 0;  // shares of the frames
   double busy = 0;                              // saturation: share of the workers' time in solves
@@ -41,7 +42,7 @@ struct StudyDevice {
 };
 std::vector<StudyDevice> study_devices(const StudyPlan& plan, const std::vector<StudyCellResult>& cells);
 
-// Warnings to print before the figures: devices with more than 5 % of the frames clamped or outside the box, or with
+// Warnings to print before the figures: unstable sessions, devices with more than 5 % of the frames clamped or outside the box, or with
 // too few first visits for a percentage.
 std::vector<std::string> attention(const std::vector<StudyDevice>& devices);
 

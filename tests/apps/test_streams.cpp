@@ -280,10 +280,10 @@ TEST_CASE("a disk that fills during generate: what is kept is counted, and a rer
 TEST_CASE("a state file that is moved while it is written is said to be incomplete", "[streams]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const auto outcome =
-      shop.shell("'" + executable() +
-                 "' generate beam.toml -o m.states --set state_space.spacing=0.003 & p=$!; "
-                 "while ! [ -s m.states-wal ]; do sleep 0.01; done; mv m.states n.states; wait $p");
+  const auto outcome = shop.shell(
+      "'" + executable() +
+      "' generate beam.toml -o m.states --set state_space.spacing=0.0004 & p=$!; "
+      "while ! [ -s m.states-wal ] && kill -0 $p; do sleep 0.002; done; mv m.states n.states; wait $p");
   INFO(outcome.err);
   CHECK(outcome.code == 1);
   CHECK_THAT(outcome.err, Catch::Contains("m.states: was moved or removed"));

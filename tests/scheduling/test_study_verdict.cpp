@@ -126,6 +126,20 @@ TEST_CASE("devices show energy, clamping, saturation and time outside, and what 
   CHECK_THAT(lines[2], Catch::Contains("7 first visits"));
 }
 
+TEST_CASE("unstable sessions of a study are said before everything else") {
+  StudyPlan plan = one_device(PathMotion{.path = PathName::line}, 0.1);
+  plan.cells.push_back(plan.cells[0]);
+  const auto cell = [](bool stable) {
+    return StudyCellResult({{"error.first_visit.samples", std::uint64_t{500}},
+                            {"safety.clamped_share", 0.31},
+                            {"stability.stable", stable}});
+  };
+  const std::vector<std::string> lines = attention(study_devices(plan, {cell(true), cell(false)}));
+  REQUIRE(lines.size() == 2);
+  CHECK_THAT(lines[0], Catch::Contains("1 of 2 sessions were unstable"));
+  CHECK(attention(study_devices(plan, {cell(true), cell(true)})).size() == 1);
+}
+
 TEST_CASE("the columns that came later stand behind all others of a cell") {
   const StudyPlan plan = one_device(PathMotion{.path = PathName::line}, 0.1);
   const StudyResult result = run_study(plan, {.threads = 1});
