@@ -17,10 +17,14 @@ TemporaryFolder::TemporaryFolder() {
 }
 
 TemporaryFolder::~TemporaryFolder() {
+  // A child of a library may still delete its own files here, so an entry that has gone is no error.
   std::error_code ignored;
-  for (const auto& entry : fs::recursive_directory_iterator(path_, ignored))
-    if (!entry.is_symlink(ignored) && entry.is_directory(ignored))
-      fs::permissions(entry.path(), fs::perms::owner_all, ignored);  // a test may have taken them away
+  fs::recursive_directory_iterator entry(path_, fs::directory_options::skip_permission_denied, ignored);
+  for (; !ignored && entry != fs::recursive_directory_iterator(); entry.increment(ignored)) {
+    std::error_code gone;
+    if (!entry->is_symlink(gone) && entry->is_directory(gone))
+      fs::permissions(entry->path(), fs::perms::owner_all, gone);  // a test may have taken them away
+  }
   fs::remove_all(path_, ignored);
 }
 
