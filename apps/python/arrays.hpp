@@ -10,11 +10,21 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/types.hpp"
 #include "geometry/states/state.hpp"
+
+// Docstrings call an array of rows numpy.ndarray; its C++ type means nothing to a reader of Python.
+namespace pybind11::detail {
+template <class Row>
+requires std::is_class_v<Row>
+struct handle_type_name<array_t<Row, array::forcecast>> {
+  static constexpr auto name = const_name("numpy.ndarray");
+};
+}  // namespace pybind11::detail
 
 namespace forefeel::python {
 

@@ -212,7 +212,8 @@ void bind_states(py::module_& module) {
              const py::gil_scoped_release released;
              return space_of(std::move(states), checked(spacing), thresholds);
            }),
-           py::arg("states"), py::arg("spacing") = py::none(), py::arg("thresholds") = CoverageOptions{})
+           py::arg("states"), py::arg("spacing") = py::none(),
+           py::arg_v("thresholds", CoverageOptions{}, "Thresholds()"))
       .def("__len__", [](const PySpace& self) { return self.space->size(); })
       .def_property_readonly("spacing", [](const PySpace& self) { return self.space->options().spacing; })
       .def_property_readonly("box", [](const PySpace& self) { return box_of(self.space->options().box); })

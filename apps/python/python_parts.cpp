@@ -315,9 +315,8 @@ void bind_parts(py::module_& module) {
           },
           "The states known now; valid as long as the view.")
       .def("prioritise", &built_in_priorities, py::arg("policy"), py::arg("candidates"),
-           "Priorities (n,) that a built-in policy, such as \"nearest\", gives the candidates: to mix it "
-           "with one's "
-           "own, or to compare.");
+           "Priorities (n,) that a built-in policy, such as \"nearest\", gives the candidates (n,), of "
+           "candidate_dtype: to mix it with one's own, or to compare.");
 }
 
 }  // namespace forefeel::python

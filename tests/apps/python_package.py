@@ -7,9 +7,11 @@ import inspect
 import os
 import pathlib
 import pkgutil
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 
@@ -295,6 +297,19 @@ class Vectorised(unittest.TestCase):
         self.assertAlmostEqual(np.linalg.norm(x), max(np.linalg.norm(left, axis=1)))
 
 
+class Versions(unittest.TestCase):
+    def test_another_version_of_python_is_told_the_one_that_the_module_was_built_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            package = pathlib.Path(folder) / "forefeel"
+            shutil.copytree(pathlib.Path(ff.__file__).parent, package, ignore=shutil.ignore_patterns("_core.*.so"))
+            (package / "_core.cpython-399-x86_64-linux-gnu.so").touch()
+            done = subprocess.run([sys.executable, "-c", "import forefeel"], capture_output=True, text=True,
+                                  env={**os.environ, "PYTHONPATH": folder})
+        self.assertNotEqual(done.returncode, 0)
+        this = f"{sys.version_info[0]}.{sys.version_info[1]}"
+        self.assertIn(f"ImportError: forefeel was built for Python 3.99, this is Python {this}", done.stderr)
+
+
 class Documentation(unittest.TestCase):
     def test_all_that_is_public_says_what_it_is(self):
         for module in pkgutil.iter_modules(ff.__path__):
@@ -309,6 +324,23 @@ class Documentation(unittest.TestCase):
                     if not attribute.startswith("_") and attribute not in ("file", "warnings", "keys"):
                         if callable(member) or isinstance(member, (property, classmethod)):
                             self.assertTrue(inspect.getdoc(member), f"{name}.{attribute}")
+
+    def test_no_documentation_shows_a_type_of_cpp(self):
+        def texts(thing, name):
+            yield name, thing.__doc__ or ""
+            if isinstance(thing, property):
+                yield name, thing.fget.__doc__ or ""
+            if inspect.isclass(thing):
+                for attribute, member in vars(thing).items():
+                    if attribute == "__init__" or not attribute.startswith("_"):
+                        yield from texts(member, f"{name}.{attribute}")
+
+        checked = 0
+        for name, thing in vars(ff._core).items():
+            for where, text in texts(thing, name):
+                self.assertNotRegex(text, "::| object at 0x", where)
+                checked += "->" in text
+        self.assertGreater(checked, 30)
 
     def test_functions_have_types(self):
         for name in ff.__all__:

@@ -17,10 +17,28 @@ Units are SI: m, N, N/m, J, s. Arrays of positions have the shape (n, 3). States
 Errors of input are InputError (a ValueError) with the command's own line.
 """
 
+import pathlib as _pathlib
+import re as _re
+import sys as _sys
+
+
+def _check_version():
+    """The compiled module serves one version of Python. Also an older Python must be able to read these lines."""
+    names = [_re.match(r"_core\.cpython-(\d)(\d+)", file.name) for file in _pathlib.Path(__file__).parent.glob("_core.*")]
+    built = [".".join(name.groups()) for name in names if name]
+    this = "%d.%d" % _sys.version_info[:2]
+    if built and this not in built:
+        raise ImportError(f"forefeel was built for Python {' and '.join(built)}, this is Python {this} "
+                          f"({_sys.executable}); start python{built[-1]}, or configure the build with "
+                          f"-DPython_EXECUTABLE={_sys.executable}")
+
+
+_check_version()
 try:
     import numpy as _numpy  # noqa: F401
 except ImportError:
-    raise ImportError("forefeel needs numpy (Debian: python3-numpy)") from None
+    raise ImportError(f"forefeel needs numpy, which {_sys.executable} does not have (Debian: python3-numpy, for "
+                      "/usr/bin/python3)") from None
 
 from ._core import (InputError, Model, PlannerView, Thresholds, candidate_dtype, dispatch_status_names, label_names,
                     register_policy, state_dtype, status_names, switch_cause_names)
