@@ -43,15 +43,17 @@ foreach(name IN LISTS names)
   string(APPEND cases "    ${name}) words=\"${options}\" ;;\n")
 endforeach()
 string(APPEND page ".SH EXIT STATUS\n0: done. 1: ran, but the answer is negative or incomplete. 2: bad input.\n")
-preformatted(text "The force with the contact pressed in by 2 cm:
-  forefeel solve liver.toml --at=0,0,-0.02
+preformatted(text "The scenes and studies that were installed (PREFIX is /usr by the Debian package):
+  share=PREFIX/share/forefeel
+The force with the contact pressed in by 2 cm:
+  forefeel solve $share/scenes/liver.toml --at=0,0,-0.02
 A lattice of states, and a picture of what they cover:
-  forefeel generate liver.toml -o liver.states
+  forefeel generate $share/scenes/liver.toml -o liver.states
   forefeel classify liver.states --grid 0.004 -o coverage.svg
 A session of 5 s that gives the same bytes each time; a solve costs 50 ms:
-  forefeel session liver.toml --clock virtual --seconds 5 --device path:circle,speed=0.04 --cost constant:0.05 -o run
+  forefeel session $share/scenes/liver.toml --clock virtual --seconds 5 --device path:circle,speed=0.04 --cost constant:0.05 -o run
 Policies compared over many sessions:
-  forefeel study quick.toml -o study
+  forefeel study $share/studies/quick.toml -o study
 What the cache holds, and emptying it:
   forefeel cache
   forefeel cache --empty")

@@ -94,6 +94,22 @@ TEST_CASE("the recipes", "[readme]") {
   CHECK(shop.shell("sed 's/\"[^\"]*\"/text/g' build/tour/study/cells.csv | " + column).out.empty());
 }
 
+TEST_CASE("the recipes after an installation", "[readme]") {
+  const Workshop shop;
+  const auto installed =
+      shop.shell("cmake --install '" + build_folder().string() + "' --component forefeel --prefix usr");
+  INFO(installed.out << installed.err);
+  REQUIRE(installed.code == 0);
+  std::string script = block("Recipes", "sh");
+  const std::string written = "share=apps ";
+  REQUIRE(script.find(written) != std::string::npos);
+  script.replace(script.find(written), written.size(), "share=usr/share/forefeel ");
+  CHECK_THAT(script, !Catch::Contains(" apps/"));
+  check_runs(shop, "export PATH=\"$PWD/usr/bin:$PATH\"\n" + script);
+  CHECK_THAT(shop.files(), Catch::Contains("build/tour/run/report.html") &&
+                               Catch::Contains("build/tour/study/report.html"));
+}
+
 TEST_CASE("a mesh of one's own", "[readme]") {
   const Workshop shop;
   lay_out(shop);
