@@ -158,9 +158,6 @@ struct Meanwhile {
 // summary.json.
 nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene) {
   nlohmann::ordered_json document = to_json(summary);
-  document["interrupted"] = summary.run.interrupted;
-  document["frames_asked"] = summary.run.frames_asked;
-  document["spacing"] = summary.settings.spacing;
   if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
   document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
   document["provenance"] = provenance(scene.source.hash);

@@ -40,7 +40,13 @@ constexpr Extra extras[] = {
     {nullptr, "notes", "", "list of lines: what the system refused, what failed",
      [](const SessionSummary& s) { return Json(s.run.notes); }},
     {nullptr, "failures", "", "list of lines: what ended the session or cost it results",
-     [](const SessionSummary& s) { return Json(s.run.failures); }}};
+     [](const SessionSummary& s) { return Json(s.run.failures); }},
+    {nullptr, "interrupted", "", "true: ended early, or samples have no reference",
+     [](const SessionSummary& s) { return Json(s.run.interrupted); }},
+    {nullptr, "frames_asked", "", "frames that the session should have had",
+     [](const SessionSummary& s) { return Json(s.run.frames_asked); }},
+    {nullptr, "spacing", "m", "spacing of the state space",
+     [](const SessionSummary& s) { return Json(s.settings.spacing); }}};
 
 }  // namespace
 
@@ -76,7 +82,21 @@ std::vector<Declared> declared_summary_json() {
     row.meaning += "; with session.shape_rate";
     rows.push_back(std::move(row));
   }
+  for (Declared row : declared_prediction()) {
+    row.name = "prediction.NAME[]." + row.name;
+    rows.push_back(std::move(row));
+  }
+  rows.push_back({"spacing_auto.KEY", "", "", "with spacing = auto: how it was chosen"});
+  rows.push_back({"provenance.KEY", "", "", "program, machine and inputs"});
   return rows;
+}
+
+std::vector<Declared> declared_prediction() {
+  return {{"horizon", "s", "", "how far ahead the predictor of this name looked"},
+          {"p50", "m", "", "median of |predicted - true position|"},
+          {"p95", "m", "", "95th percentile of that"},
+          {"within_two_deviations", "1", "",
+           "share of the true coordinates within two standard deviations of the predicted one"}};
 }
 
 nlohmann::ordered_json to_json(std::span<const PredictorErrors> predictors) {

@@ -1,5 +1,6 @@
 #include "apps/report/report.hpp"
 #include "apps/console/json_text.hpp"
+#include "apps/console/summary_json.hpp"
 
 #include <fmt/format.h>
 
@@ -191,10 +192,17 @@ void rows_of(const Json& value, const std::string& path, std::string& html) {
   }
 }
 
+// "horizon [s]": a column of the tables of predictors.
+std::string titled(const std::string& key) {
+  const std::vector<Declared> columns = declared_prediction();
+  const auto column = std::ranges::find(columns, key, &Declared::name);
+  return column == columns.end() || column->unit == "1" ? key : key + " [" + column->unit + "]";
+}
+
 // A list of objects with the same keys as a table with these columns.
 std::string rows_table(const std::string& title, const Json& rows) {
   std::string html = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table><tr>", escaped(title));
-  for (const auto& [key, value] : rows.front().items()) html += "<th>" + escaped(key) + "</th>";
+  for (const auto& [key, value] : rows.front().items()) html += "<th>" + escaped(titled(key)) + "</th>";
   html += "</tr>\n";
   for (const Json& row : rows) {
     html += "<tr>";

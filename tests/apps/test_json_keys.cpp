@@ -54,12 +54,20 @@ bool is_any_name(const std::string& word) {
   return std::ranges::all_of(word, [](unsigned char c) { return std::isupper(c) != 0; });
 }
 
+// "NAME" is any word, "NAME[]" any word that ends so.
+bool stands_for(const std::string& declared, const std::string& word) {
+  const bool list = declared.ends_with("[]");
+  return word == declared ||
+         (list ? word.ends_with("[]") && is_any_name(declared.substr(0, declared.size() - 2))
+               : is_any_name(declared));
+}
+
 // A word in capitals stands for any name; a declared LABEL, KEY or NAME also for what is below it.
 bool matches(const std::string& key, const std::string& declared) {
   const std::vector<std::string> mine = parts_of(key, '.'), theirs = parts_of(declared, '.');
   if (mine.size() < theirs.size()) return false;
   for (std::size_t i = 0; i < theirs.size(); ++i)
-    if (mine[i] != theirs[i] && !is_any_name(theirs[i])) return false;
+    if (!stands_for(theirs[i], mine[i])) return false;
   return mine.size() == theirs.size() || is_any_name(theirs.back());
 }
 
@@ -123,6 +131,24 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
           {run("classify l.states --points q.csv --bars --agreement"),
            run("classify setup:gap --line=-0.03,0,0:0.03,0,0:3 --agreement")},
           {"gaps[].sides", "agreement.worst.KEY"});
+}
+
+TEST_CASE("help lists the keys of a session's summary.json") {
+  const Workshop shop;
+  shop.write("beam.toml", test::beam_scene());
+  const std::string session =
+      "session beam.toml --clock virtual --seconds 0.3 --cost constant:0.02 --quiet --json --shape-rate 30 "
+      "-o ";
+  const auto run = [&](const std::string& words) {
+    const Workshop::Outcome done = shop.forefeel(session + words);
+    INFO(words << "\n" << done.err);
+    REQUIRE(done.code == 0);
+    return done.json();
+  };
+  compare("summary.json",
+          {run("path --device path:circle,speed=0.03"),
+           run("hand --device hand:omega,target=circle,amplitude=0.003 --set state_space.tolerance=0.05")},
+          {"spacing_auto.KEY"});
 }
 
 TEST_CASE("help lists the keys of bench solver of one state --json") {
