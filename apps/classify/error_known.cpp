@@ -128,7 +128,7 @@ std::vector<Declared> declared_errors_json() {
       {"tolerance.within", "1", "",
        "with --bars: share of evenly spread places of the box whose bar95 is at most the tolerance"},
       {"tolerance.places", "1", "", "with --bars: number of these places"},
-      {"tolerance.left_out", "1", "", "with --bars: number of known forces left out"},
+      {"tolerance.left_out", "1", "", "with --bars: number of comparisons with known forces left out"},
       {"tolerance.left_out_called", "1", "",
        "with --bars: of these, those whose bar95 is at most the tolerance"},
       {"tolerance.left_out_true", "1", "",

@@ -78,9 +78,9 @@ void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
 std::string bars_in_words(const EvaluatedBars& bars) {
   const BarCover all = bars.measured.cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
-  std::string text =
-      fmt::format("error bars of 90/95/99 %: {} of {} known forces, {}, lie inside", shares(all), all.samples,
-                  bars.measured.checked() ? "solved as a check" : "left out in groups");
+  std::string text = fmt::format(
+      "error bars of 90/95/99 %: {} of {} {} lie inside", shares(all), all.samples,
+      bars.measured.checked() ? "check solves" : "comparisons with known forces, left out in groups,");
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
@@ -119,26 +119,28 @@ std::vector<Declared> declared_bars() {
 }
 
 std::vector<Declared> declared_bars_json() {
-  return {
-      {"bar90,bar95,bar99", "N", "", "lists: half-width of each point's error bar; null: not known"},
-      {"error_bar.levels", "1", "", "list: the levels of coverage"},
-      {"error_bar.samples", "1", "", "number of known forces left out in groups of neighbouring positions"},
-      {"error_bar.coverage.p90,p95,p99", "1", "",
-       "share of them inside their bars, each bar from the other groups"},
-      {"error_bar.width_p50", "N", "", "median half-width of 95 % of their bars"},
-      {"error_bar.by_label.LABEL", "", "", "samples, coverage and width_p50 of one label"},
-      {"error_bar.checked", "", "",
-       "true: within their box, the bars come from the check solves of generate --error, not from forces "
-       "left "
-       "out"},
-      {"error_bar.beyond", "1", "",
-       "points farther from the states than any force left out; compared apart inside and outside the "
-       "states"},
-      {"error_bar.points_outside", "1", "", "points outside the states"},
-      {"error_bar.outside.samples", "1", "",
-       "number of the forces left out that lie outside the other states"},
-      {"error_bar.outside.coverage.p90,p95,p99", "1", "", "share of these inside their bars"},
-      {"error_bar.outside.width_p50", "N", "", "median half-width of 95 % of their bars"}};
+  return {{"bar90,bar95,bar99", "N", "", "lists: half-width of each point's error bar; null: not known"},
+          {"error_bar.levels", "1", "", "list: the levels of coverage"},
+          {"error_bar.samples", "1", "",
+           "number of comparisons with known forces, left out in groups of neighbouring positions; a force "
+           "on the border "
+           "may be left out more than once"},
+          {"error_bar.coverage.p90,p95,p99", "1", "",
+           "share of them inside their bars, each bar from the other groups"},
+          {"error_bar.width_p50", "N", "", "median half-width of 95 % of their bars"},
+          {"error_bar.by_label.LABEL", "", "", "samples, coverage and width_p50 of one label"},
+          {"error_bar.checked", "", "",
+           "true: within their box, the bars come from the check solves of generate --error, not from forces "
+           "left "
+           "out"},
+          {"error_bar.beyond", "1", "",
+           "points farther from the states than any force left out; compared apart inside and outside the "
+           "states"},
+          {"error_bar.points_outside", "1", "", "points outside the states"},
+          {"error_bar.outside.samples", "1", "",
+           "number of the forces left out that lie outside the other states"},
+          {"error_bar.outside.coverage.p90,p95,p99", "1", "", "share of these inside their bars"},
+          {"error_bar.outside.width_p50", "N", "", "median half-width of 95 % of their bars"}};
 }
 
 std::vector<Declared> declared_left_out() {

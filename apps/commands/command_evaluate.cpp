@@ -195,7 +195,8 @@ std::string expectation_in_words(const AutoModel& chosen) {
   if (!std::isfinite(chosen.p95))
     return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
   std::string text = fmt::format(
-      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} known forces, left out in {} groups as far from the "
+      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} comparisons with known forces, left out in {} groups "
+      "as far from the "
       "rest as "
       "the points are from the states",
       chosen.p50, chosen.p95, chosen.positions, chosen.groups);

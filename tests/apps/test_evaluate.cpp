@@ -30,6 +30,14 @@ double length(const nlohmann::json& v) {
   return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
 }
 
+// The whole number that stands before these words.
+int number_before(const std::string& text, const std::string& words) {
+  const std::size_t end = text.find(words);
+  INFO(text);
+  REQUIRE(end != std::string::npos);
+  return std::stoi(text.substr(text.find_last_not_of("0123456789", end - 1) + 1));
+}
+
 // Writes points inside the box of the states whose 100 nearest states are unique, and SciPy's forces there.
 constexpr const char* oracle = R"(
 import csv, json, sys
@@ -240,7 +248,11 @@ TEST_CASE(
   const nlohmann::json both = run(shop, "evaluate stiff.csv --method auto --points points.csv --json");
   CHECK(both["chosen"]["data"] == "force+stiffness");
   CHECK_THAT(shop.forefeel("evaluate states.csv --points points.csv").out,
-             Catch::Contains("expected error p50") && Catch::Contains("125 known forces"));
+             Catch::Contains("expected error p50") && Catch::Contains("125 comparisons with known forces"));
+  // For places outside, states at the border are left out more than once: more comparisons than the 125 states.
+  shop.write("outside.csv", "x,y,z\n0.055,0.02,0.02\n-0.012,0.02,0.03\n0.02,0.055,0.01\n0.02,0.02,0.055\n");
+  const std::string told = shop.forefeel("evaluate states.csv --points outside.csv").out;
+  CHECK(number_before(told, " comparisons with known forces") > 125);
 }
 
 TEST_CASE("the time of a fit is that of models that were made, and their number is told", "[evaluate]") {
