@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "apps/picture/coverage_slice.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
@@ -17,72 +18,22 @@ namespace forefeel {
 namespace {
 
 constexpr std::array<const char*, 3> axis_name{"x", "y", "z"};
-constexpr int panel = 330, margin = 54, legend_height = 150, title_height = 40;
-constexpr std::size_t most_states = 6000;  // more would hide the colours
+constexpr int panel = slice_panel, legend_height = 150, title_height = 40;
 
-// The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
-struct Slice {
-  int normal, u, v;  // axes: across, to the right, upwards
-  int columns, rows;
-  double pixel;              // side of a sample [m]
-  std::vector<Label> label;  // row by row from below
-  std::vector<Eigen::Vector2d> states;
-  std::vector<std::array<Eigen::Vector2d, 2>> outline;
-  bool too_many_states = false;
-
-  Label at(int column, int row) const { return label[static_cast<std::size_t>(row * columns + column)]; }
-};
-
-void cut_body(const CoveragePicture& picture, Slice& slice) {
-  const double level = picture.through[slice.normal];
-  for (const auto& triangle : picture.body) {
-    std::vector<Eigen::Vector2d> crossing;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 &a = triangle[i], &b = triangle[(i + 1) % 3];
-      const double da = a[slice.normal] - level, db = b[slice.normal] - level;
-      if ((da < 0) == (db < 0)) continue;
-      const Vec3 p = a + (b - a) * (da / (da - db));
-      crossing.emplace_back(p[slice.u], p[slice.v]);
-    }
-    if (crossing.size() == 2) slice.outline.push_back({crossing[0], crossing[1]});
-  }
-}
-
-Slice cut(const CoveragePicture& picture, int normal) {
-  Slice slice;
-  slice.normal = normal;
-  slice.u = normal == 0 ? 1 : 0;
-  slice.v = normal == 2 ? 1 : 2;
-  const Vec3 size = picture.box.size();
-  const double width = std::max(size[slice.u], picture.spacing),
-               height = std::max(size[slice.v], picture.spacing);
-  slice.pixel = std::max(picture.spacing / 8, std::max(width, height) / panel);
-  slice.columns = std::max(1, static_cast<int>(std::ceil(width / slice.pixel - 1e-6)));
-  slice.rows = std::max(1, static_cast<int>(std::ceil(height / slice.pixel - 1e-6)));
-  slice.label.resize(static_cast<std::size_t>(slice.columns) * static_cast<std::size_t>(slice.rows));
-  for (int row = 0; row < slice.rows; ++row)
-    for (int column = 0; column < slice.columns; ++column) {
-      Vec3 q = picture.through;
-      q[slice.u] =
-          std::min(picture.box.low[slice.u] + (column + 0.5) * slice.pixel, picture.box.high[slice.u]);
-      q[slice.v] = std::min(picture.box.low[slice.v] + (row + 0.5) * slice.pixel, picture.box.high[slice.v]);
-      slice.label[static_cast<std::size_t>(row * slice.columns + column)] = picture.label(q);
-    }
-  for (const Vec3& state : picture.states)
-    if (std::abs(state[normal] - picture.through[normal]) <= 0.5 * picture.spacing &&
-        picture.box.contains(state))
-      slice.states.emplace_back(state[slice.u], state[slice.v]);
-  slice.too_many_states = slice.states.size() > most_states;
-  if (slice.too_many_states) slice.states.clear();
-  cut_body(picture, slice);
-  return slice;
+// Room left of each slice for the numbers of its upward axis, below one another with the axis' name.
+int margin_of(const CoveragePicture& picture) {
+  std::size_t longest = 5;
+  for (const int axis : {1, 2})
+    for (const double end : {picture.box.low[axis], picture.box.high[axis]})
+      longest = std::max(longest, fmt::formatted_size("{:.4g}", 1e3 * end));
+  return 54 + 8 * static_cast<int>(longest - 5);
 }
 
 std::string legend_line(const CoveragePicture& picture, Label label) {
   const auto i = static_cast<std::size_t>(label);
   double all = 0;
   for (const double v : picture.volume) all += v;
-  return fmt::format("{}: {:.4g} cm\u00b3, {:.1f} %, {} part{}", name(label), 1e6 * picture.volume[i],
+  return fmt::format("{}: {:.4g} cm\u00b3, {:.1f} %, {} component{}", name(label), 1e6 * picture.volume[i],
                      all > 0 ? 100 * picture.volume[i] / all : 0.0, picture.components[i],
                      picture.components[i] == 1 ? "" : "s");
 }
@@ -170,7 +121,8 @@ std::string states_line(const CoveragePicture& picture, bool too_many) {
 }  // namespace
 
 void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture& picture) {
-  const int width = 3 * panel + 4 * margin, height = title_height + panel + 34 + legend_height;
+  const int margin = margin_of(picture), width = 3 * panel + 4 * margin;
+  const int height = title_height + panel + 34 + legend_height;
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<title>{2}</title>\n<defs>\n",
@@ -347,6 +299,7 @@ void png_slice(const CoveragePicture& picture, const Slice& slice, double left, 
 }
 
 void png_legend(const CoveragePicture& picture, bool too_many, Canvas& canvas) {
+  const int margin = margin_of(picture);
   const double top = title_height + panel + 54, right = margin + panel + margin;
   for (int i = 0; i < 4; ++i) {
     const auto label = static_cast<Label>(i);
@@ -369,7 +322,8 @@ void write_coverage_drawn(const std::filesystem::path& file, const CoveragePictu
   if (!have_gnuplot())
     throw InputError({.file = file.string()}, "a PNG or PDF needs gnuplot, which is missing; expected .svg");
   check_writable(file);
-  const int width = 3 * panel + 4 * margin, height = title_height + panel + 34 + legend_height;
+  const int margin = margin_of(picture), width = 3 * panel + 4 * margin;
+  const int height = title_height + panel + 34 + legend_height;
   Canvas canvas;
   canvas.text(margin, 20, "left", picture.title, 10);
   bool too_many = false;

@@ -1,0 +1,44 @@
+#pragma once
+// What a picture of coverage shows, and plane cuts through it, sampled for drawing.
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "geometry/common/types.hpp"
+#include "geometry/coverage/coverage.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
+
+namespace forefeel {
+
+struct CoveragePicture {
+  Box box;                      // [m]
+  Vec3 through = Vec3::Zero();  // the point that the three planes share [m]
+  double spacing = 0.006;       // h [m]: states within h/2 of a plane are drawn
+  std::vector<Vec3> states;     // [m]
+  std::function<Label(const Vec3&)> label;
+  std::array<double, 4> volume{};  // [m^3], for the legend
+  std::array<std::size_t, 4> components{};
+  std::string title;
+  std::vector<std::array<Vec3, 3>> body;  // triangles of the outline, in HIP coordinates; may be empty
+};
+
+constexpr int slice_panel = 330;  // samples along the longer side, at most
+
+// The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
+struct Slice {
+  int normal, u, v;  // axes: across, to the right, upwards
+  int columns, rows;
+  double pixel;              // side of a sample [m]
+  std::vector<Label> label;  // row by row from below
+  std::vector<Eigen::Vector2d> states;
+  std::vector<std::array<Eigen::Vector2d, 2>> outline;
+  bool too_many_states = false;
+
+  Label at(int column, int row) const { return label[static_cast<std::size_t>(row * columns + column)]; }
+};
+
+Slice cut(const CoveragePicture& picture, int normal);
+
+}  // namespace forefeel
