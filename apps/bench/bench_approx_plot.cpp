@@ -60,8 +60,8 @@ std::string pareto_plot(const std::vector<Measured>& all) {
   }
   return "set logscale xy\nset format y '10^{%L}'\nset ylabel 'relative error, p95'\nset grid\n"
          "set multiplot layout 1,2\n" +
-         panel("evaluation", "evaluation, us", std::move(evaluation)) + "unset ylabel\n" +
-         panel("update", "five states replaced (refit where nothing is), us", std::move(update)) +
+         panel("evaluation", "evaluation [µs]", std::move(evaluation)) + "unset ylabel\n" +
+         panel("update", "five states replaced (refit where nothing is) [µs]", std::move(update)) +
          "unset multiplot\n";
 }
 

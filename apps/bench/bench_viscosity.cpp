@@ -97,19 +97,19 @@ std::string script_of(const Curves& curves) {
   }
   const auto panel = [](const std::string& name, const std::string& title, const std::string& y) {
     return fmt::format(
-        "set title '{1}'\nset xlabel 'time, s'\nset ylabel '{2}'\nset logscale x\nplot [0.001:] ${0} using "
+        "set title '{1}'\nset xlabel 'time [s]'\nset ylabel '{2}'\nset logscale x\nplot [0.001:] ${0} using "
         "1:3 with lines "
         "lw 2 lc rgb '{3}' title 'exact', ${0} every 6 using 1:2 with points pt 7 ps 0.4 lc rgb '{4}' title "
         "'filter'\n",
         name, title, y, colours_in_use().reference_light, colours_in_use().rendered);
   };
   return data + plot_style + "set key top right samplen 1\nset yrange [0:*]\nset multiplot layout 1,3\n" +
-         panel("relaxation", fmt::format("held at {:.3g} mm", 1e3 * curves.depth), "force, N") +
+         panel("relaxation", fmt::format("held at {:.3g} mm", 1e3 * curves.depth), "force [N]") +
          "set key bottom right\n" +
-         panel("creep", fmt::format("pushed by {:.3g} N", curves.push), "depth, mm") +
-         "unset logscale x\nset key top left\nset title 'pressed in and out'\nset xlabel 'depth, mm'\nset "
+         panel("creep", fmt::format("pushed by {:.3g} N", curves.push), "depth [mm]") +
+         "unset logscale x\nset key top left\nset title 'pressed in and out'\nset xlabel 'depth [mm]'\nset "
          "ylabel "
-         "'force, N'\nset yrange [*:*]\nplot " +
+         "'force [N]'\nset yrange [*:*]\nplot " +
          loops + "\nunset multiplot\n";
 }
 

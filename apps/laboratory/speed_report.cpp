@@ -169,7 +169,7 @@ std::vector<NamedSpeeds> all_rows(const SpeedFindings& found) {
 }
 
 std::string table_of(const SpeedFindings& found) {
-  std::vector<std::vector<std::string>> table{{"sustained speed, mm/s"}};
+  std::vector<std::vector<std::string>> table{{"sustained speed [mm/s]"}};
   for (const int workers : found.workers) table[0].push_back(fmt::format("{} workers", workers));
   for (const NamedSpeeds& row : all_rows(found)) {
     table.push_back({row.name});

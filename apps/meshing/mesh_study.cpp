@@ -142,7 +142,7 @@ std::string script_of(const Findings& found, double error) {
       blocks[row.element == Element::linear ? 0 : 1] += fmt::format("{} {}\n", row.elements, 100 * row.error);
   return data_block("linear", blocks[0]) + data_block("quadratic", blocks[1]) +
          fmt::format(
-             "set logscale xy\nset grid\nset xlabel 'tetrahedra'\nset ylabel 'error of the force, %'\n"
+             "set logscale xy\nset grid\nset xlabel 'tetrahedra'\nset ylabel 'error of the force [%]'\n"
              "set key top right\nplot $linear with linespoints pt 7 ps 0.7 lw 2 lc rgb '{}' title 'linear', "
              "$quadratic with linespoints pt 5 ps 0.7 lw 2 lc rgb '{}' title 'quadratic', {} with lines dt 2 "
              "lc rgb '{}' title 'wanted'\n",
@@ -156,7 +156,7 @@ void write_whole(const fs::path& file, const std::string& text) {
 }
 
 void tell(const Globals& globals, const Findings& found, double error) {
-  say(globals, "| tetrahedra | elements | nodes | force, N | error | ms |");
+  say(globals, "| tetrahedra | elements | nodes | force [N] | error | ms |");
   say(globals, "|---|---|---|---|---|---|");
   for (const MeshStudyRow& row : found.rows)
     say(globals,

@@ -46,7 +46,9 @@ font-variant-numeric:tabular-nums;font-size:13.5px}
 .maps canvas{height:280px}
 .maps figcaption{grid-column:1/-1}.scroll{overflow-x:auto}.moments td{vertical-align:top}
 .moments td:last-child{min-width:230px}
-.moments td.n,.ranking td.n{white-space:nowrap}figure{margin-bottom:12px}
+.moments td.n,.ranking td.n{white-space:nowrap}
+.ranking td,.ranking th{padding:2px 6px}.scroll td:not(.n){overflow-wrap:anywhere}
+.ranking td.name,.ranking th.name{min-width:90px}figure{margin-bottom:12px}
 .note{background:#fff7e0;border:1px solid #ecd9a0;border-radius:8px;padding:8px 14px}
 ul.note{padding-left:32px}
 table{border-collapse:collapse;background:#fff;font-size:13px;margin:0 0 12px;break-inside:avoid;width:100%}
@@ -57,6 +59,7 @@ td.n{text-align:right;font-variant-numeric:tabular-nums}
 summary{cursor:pointer;font-size:18px;font-weight:600;margin:30px 0 8px}
 @media(max-width:940px){.moments td.n,.ranking td.n{white-space:normal}.moments td:last-child{min-width:150px}
 .scroll td,.scroll th{padding:2px 4px}}
+@media print{.scroll{overflow:visible}.moments td.n,.ranking td.n{white-space:normal}}
 @media(max-width:760px){.tiles{grid-template-columns:repeat(2,1fr)}.columns{columns:1}
 .maps{grid-template-columns:1fr}}
 )";

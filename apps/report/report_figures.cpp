@@ -104,7 +104,7 @@ struct Curves {
     for (std::size_t i = begin; i < last; ++i) top = std::max(top, rendered[i]);
     return fmt::format(
                "set key top right horizontal samplen 2 textcolor rgb '#3a3a3a'\nset yrange [0:{:.4g}]\nset "
-               "ylabel 'force, N' offset 1\n",
+               "ylabel 'force [N]' offset 1\n",
                1.2 * top) +
            limit_mark(1.2 * top) +
            fmt::format(
@@ -227,7 +227,7 @@ Figure time_figure(Frames frames, double force_limit) {
                                       "plot $known with lines lw 1.6 lc rgb '{}' notitle\n",
                                       1.1 * known, round_step(known / 4), colours_in_use().rendered);
   script += screen_part(0.365, 0.065) +
-            "set format x '%g'\nset ytics autofreq\nset xlabel 'time, s' offset 0,0.6\n" + error_plot();
+            "set format x '%g'\nset ytics autofreq\nset xlabel 'time [s]' offset 0,0.6\n" + error_plot();
   return {"time",
           "Force of the body on the hand, label at the hand, number of known states, and the error of the "
           "rendered force with its three parts, if above 1e-6. Rendered: after the switch, before the safety "
@@ -253,7 +253,7 @@ Figure deadline_figure(Frames frames) {
           "set label 'one frame' at first 1150, graph 0.93 textcolor rgb '#6a6a6a'\n",
           2 * peak) +
       fmt::format(
-          "set title 'cost of a frame'\nset xlabel 'microseconds'\nplot $cost using 1:2:3:4:5:6 with "
+          "set title 'cost of a frame'\nset xlabel 'time [µs]'\nplot $cost using 1:2:3:4:5:6 with "
           "boxxyerror fs solid 1 noborder fc rgb '{}' notitle\n"
           "unset ylabel\nset title 'lateness of the wake-up'\nplot $late using 1:2:3:4:5:6 with boxxyerror "
           "fs solid 1 noborder fc rgb '{}' notitle\nunset multiplot\n",

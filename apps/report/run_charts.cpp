@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "apps/picture/page.hpp"
 #include "apps/picture/palette.hpp"
@@ -19,8 +20,18 @@ std::string key(std::string_view colour, const char* form, const char* text) {
   return fmt::format("<span><i class=\"{}\" style=\"--ink:{}\"></i>{}</span>", form, colour, text);
 }
 
-std::string curves(std::size_t samples) {
-  std::string html = fmt::format("<h2>Force, label and error over time ({} samples)</h2>\n", samples);
+// "196 samples, 44 more at first visits": frames compared at equal distances along the path, and those compared only
+// because they are the first in their cell. The cards and the table by label count the samples alone.
+std::string compared_in_words(std::span<const FrameRecord> frames) {
+  std::size_t samples = 0, visits = 0;
+  for (const FrameRecord& f : frames)
+    if (std::isfinite(f.judged.error)) ++(f.judged.sampled ? samples : visits);
+  return fmt::format("{} samples{}", samples,
+                     visits > 0 ? fmt::format(", {} more at first visits", visits) : "");
+}
+
+std::string curves(const std::string& compared, std::size_t ending_frames) {
+  std::string html = fmt::format("<h2>Force, label and error over time ({})</h2>\n", compared);
   html +=
       "<p class=\"legend\">" + key(colours_in_use().rendered, "line", "rendered, before the safety rules") +
       key(colours_in_use().sent, "dash", "sent to the device") +
@@ -39,10 +50,17 @@ std::string curves(std::size_t samples) {
       "<canvas id=\"run-time\" tabindex=\"0\" role=\"img\" aria-label=\"force, label, switches, error and "
       "known "
       "states over time\" style=\"height:560px\"></canvas>\n<p id=\"run-read\" class=\"read\"></p>\n";
+  const std::string end = ending_frames > 0
+                              ? fmt::format(
+                                    "; in the last {} frames it shrinks to zero, as fast as the slew limit "
+                                    "allows, because the session ends",
+                                    ending_frames)
+                              : "";
   return html +
          "<figcaption>|force| of the body on the hand. Rendered: after the switch, before the safety rules; "
-         "sent: "
-         "after them. Reference: tight solves along the path. Error bar: the length of the true force is "
+         "sent: after them" +
+         end +
+         ". Reference: tight solves along the path. Error bar: the length of the true force is "
          "inside with 95 %. "
          "Ticks of switches: taller for a larger "
          "difference of "
@@ -63,9 +81,8 @@ std::string around_switch(std::size_t switches) {
       switches);
 }
 
-std::string maps(std::size_t samples) {
-  std::string html =
-      fmt::format("<h2>Where the errors were ({} samples)</h2>\n<p class=\"legend\">", samples);
+std::string maps(const std::string& compared) {
+  std::string html = fmt::format("<h2>Where the errors were ({})</h2>\n<p class=\"legend\">", compared);
   html += key("#57a7d6", "dot", "within the just noticeable difference (JND)") +
           key("#e69f00", "dot", "1 to 3 JND") + key("#c02020", "dot", "above 3 JND") +
           key("#8a8a8a", "line", "path in the time shown above") + "</p>\n<figure class=\"maps\">";
@@ -82,14 +99,14 @@ std::string maps(std::size_t samples) {
 
 std::string run_charts(const SessionResult& result, const RunView& view, const std::string& without_script) {
   if (result.frames.empty()) return "<p class=\"note\">No frame was rendered.</p>\n";
-  const auto samples = static_cast<std::size_t>(std::ranges::count_if(
-      result.frames, [](const FrameRecord& f) { return std::isfinite(f.judged.error); }));
+  const std::string compared = compared_in_words(result.frames);
   std::string data = run_data(result, view);
   for (std::size_t at = 0; (at = data.find("</", at)) != std::string::npos; at += 3)
     data.insert(at + 1, "\\");
-  return curves(samples) + around_switch(result.switches.size()) + maps(samples) + "<noscript>" +
-         without_script + "</noscript>\n<script type=\"application/json\" id=\"run-data\">" + data +
-         "</script>\n<script>" + std::string(run_script_chart) + std::string(run_script_page) + "</script>\n";
+  return curves(compared, result.loop.ending_frames) + around_switch(result.switches.size()) +
+         maps(compared) + "<noscript>" + without_script +
+         "</noscript>\n<script type=\"application/json\" id=\"run-data\">" + data + "</script>\n<script>" +
+         std::string(run_script_chart) + std::string(run_script_page) + "</script>\n";
 }
 
 std::string worst_moments(const SessionResult& result, const RunView& view) {
@@ -97,7 +114,7 @@ std::string worst_moments(const SessionResult& result, const RunView& view) {
   if (moments.empty()) return "";
   std::string html =
       "<h2>Worst moments</h2>\n<div class=\"scroll\"><table class=\"moments\"><tr><th>time</th><th>error</th>"
-      "<th>label</th><th>rendered</th><th>reference</th><th>tip, mm</th><th>why</th></tr>\n";
+      "<th>label</th><th>rendered</th><th>reference</th><th>tip [mm]</th><th>why</th></tr>\n";
   for (const BadMoment& m : moments)
     html += fmt::format(
         "<tr><td><button data-moment=\"{0:.6g}\">{0:.3f} s</button></td><td class=\"n\">{1:.3g} %<br>{2:.2g} "

@@ -153,12 +153,12 @@ Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space) {
       fmt::format(
           "unset grid\nset multiplot layout 1,3 margins 0.065,0.99,{:.4f},{:.4f} spacing 0.045,0.1\nset size "
           "ratio -1\nset xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:{:.5g}]\n"
-          "set xlabel '{}, mm' offset 0,0.5\nset object 1 rectangle from {:.5g},{:.5g} to {:.5g},{:.5g} fs "
+          "set xlabel '{} [mm]' offset 0,0.5\nset object 1 rectangle from {:.5g},{:.5g} to {:.5g},{:.5g} fs "
           "empty border rgb '#1b1b1b' dt 3 front\n",
           62.0 / height, 1 - 44.0 / height, 1e3 * left, 1e3 * right, 1e3 * bottom, 1e3 * top,
           axes[plane.across], 1e3 * space.box.low[plane.across], 1e3 * space.box.low[plane.up],
           1e3 * space.box.high[plane.across], 1e3 * space.box.high[plane.up]) +
-      fmt::format("set ylabel '{}, mm' offset 1\n", axes[plane.up]);
+      fmt::format("set ylabel '{} [mm]' offset 1\n", axes[plane.up]);
   int number = 0;
   KnownStates known{StateSpace(space), {}, {}};
   for (const double share : {0.125, 0.5, 1.0}) {

@@ -105,9 +105,9 @@ struct Beside {
   const char *key, *title;
   double scale;
 };
-constexpr Beside beside[] = {{"error.first_visit.p95", "error p95, %", 100},
-                             {"safety.clamped_share", "clamped, %", 100},
-                             {"energy.generated_J", "energy given back, mJ", 1e3}};
+constexpr Beside beside[] = {{"error.first_visit.p95", "error p95 [%]", 100},
+                             {"safety.clamped_share", "clamped [%]", 100},
+                             {"energy.generated_J", "energy given back [mJ]", 1e3}};
 
 double mean_at(const StudyResults& results, std::size_t axis, std::size_t level, const std::string& key) {
   double sum = 0;
@@ -137,13 +137,13 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
   for (const std::string& title :
        {std::string(), axis.column, std::string("mean [bootstrap]"), std::string("[Student]"),
         std::string("against the first [bootstrap]"), std::string("[Student]"), std::string()})
-    html += "<th>" + html_escaped(title) + "</th>";
+    html += (title == axis.column ? "<th class=\"name\">" : "<th>") + html_escaped(title) + "</th>";
   for (const Beside& column : beside) html += "<th>" + html_escaped(column.title) + "</th>";
   html += "</tr>\n";
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     const Ranked& r = ranked[i];
     const bool first = i == 0;
-    html += "<tr><td class=\"n\">" + place_of(ranked, i) + "</td><td>" +
+    html += "<tr><td class=\"n\">" + place_of(ranked, i) + "</td><td class=\"name\">" +
             html_escaped(axis.values[r.level].text) + "</td>" + cell(shown(metric, r.value.bootstrap, true)) +
             cell(shown(metric, r.value.student, false)) +
             cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +

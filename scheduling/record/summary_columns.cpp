@@ -135,7 +135,8 @@ void add_loop(std::vector<Column>& columns, const SessionSummary::Loop& loop) {
       .count("skipped", loop.skipped, "frames that a pause of the loop skipped; real clock")
       .number("longest_pause", loop.longest_pause, "s", "longest time between two frames; real clock")
       .number("planner_stall", loop.planner_stall, "s", "longest silence of the planner; real clock")
-      .count("ending_frames", loop.ending_frames, "frames of the ramp at the end")
+      .count("ending_frames", loop.ending_frames,
+             "last frames, in which the force sent shrinks to zero at the slew limit")
       .number("last_force", loop.last_force, "N", "|force| sent in the last frame");
 }
 

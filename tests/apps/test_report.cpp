@@ -1,6 +1,8 @@
 // Reports: the worst moments of a session with reasons, cards that mark bad values, tables that fit the page, figures as
 // files.
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
@@ -133,7 +135,8 @@ TEST_CASE(
   CHECK_THAT(page, Catch::Contains("<div class=\"tile bad\"><b>"));
   CHECK_THAT(page, Catch::Contains("of 1000 frames clamped at 0.02 N"));
   CHECK_THAT(page, Catch::Contains("load: states that the motion needs"));
-  CHECK_THAT(page, Catch::Contains("<h3>prediction.kalman</h3>") && Catch::Contains("<th>horizon</th>"));
+  CHECK_THAT(page, Catch::Contains("<h3>prediction.kalman</h3>") && Catch::Contains("<th>horizon [s]</th>") &&
+                       Catch::Contains("<th>p95 [m]</th>"));
   CHECK_THAT(page, !Catch::Contains("{&quot;horizon") && !Catch::Contains("{\"horizon"));
   for (const char* headline : {"<h2>Force, label and error over time (", "<h2>Around one switch (",
                                "<h2>Where the errors were (", "<h2>Error by label ("})
@@ -143,6 +146,15 @@ TEST_CASE(
   CHECK(data["frames"] == 1000);
   CHECK_FALSE(data["clamped"].empty());
   CHECK_FALSE(data["samples"].empty());
+
+  const auto summary = nlohmann::json::parse(file_text(shop, "run/summary.json"));
+  const std::size_t samples = summary["error"]["samples"];
+  REQUIRE(data["samples"].size() > samples);
+  CHECK_THAT(page, Catch::Contains(fmt::format("over time ({} samples, {} more at first visits)", samples,
+                                               data["samples"].size() - samples)));
+  const int ending = summary["loop"]["ending_frames"];
+  REQUIRE(ending > 0);
+  CHECK_THAT(page, Catch::Contains(fmt::format("in the last {} frames it shrinks to zero", ending)));
 }
 
 TEST_CASE("a palette is a known name or a list of colours; another text is refused") {
@@ -174,8 +186,8 @@ TEST_CASE(
   const std::size_t verdict = page.find("class=\"verdict"), devices = page.find("<h2>Devices</h2>");
   REQUIRE(verdict != std::string::npos);
   CHECK(verdict < devices);
-  CHECK_THAT(page, Catch::Contains("motions and seeds)</h2>") && Catch::Contains("energy given back, mJ") &&
-                       Catch::Contains("clamped, %"));
+  CHECK_THAT(page, Catch::Contains("motions and seeds)</h2>") && Catch::Contains("energy given back [mJ]") &&
+                       Catch::Contains("clamped [%]"));
   CHECK_THAT(shop.files(), Catch::Contains("out/figures/ranking-policy-0.pdf") &&
                                Catch::Contains("out/figures/over-workers.svg"));
   CHECK_THAT(file_text(shop, "out/figures/ranking-policy-0.pdf"), Catch::StartsWith("%PDF"));
@@ -211,6 +223,19 @@ TEST_CASE("the picture of classify has the same size in SVG and PNG") {
   CHECK_THAT(svg, Catch::Contains("width=\"" + std::to_string(size_at(16)) + "\" height=\"" +
                                   std::to_string(size_at(20)) + "\""));
   CHECK_THAT(svg, Catch::Contains("Coverage of s_1.csv"));
+}
+
+TEST_CASE("the picture of classify has room for long numbers at its axes") {
+  const Workshop shop;
+  const auto width_of = [&](const std::string& box) {
+    REQUIRE(shop.forefeel("classify s.csv --spacing 0.006 --box=" + box + " -o c.svg --quiet").code == 0);
+    const std::string svg = file_text(shop, "c.svg");
+    CHECK_THAT(svg, Catch::Contains("component") && !Catch::Contains(" part"));
+    return std::stoi(svg.substr(svg.find("width=\"") + 7));
+  };
+  shop.write("s.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.01,0,0,-1,0,0\n0,0.02,0,0,-1,0\n0,0,0.01,0,0,-1\n");
+  const int usual = width_of("0,0,0:0.01,0.02,0.01");
+  CHECK(width_of("0,-0.0002494,0:0.01,0.02,0.01") == usual + 4 * 8 * 2);  // -0.2494: two letters more
 }
 
 TEST_CASE("a session's figures become files; a palette colours them, its report and classify's pictures") {

@@ -48,3 +48,24 @@ TEST_CASE("a session's report in a browser: its script runs, and nothing is wide
   for (const int width : {1280, 800, 500})
     CHECK_THAT(in_browser(shop, "run/report.html", width, drawn), Catch::Contains("probe true"));
 }
+
+TEST_CASE(
+    "a study's report in a browser: no table is cut off by its frame, also with long names of devices") {
+  if (!test::has_command("chromium")) {
+    test::skip("chromium is not installed");
+    return;
+  }
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene("[session]\nseconds = 0.3\ncost = \"constant:0.02\"\n"));
+  shop.write(
+      "study.toml",
+      "scene = \"beam.toml\"\nseeds = [1, 2]\n[vary]\npolicy = [\"nearest\", \"coverage\"]\n"
+      "device = [\"path:circle,speed=0.03,amplitude=0.004,tremor=0.0001\", \"path:line,speed=0.03\"]\n");
+  REQUIRE(shop.forefeel("study study.toml -o out --quiet").code == 0);
+  const std::string whole =
+      "document.documentElement.scrollWidth <= innerWidth && document.querySelectorAll('.ranking').length > "
+      "1 && "
+      "[...document.querySelectorAll('.scroll')].every(e => e.scrollWidth <= e.clientWidth)";
+  for (const int width : {1280, 1000, 800})
+    CHECK_THAT(in_browser(shop, "out/report.html", width, whole), Catch::Contains("probe true"));
+}

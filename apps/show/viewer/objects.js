@@ -163,7 +163,7 @@ function textSprite(text, colour) {
   pen.textAlign = 'center';
   pen.textBaseline = 'middle';
   pen.fillText(text, 32, 32);
-  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map: new THREE.CanvasTexture(canvas)}));
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map: new THREE.CanvasTexture(canvas), depthWrite: false}));
   sprite.scale.setScalar(0.05 * size);
   return sprite;
 }
