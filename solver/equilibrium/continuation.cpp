@@ -20,8 +20,8 @@ void detail::predict(const Discretisation& d, const LocalField& field, const Vec
   for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * d.free_nodes + i)] = x[i];
 }
 
-Continuation::Continuation(std::shared_ptr<const Discretisation> discretisation)
-    : d_(std::move(discretisation)), newton_(d_) {
+Continuation::Continuation(std::shared_ptr<const Discretisation> discretisation, Precision precision)
+    : d_(std::move(discretisation)), newton_(d_, precision) {
   field_.u.resize(static_cast<std::size_t>(d_->local_size()));
   field_.tangent.resize(3 * field_.u.size());
 }
@@ -103,7 +103,8 @@ NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int ma
       report.status = SolveStatus::diverged;
       return report;
     }
-    newton_.condense(trial_, 0, field_.tangent.data(), stiffness_);
+    newton_.condense(trial_, 0, field_.tangent.data(),
+                     stiffness_);  // in single precision as far as it settles
   }
   std::swap(field_.u, trial_);
   at_ = x;

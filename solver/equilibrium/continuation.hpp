@@ -18,7 +18,8 @@ namespace forefeel {
 
 class Continuation {
  public:
-  explicit Continuation(std::shared_ptr<const Discretisation> discretisation);
+  explicit Continuation(std::shared_ptr<const Discretisation> discretisation,
+                        Precision precision = Precision::exact);
 
   void begin_at_rest();
   void begin_at(const Vec3& at, const LocalField& field);  // an empty tangent is computed when needed

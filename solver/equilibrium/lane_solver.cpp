@@ -264,8 +264,7 @@ void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fi
 bool detail::condense_alone(NewtonSolver& newton, LocalField& field, LaneResult& result) {
   if (!newton.factorise(field.u)) return false;
   const Discretisation& d = newton.discretisation();
-  result.stiffness = newton.factor().stiffness();
-  newton.factor().tangent(field.tangent.data());
+  if (!newton.condense(field.u, 0, field.tangent.data(), result.stiffness)) return false;
   std::vector<double> gradient(field.u.size(), 0.0);
   d.elements.gradient(field.u.data(), gradient.data());
   const auto contact = static_cast<std::size_t>(3 * d.free_nodes);

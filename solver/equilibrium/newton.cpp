@@ -14,8 +14,8 @@ double norm(const double* v, std::int64_t size) {
 
 }  // namespace
 
-NewtonSolver::NewtonSolver(std::shared_ptr<const Discretisation> discretisation)
-    : d_(std::move(discretisation)), factor_(*d_) {
+NewtonSolver::NewtonSolver(std::shared_ptr<const Discretisation> discretisation, Precision precision)
+    : d_(std::move(discretisation)), factor_(*d_, precision) {
   const auto size = static_cast<std::size_t>(d_->local_size());
   gradient_.resize(size);
   trial_gradient_.resize(size);
@@ -147,7 +147,7 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
 bool NewtonSolver::condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness) {
   factor_.tangent(tangent);
   stiffness = factor_.stiffness();
-  if (left == 0) return true;
+  if (left == 0 && factor_.precision() == Precision::exact) return true;
   constexpr double settled_share = 1e-5, largest_gain = 1e-3;  // as in lane_solver.cpp
   constexpr int most_rounds = 3;
   const std::size_t size = u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
@@ -179,6 +179,37 @@ bool NewtonSolver::condense(const std::vector<double>& u, double left, double* t
     if (share <= largest_gain && std::max(left, 0.03) * share <= settled_share) return true;
   }
   return false;
+}
+
+Precision fitting_precision(const std::shared_ptr<const Discretisation>& discretisation) {
+  constexpr double largest_share = 1e-3;
+  const Discretisation& d = *discretisation;
+  const auto size = static_cast<std::size_t>(d.local_size()),
+             rows = static_cast<std::size_t>(3 * d.free_nodes);
+  const std::vector<double> rest(size, 0.0);
+  NewtonSolver newton(discretisation, Precision::single);
+  if (!newton.factorise(rest)) return Precision::exact;
+  // corrections of du/dx: z = -M^-1 (H [V; I])_f
+  std::vector<double> tangent(3 * size), product(3 * size), step(size);
+  newton.factor().tangent(tangent.data());
+  double before = norm(tangent.data(), static_cast<std::int64_t>(tangent.size()));
+  for (int round = 0; round < 2; ++round) {
+    std::fill(product.begin(), product.end(), 0.0);
+    d.elements.product(static_cast<std::int64_t>(size), rest.data(), tangent.data(), product.data());
+    double square = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < rows; ++i) step[i] = -product[c * size + i];
+      newton.factor().solve(step.data());
+      for (std::size_t i = 0; i < rows; ++i) {
+        tangent[c * size + i] += step[i];
+        square += step[i] * step[i];
+      }
+    }
+    const double moved = std::sqrt(square);
+    if (!(moved <= largest_share * before)) return Precision::exact;
+    before = moved;
+  }
+  return Precision::single;
 }
 
 }  // namespace forefeel

@@ -27,7 +27,8 @@ struct NewtonReport {
 // Work space of one body for one thread.
 class NewtonSolver {
  public:
-  explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation);
+  explicit NewtonSolver(std::shared_ptr<const Discretisation> discretisation,
+                        Precision precision = Precision::exact);
 
   // u: in, a local vector with the contact at x; out, the equilibrium. On success factor() belongs to H(u). With
   // keep_factor it may belong to an earlier iterate; then the last step with it reduced the residual at least
@@ -58,5 +59,9 @@ class NewtonSolver {
   std::vector<double> gradient_, step_, trial_, trial_gradient_, blocks_, rest_blocks_, product_, lanes_;
   double shift_ = 0, contraction_ = 0;
 };
+
+// Single where, at rest, a step with such a factor leaves at most a thousandth of an error: not for very
+// slender bodies, or materials of very different stiffness.
+Precision fitting_precision(const std::shared_ptr<const Discretisation>& discretisation);
 
 }  // namespace forefeel

@@ -16,314 +16,355 @@ constexpr int block_rows = 6, block_vectors = 1;
 constexpr int block_rows = 2, block_vectors = 1;
 #endif
 
-// C[i][j .. j+8v) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel; this part of C stays in
-// registers.
-template <int rows, int vectors>
-FOREFEEL_INLINE void rank_update(std::int64_t depth, const double* a, const double* b, std::int64_t ld,
-                                 double* c, std::int64_t ldc) {
-  Lanes sum[rows][vectors];
-  for (int i = 0; i < rows; ++i)
-    for (int v = 0; v < vectors; ++v) sum[i][v] = load(c + i * ldc + v * lane_count);
-  for (std::int64_t p = 0; p < depth; ++p, a += ld, b += ld) {
-    Lanes right[vectors];
-    for (int v = 0; v < vectors; ++v) right[v] = load(b + v * lane_count);
+template <class Real>
+struct Vectors;
+template <>
+struct Vectors<double> {
+  using Wide = Lanes;
+  using Eight = Lanes;
+  static constexpr double largest = 1e300;  // of a pivot
+};
+template <>
+struct Vectors<float> {
+  using Wide = float __attribute__((vector_size(64)));
+  using Eight = float __attribute__((vector_size(32)));
+  static constexpr float largest = 1e37F;
+};
+
+template <class Real>
+struct Fronts : Vectors<Real> {
+  using typename Vectors<Real>::Wide, typename Vectors<Real>::Eight;
+  using Vectors<Real>::largest;
+  static constexpr int wide = row_padding<Real>;
+
+  static FOREFEEL_INLINE Wide load_wide(const Real* p) {
+    Wide v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
+  }
+  static FOREFEEL_INLINE Eight load_eight(const Real* p) {
+    Eight v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
+  }
+  template <class V>
+  static FOREFEEL_INLINE void store(Real* p, V v) {
+    __builtin_memcpy(p, &v, sizeof v);
+  }
+
+  // C[i][j .. j + v vectors) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel; this part of C stays in
+  // registers.
+  template <int rows, int vectors>
+  static FOREFEEL_INLINE void rank_update(std::int64_t depth, const Real* a, const Real* b, std::int64_t ld,
+                                          Real* c, std::int64_t ldc) {
+    Wide sum[rows][vectors];
     for (int i = 0; i < rows; ++i)
-      for (int v = 0; v < vectors; ++v) sum[i][v] -= right[v] * a[i];
-  }
-  for (int i = 0; i < rows; ++i)
-    for (int v = 0; v < vectors; ++v) store(c + i * ldc + v * lane_count, sum[i][v]);
-}
-
-template <int rows>
-FOREFEEL_INLINE void update_rows(std::int64_t depth, const double* a, const double* b, std::int64_t ld,
-                                 double* c, std::int64_t ldc, std::int64_t from, std::int64_t width) {
-  std::int64_t j = from;
-  for (; j + block_vectors * lane_count <= width; j += block_vectors * lane_count)
-    rank_update<rows, block_vectors>(depth, a, b + j, ld, c + j, ldc);
-  for (; j < width; j += lane_count) rank_update<rows, 1>(depth, a, b + j, ld, c + j, ldc);
-}
-
-// Upper triangle of C (rows x width) -= A^T B over `depth` rows of one panel; row i of C starts at its column
-// i. Rows are padded to a multiple of eight, so the last vector may be processed whole.
-// Large fronts are processed in parts of the panel that fit into the cache.
-constexpr std::int64_t depth_block = 96, width_block = 480;
-
-inline void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t width, const double* panel,
-                             std::int64_t ld, double* c, std::int64_t ldc) {
-  for (std::int64_t p = 0; p < depth; p += depth_block)
-    for (std::int64_t first = 0; first < width; first += width_block) {
-      const std::int64_t deep = depth - p < depth_block ? depth - p : depth_block;
-      const std::int64_t last = width - first < width_block ? width : first + width_block;
-      const double* piece = panel + p * ld;
-      const std::int64_t end = rows < last ? rows : last;  // rows below are zero in these columns
-      std::int64_t i = 0;
-      const auto from = [&](std::int64_t row) {
-        const std::int64_t start = row / lane_count * lane_count;
-        return start < first ? first : start;
-      };
-      for (; i + block_rows <= end; i += block_rows)
-        update_rows<block_rows>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
-      for (; i + 2 <= end; i += 2)
-        update_rows<2>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
-      for (; i < end; ++i) update_rows<1>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+      for (int v = 0; v < vectors; ++v) sum[i][v] = load_wide(c + i * ldc + v * wide);
+    for (std::int64_t p = 0; p < depth; ++p, a += ld, b += ld) {
+      Wide right[vectors];
+      for (int v = 0; v < vectors; ++v) right[v] = load_wide(b + v * wide);
+      for (int i = 0; i < rows; ++i)
+        for (int v = 0; v < vectors; ++v) sum[i][v] -= right[v] * a[i];
     }
-}
+    for (int i = 0; i < rows; ++i)
+      for (int v = 0; v < vectors; ++v) store(c + i * ldc + v * wide, sum[i][v]);
+  }
 
-// Cholesky of rows begin to end of a panel, eight at a time. `width` and `begin` are multiples of eight.
-inline bool eliminate_rows(double* panel, std::int64_t begin, std::int64_t end, std::int64_t ld,
-                           std::int64_t width) {
-  for (std::int64_t first = begin; first < end; first += lane_count) {
-    const std::int64_t last = first + lane_count < end ? first + lane_count : end;
-    for (std::int64_t p = first; p < last; ++p) {
-      double* row = panel + p * ld;
-      const double pivot = row[p];
-      if (!(pivot > 0) || !(pivot < 1e300)) return false;
-      const double inverse = 1.0 / __builtin_sqrt(pivot);
-      for (std::int64_t j = p / lane_count * lane_count; j < width; j += lane_count)
-        store(row + j, load(row + j) * inverse);
-      for (std::int64_t q = p + 1; q < last; ++q) {
-        double* to = panel + q * ld;
-        const double factor = row[q];
-        for (std::int64_t j = q / lane_count * lane_count; j < width; j += lane_count)
-          store(to + j, load(to + j) - load(row + j) * factor);
+  template <int rows>
+  static FOREFEEL_INLINE void update_rows(std::int64_t depth, const Real* a, const Real* b, std::int64_t ld,
+                                          Real* c, std::int64_t ldc, std::int64_t from, std::int64_t width) {
+    std::int64_t j = from;
+    for (; j + block_vectors * wide <= width; j += block_vectors * wide)
+      rank_update<rows, block_vectors>(depth, a, b + j, ld, c + j, ldc);
+    for (; j < width; j += wide) rank_update<rows, 1>(depth, a, b + j, ld, c + j, ldc);
+  }
+
+  // Upper triangle of C (rows x width) -= A^T B over `depth` rows of one panel; row i of C starts at its column
+  // i. Rows are padded to whole vectors, so the last vector may be processed whole.
+  // Large fronts are processed in parts of the panel that fit into the cache.
+  static constexpr std::int64_t depth_block = 96, width_block = 60 * wide;
+
+  static void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t width, const Real* panel,
+                               std::int64_t ld, Real* c, std::int64_t ldc) {
+    for (std::int64_t p = 0; p < depth; p += depth_block)
+      for (std::int64_t first = 0; first < width; first += width_block) {
+        const std::int64_t deep = depth - p < depth_block ? depth - p : depth_block;
+        const std::int64_t last = width - first < width_block ? width : first + width_block;
+        const Real* piece = panel + p * ld;
+        const std::int64_t end = rows < last ? rows : last;  // rows below are zero in these columns
+        std::int64_t i = 0;
+        const auto from = [&](std::int64_t row) {
+          const std::int64_t start = row / wide * wide;
+          return start < first ? first : start;
+        };
+        for (; i + block_rows <= end; i += block_rows)
+          update_rows<block_rows>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+        for (; i + 2 <= end; i += 2)
+          update_rows<2>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
+        for (; i < end; ++i) update_rows<1>(deep, piece + i, piece, ld, c + i * ldc, ldc, from(i), last);
       }
-      row[p] = inverse;
-    }
-    const double* done = panel + first * ld + last;
-    if (last < end)
-      symmetric_update(last - first, end - last, width - last, done, ld, panel + last * ld + last, ld);
   }
-  return true;
-}
 
-// Cholesky of the pivot rows of a panel, in blocks of rows that update the later ones together.
-inline bool eliminate(double* panel, std::int64_t pivots, std::int64_t ld, std::int64_t width) {
-  for (std::int64_t first = 0; first < pivots; first += depth_block) {
-    const std::int64_t last = first + depth_block < pivots ? first + depth_block : pivots;
-    if (!eliminate_rows(panel, first, last, ld, width)) return false;
-    if (last < pivots)
-      symmetric_update(last - first, pivots - last, width - last, panel + first * ld + last, ld,
-                       panel + last * ld + last, ld);
-  }
-  return true;
-}
-
-FOREFEEL_INLINE void add_rows(const double* from, double* to, std::int64_t count) {
-  std::int64_t i = 0;
-  for (; i + lane_count <= count; i += lane_count) store(to + i, load(to + i) + load(from + i));
-  for (; i < count; ++i) to[i] += from[i];
-}
-
-// Adds the update matrix of a child at the places of its nodes in the parent: pivot rows to the panel, the
-// others to the parent's update matrix.
-inline void extend_add(const FrontTree& tree, const Front& child, const Front& parent,
-                       const double* stack_from, double* panel, double* update) {
-  const ExtendRun* runs = tree.runs + child.runs;
-  const std::int64_t pivots = 3 * static_cast<std::int64_t>(parent.pivots);
-  for (std::int64_t r = 0; r < child.run_count; ++r)
-    for (std::int64_t i = 0; i < 3 * runs[r].length; ++i) {
-      const double* from = stack_from + (3 * runs[r].from + i) * child.update_ld;
-      const std::int64_t row = 3 * runs[r].to + i;
-      double* to =
-          row < pivots ? panel + row * parent.ld : update + (row - pivots) * parent.update_ld - pivots;
-      add_rows(from + 3 * runs[r].from + i, to + row, 3 * runs[r].length - i);
-      for (std::int64_t q = r + 1; q < child.run_count; ++q)
-        add_rows(from + 3 * runs[q].from, to + 3 * runs[q].to, 3 * runs[q].length);
-    }
-}
-
-bool factor(const FrontTree& tree, const double* blocks, double* panels, double* stack, double* corner) {
-  const double* last = blocks + 9 * tree.row_start[tree.free_nodes];
-  for (int i = 0; i < 9; ++i) corner[i] = last[i];
-  for (std::int64_t s = 0; s < tree.count; ++s) {
-    const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                       rest = 3 * static_cast<std::int64_t>(front.rest);
-    double* panel = panels + front.panel;
-    double* update = stack + front.update;
-    __builtin_memset(panel, 0, static_cast<std::size_t>(pivots * front.ld) * sizeof(double));
-    for (std::int64_t i = 0; i < rest; ++i) {  // the upper triangle, in whole vectors
-      const std::int64_t from = i / lane_count * lane_count - (i < lane_count ? 0 : lane_count);
-      __builtin_memset(update + i * front.update_ld + from, 0,
-                       static_cast<std::size_t>(front.update_ld - from) * sizeof(double));
-    }
-    for (std::int64_t i = 0; i < front.pivots; ++i)
-      for (std::int64_t block = tree.row_start[front.first + i]; block < tree.row_start[front.first + i + 1];
-           ++block) {
-        double* to = panel + 3 * i * front.ld + 3 * tree.place[block];
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) to[a * front.ld + b] = blocks[9 * block + 3 * a + b];
-      }
-    for (std::int64_t c = 0; c < front.child_count; ++c) {
-      const Front& child = tree.fronts[tree.children[front.children + c]];
-      extend_add(tree, child, front, stack + child.update, panel, update);
-    }
-    if (!eliminate(panel, pivots, front.ld, front.ld)) return false;
-    symmetric_update(pivots, rest, rest, panel + pivots, front.ld, update, front.update_ld);
-    if (front.parent < 0) {
-      if (front.rest > 0)
-        for (int i = 0; i < 9; ++i) {
-          const int a = i / 3 < i % 3 ? i / 3 : i % 3, b = i / 3 + i % 3 - a;
-          corner[i] += update[a * front.update_ld + b];
-        }
-    }
-  }
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < a; ++b) corner[3 * a + b] = corner[3 * b + a];
-  return true;
-}
-
-void forward(const FrontTree& tree, const double* panels, double* b, double* work) {
-  for (std::int64_t s = 0; s < tree.count; ++s) {
-    const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                       rest = 3 * static_cast<std::int64_t>(front.rest);
-    const double* panel = panels + front.panel;
-    const std::int32_t* rows = tree.rows + front.rows;
-    double* x = b + 3 * static_cast<std::int64_t>(front.first);
-    for (std::int64_t j = 0; j < rest; j += lane_count) store(work + j, Lanes{});
-    for (std::int64_t p = 0; p < pivots; ++p) {
-      const double* row = panel + p * front.ld;
-      const double value = x[p] *= row[p];
-      for (std::int64_t q = p + 1; q < pivots; ++q) x[q] -= row[q] * value;
-    }
-    std::int64_t p = 0;
-    for (; p + 4 <= pivots; p += 4) {
-      const double* row = panel + p * front.ld + pivots;
-      for (std::int64_t j = 0; j < rest; j += lane_count) {
-        Lanes sum = load(work + j);
-        for (int i = 0; i < 4; ++i) sum += load(row + i * front.ld + j) * x[p + i];
-        store(work + j, sum);
-      }
-    }
-    for (; p < pivots; ++p)
-      for (std::int64_t j = 0; j < rest; j += lane_count)
-        store(work + j, load(work + j) + load(panel + p * front.ld + pivots + j) * x[p]);
-    for (std::int64_t i = 0; i < front.rest; ++i)
-      for (int a = 0; a < 3; ++a) b[3 * static_cast<std::int64_t>(rows[i]) + a] -= work[3 * i + a];
-  }
-}
-
-void backward(const FrontTree& tree, const double* panels, double* b, double* work) {
-  for (std::int64_t s = tree.count - 1; s >= 0; --s) {
-    const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                       rest = 3 * static_cast<std::int64_t>(front.rest);
-    const double* panel = panels + front.panel;
-    const std::int32_t* rows = tree.rows + front.rows;
-    double* x = b + 3 * static_cast<std::int64_t>(front.first);
-    for (std::int64_t i = 0; i < front.rest; ++i)
-      for (int a = 0; a < 3; ++a) work[3 * i + a] = b[3 * static_cast<std::int64_t>(rows[i]) + a];
-    const std::int64_t whole = rest / lane_count * lane_count;
-    for (std::int64_t p = pivots - 1; p >= 0; --p) {
-      const double* row = panel + p * front.ld;
-      Lanes sum{};
-      for (std::int64_t j = 0; j < whole; j += lane_count) sum += load(row + pivots + j) * load(work + j);
-      double value = x[p];
-      for (std::int64_t j = whole; j < rest; ++j) value -= row[pivots + j] * work[j];
-      for (int i = 0; i < lane_count; ++i) value -= sum[i];
-      for (std::int64_t q = p + 1; q < pivots; ++q) value -= row[q] * x[q];
-      x[p] = value * row[p];
-    }
-  }
-}
-
-// sum_i -= panel[p][i] x_p for `rows` entries side by side, eight right-hand sides each.
-template <int rows>
-FOREFEEL_INLINE void forward_piece(std::int64_t pivots, const double* panel, std::int64_t ld, const double* x,
-                                   double* out) {
-  Lanes sum[rows];
-  for (int i = 0; i < rows; ++i) sum[i] = load(out + i * lane_count);
-  for (std::int64_t p = 0; p < pivots; ++p) {
-    const Lanes value = load(x + p * lane_count);
-    for (int i = 0; i < rows; ++i) sum[i] -= value * panel[p * ld + i];
-  }
-  for (int i = 0; i < rows; ++i) store(out + i * lane_count, sum[i]);
-}
-
-void forward_lanes(const FrontTree& tree, const double* panels, double* b, double* work) {
-  for (std::int64_t s = 0; s < tree.count; ++s) {
-    const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                       rest = 3 * static_cast<std::int64_t>(front.rest);
-    const double* panel = panels + front.panel;
-    const std::int32_t* rows = tree.rows + front.rows;
-    double* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
-    for (std::int64_t first = 0; first < pivots; first += 6) {
-      const std::int64_t last = first + 6 < pivots ? first + 6 : pivots;
+  // Cholesky of rows begin to end of a panel, one vector's width at a time. `width` and `begin` are multiples of it.
+  static bool eliminate_rows(Real* panel, std::int64_t begin, std::int64_t end, std::int64_t ld,
+                             std::int64_t width) {
+    for (std::int64_t first = begin; first < end; first += wide) {
+      const std::int64_t last = first + wide < end ? first + wide : end;
       for (std::int64_t p = first; p < last; ++p) {
-        const Lanes value = load(x + p * lane_count) * panel[p * front.ld + p];
-        store(x + p * lane_count, value);
-        for (std::int64_t q = p + 1; q < last; ++q)
-          store(x + q * lane_count, load(x + q * lane_count) - value * panel[p * front.ld + q]);
+        Real* row = panel + p * ld;
+        const Real pivot = row[p];
+        if (!(pivot > 0) || !(pivot < largest)) return false;
+        const Real inverse = static_cast<Real>(1.0 / __builtin_sqrt(static_cast<double>(pivot)));
+        for (std::int64_t j = p / wide * wide; j < width; j += wide)
+          store(row + j, load_wide(row + j) * inverse);
+        for (std::int64_t q = p + 1; q < last; ++q) {
+          Real* to = panel + q * ld;
+          const Real factor = row[q];
+          for (std::int64_t j = q / wide * wide; j < width; j += wide)
+            store(to + j, load_wide(to + j) - load_wide(row + j) * factor);
+        }
+        row[p] = inverse;
       }
-      std::int64_t q = last;
-      for (; q + 6 <= pivots; q += 6)
-        forward_piece<6>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
-                         x + q * lane_count);
-      for (; q < pivots; ++q)
-        forward_piece<1>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
-                         x + q * lane_count);
+      const Real* done = panel + first * ld + last;
+      if (last < end)
+        symmetric_update(last - first, end - last, width - last, done, ld, panel + last * ld + last, ld);
     }
-    for (std::int64_t i = 0; i < front.rest; ++i)
-      for (int a = 0; a < 3; ++a)
-        store(work + (3 * i + a) * lane_count,
-              load(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+    return true;
+  }
+
+  // Cholesky of the pivot rows of a panel, in blocks of rows that update the later ones together.
+  static bool eliminate(Real* panel, std::int64_t pivots, std::int64_t ld, std::int64_t width) {
+    for (std::int64_t first = 0; first < pivots; first += depth_block) {
+      const std::int64_t last = first + depth_block < pivots ? first + depth_block : pivots;
+      if (!eliminate_rows(panel, first, last, ld, width)) return false;
+      if (last < pivots)
+        symmetric_update(last - first, pivots - last, width - last, panel + first * ld + last, ld,
+                         panel + last * ld + last, ld);
+    }
+    return true;
+  }
+
+  static FOREFEEL_INLINE void add_rows(const Real* from, Real* to, std::int64_t count) {
     std::int64_t i = 0;
-    for (; i + 12 <= rest; i += 12)
-      forward_piece<12>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
-    for (; i + 3 <= rest; i += 3)
-      forward_piece<3>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
-    for (i = 0; i < front.rest; ++i)
-      for (int a = 0; a < 3; ++a)
-        store(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count,
-              load(work + (3 * i + a) * lane_count));
+    for (; i + wide <= count; i += wide) store(to + i, load_wide(to + i) + load_wide(from + i));
+    for (; i < count; ++i) to[i] += from[i];
   }
-}
 
-// out_p -= sum_q panel[p][q] x_q for `rows` pivots side by side.
-template <int rows>
-FOREFEEL_INLINE void backward_piece(std::int64_t count, const double* panel, std::int64_t ld, const double* x,
-                                    double* out) {
-  Lanes sum[rows];
-  for (int i = 0; i < rows; ++i) sum[i] = load(out + i * lane_count);
-  for (std::int64_t q = 0; q < count; ++q) {
-    const Lanes value = load(x + q * lane_count);
-    for (int i = 0; i < rows; ++i) sum[i] -= value * panel[i * ld + q];
+  // Adds the update matrix of a child at the places of its nodes in the parent: pivot rows to the panel, the
+  // others to the parent's update matrix.
+  static void extend_add(const FrontTree& tree, const Front& child, const Front& parent,
+                         const Real* stack_from, Real* panel, Real* update) {
+    const ExtendRun* runs = tree.runs + child.runs;
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(parent.pivots);
+    for (std::int64_t r = 0; r < child.run_count; ++r)
+      for (std::int64_t i = 0; i < 3 * runs[r].length; ++i) {
+        const Real* from = stack_from + (3 * runs[r].from + i) * child.update_ld;
+        const std::int64_t row = 3 * runs[r].to + i;
+        Real* to =
+            row < pivots ? panel + row * parent.ld : update + (row - pivots) * parent.update_ld - pivots;
+        add_rows(from + 3 * runs[r].from + i, to + row, 3 * runs[r].length - i);
+        for (std::int64_t q = r + 1; q < child.run_count; ++q)
+          add_rows(from + 3 * runs[q].from, to + 3 * runs[q].to, 3 * runs[q].length);
+      }
   }
-  for (int i = 0; i < rows; ++i) store(out + i * lane_count, sum[i]);
-}
 
-void backward_lanes(const FrontTree& tree, const double* panels, double* b, double* work) {
-  for (std::int64_t s = tree.count - 1; s >= 0; --s) {
-    const Front& front = tree.fronts[s];
-    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                       rest = 3 * static_cast<std::int64_t>(front.rest);
-    const double* panel = panels + front.panel;
-    const std::int32_t* rows = tree.rows + front.rows;
-    double* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
-    for (std::int64_t i = 0; i < front.rest; ++i)
-      for (int a = 0; a < 3; ++a)
-        store(work + (3 * i + a) * lane_count,
-              load(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
-    std::int64_t p = 0;
-    for (; p + 6 <= pivots; p += 6)
-      backward_piece<6>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
-    for (; p < pivots; ++p)
-      backward_piece<1>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
-    // pivots is a multiple of three: blocks of three from the end
-    for (std::int64_t first = pivots - 3; first >= 0; first -= 3) {
-      backward_piece<3>(pivots - first - 3, panel + first * front.ld + first + 3, front.ld,
-                        x + (first + 3) * lane_count, x + first * lane_count);
-      for (std::int64_t q = first + 2; q >= first; --q) {
-        Lanes value = load(x + q * lane_count);
-        for (std::int64_t r = q + 1; r < first + 3; ++r)
-          value -= load(x + r * lane_count) * panel[q * front.ld + r];
-        store(x + q * lane_count, value * panel[q * front.ld + q]);
+  static bool factor(const FrontTree& tree, const double* blocks, Real* panels, Real* stack, double* corner) {
+    const double* last = blocks + 9 * tree.row_start[tree.free_nodes];
+    for (int i = 0; i < 9; ++i) corner[i] = last[i];
+    for (std::int64_t s = 0; s < tree.count; ++s) {
+      const Front& front = tree.fronts[s];
+      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                         rest = 3 * static_cast<std::int64_t>(front.rest);
+      Real* panel = panels + front.panel;
+      Real* update = stack + front.update;
+      __builtin_memset(panel, 0, static_cast<std::size_t>(pivots * front.ld) * sizeof(Real));
+      for (std::int64_t i = 0; i < rest; ++i) {  // the upper triangle, in whole vectors
+        const std::int64_t from = i / wide * wide - (i < wide ? 0 : wide);
+        __builtin_memset(update + i * front.update_ld + from, 0,
+                         static_cast<std::size_t>(front.update_ld - from) * sizeof(Real));
+      }
+      for (std::int64_t i = 0; i < front.pivots; ++i)
+        for (std::int64_t block = tree.row_start[front.first + i];
+             block < tree.row_start[front.first + i + 1]; ++block) {
+          Real* to = panel + 3 * i * front.ld + 3 * tree.place[block];
+          for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+              to[a * front.ld + b] = static_cast<Real>(blocks[9 * block + 3 * a + b]);
+        }
+      for (std::int64_t c = 0; c < front.child_count; ++c) {
+        const Front& child = tree.fronts[tree.children[front.children + c]];
+        extend_add(tree, child, front, stack + child.update, panel, update);
+      }
+      if (!eliminate(panel, pivots, front.ld, front.ld)) return false;
+      symmetric_update(pivots, rest, rest, panel + pivots, front.ld, update, front.update_ld);
+      if (front.parent < 0) {
+        if (front.rest > 0)
+          for (int i = 0; i < 9; ++i) {
+            const int a = i / 3 < i % 3 ? i / 3 : i % 3, b = i / 3 + i % 3 - a;
+            corner[i] += update[a * front.update_ld + b];
+          }
+      }
+    }
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < a; ++b) corner[3 * a + b] = corner[3 * b + a];
+    return true;
+  }
+
+  static void forward(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
+    for (std::int64_t s = 0; s < tree.count; ++s) {
+      const Front& front = tree.fronts[s];
+      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                         rest = 3 * static_cast<std::int64_t>(front.rest);
+      const Real* panel = panels + front.panel;
+      const std::int32_t* rows = tree.rows + front.rows;
+      Real* x = b + 3 * static_cast<std::int64_t>(front.first);
+      for (std::int64_t j = 0; j < rest; j += wide) store(work + j, Wide{});
+      for (std::int64_t p = 0; p < pivots; ++p) {
+        const Real* row = panel + p * front.ld;
+        const Real value = x[p] *= row[p];
+        for (std::int64_t q = p + 1; q < pivots; ++q) x[q] -= row[q] * value;
+      }
+      std::int64_t p = 0;
+      for (; p + 4 <= pivots; p += 4) {
+        const Real* row = panel + p * front.ld + pivots;
+        for (std::int64_t j = 0; j < rest; j += wide) {
+          Wide sum = load_wide(work + j);
+          for (int i = 0; i < 4; ++i) sum += load_wide(row + i * front.ld + j) * x[p + i];
+          store(work + j, sum);
+        }
+      }
+      for (; p < pivots; ++p)
+        for (std::int64_t j = 0; j < rest; j += wide)
+          store(work + j, load_wide(work + j) + load_wide(panel + p * front.ld + pivots + j) * x[p]);
+      for (std::int64_t i = 0; i < front.rest; ++i)
+        for (int a = 0; a < 3; ++a) b[3 * static_cast<std::int64_t>(rows[i]) + a] -= work[3 * i + a];
+    }
+  }
+
+  static void backward(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
+    for (std::int64_t s = tree.count - 1; s >= 0; --s) {
+      const Front& front = tree.fronts[s];
+      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                         rest = 3 * static_cast<std::int64_t>(front.rest);
+      const Real* panel = panels + front.panel;
+      const std::int32_t* rows = tree.rows + front.rows;
+      Real* x = b + 3 * static_cast<std::int64_t>(front.first);
+      for (std::int64_t i = 0; i < front.rest; ++i)
+        for (int a = 0; a < 3; ++a) work[3 * i + a] = b[3 * static_cast<std::int64_t>(rows[i]) + a];
+      const std::int64_t whole = rest / wide * wide;
+      for (std::int64_t p = pivots - 1; p >= 0; --p) {
+        const Real* row = panel + p * front.ld;
+        Wide sum{};
+        for (std::int64_t j = 0; j < whole; j += wide)
+          sum += load_wide(row + pivots + j) * load_wide(work + j);
+        Real value = x[p];
+        for (std::int64_t j = whole; j < rest; ++j) value -= row[pivots + j] * work[j];
+        for (int i = 0; i < wide; ++i) value -= sum[i];
+        for (std::int64_t q = p + 1; q < pivots; ++q) value -= row[q] * x[q];
+        x[p] = value * row[p];
       }
     }
   }
-}
+
+  // sum_i -= panel[p][i] x_p for `rows` entries side by side, eight right-hand sides each.
+  template <int rows>
+  static FOREFEEL_INLINE void forward_piece(std::int64_t pivots, const Real* panel, std::int64_t ld,
+                                            const Real* x, Real* out) {
+    Eight sum[rows];
+    for (int i = 0; i < rows; ++i) sum[i] = load_eight(out + i * lane_count);
+    for (std::int64_t p = 0; p < pivots; ++p) {
+      const Eight value = load_eight(x + p * lane_count);
+      for (int i = 0; i < rows; ++i) sum[i] -= value * panel[p * ld + i];
+    }
+    for (int i = 0; i < rows; ++i) store(out + i * lane_count, sum[i]);
+  }
+
+  static void forward_lanes(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
+    for (std::int64_t s = 0; s < tree.count; ++s) {
+      const Front& front = tree.fronts[s];
+      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                         rest = 3 * static_cast<std::int64_t>(front.rest);
+      const Real* panel = panels + front.panel;
+      const std::int32_t* rows = tree.rows + front.rows;
+      Real* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
+      for (std::int64_t first = 0; first < pivots; first += 6) {
+        const std::int64_t last = first + 6 < pivots ? first + 6 : pivots;
+        for (std::int64_t p = first; p < last; ++p) {
+          const Eight value = load_eight(x + p * lane_count) * panel[p * front.ld + p];
+          store(x + p * lane_count, value);
+          for (std::int64_t q = p + 1; q < last; ++q)
+            store(x + q * lane_count, load_eight(x + q * lane_count) - value * panel[p * front.ld + q]);
+        }
+        std::int64_t q = last;
+        for (; q + 6 <= pivots; q += 6)
+          forward_piece<6>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
+                           x + q * lane_count);
+        for (; q < pivots; ++q)
+          forward_piece<1>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
+                           x + q * lane_count);
+      }
+      for (std::int64_t i = 0; i < front.rest; ++i)
+        for (int a = 0; a < 3; ++a)
+          store(work + (3 * i + a) * lane_count,
+                load_eight(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+      std::int64_t i = 0;
+      for (; i + 12 <= rest; i += 12)
+        forward_piece<12>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
+      for (; i + 3 <= rest; i += 3)
+        forward_piece<3>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
+      for (i = 0; i < front.rest; ++i)
+        for (int a = 0; a < 3; ++a)
+          store(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count,
+                load_eight(work + (3 * i + a) * lane_count));
+    }
+  }
+
+  // out_p -= sum_q panel[p][q] x_q for `rows` pivots side by side.
+  template <int rows>
+  static FOREFEEL_INLINE void backward_piece(std::int64_t count, const Real* panel, std::int64_t ld,
+                                             const Real* x, Real* out) {
+    Eight sum[rows];
+    for (int i = 0; i < rows; ++i) sum[i] = load_eight(out + i * lane_count);
+    for (std::int64_t q = 0; q < count; ++q) {
+      const Eight value = load_eight(x + q * lane_count);
+      for (int i = 0; i < rows; ++i) sum[i] -= value * panel[i * ld + q];
+    }
+    for (int i = 0; i < rows; ++i) store(out + i * lane_count, sum[i]);
+  }
+
+  static void backward_lanes(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
+    for (std::int64_t s = tree.count - 1; s >= 0; --s) {
+      const Front& front = tree.fronts[s];
+      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                         rest = 3 * static_cast<std::int64_t>(front.rest);
+      const Real* panel = panels + front.panel;
+      const std::int32_t* rows = tree.rows + front.rows;
+      Real* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
+      for (std::int64_t i = 0; i < front.rest; ++i)
+        for (int a = 0; a < 3; ++a)
+          store(work + (3 * i + a) * lane_count,
+                load_eight(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+      std::int64_t p = 0;
+      for (; p + 6 <= pivots; p += 6)
+        backward_piece<6>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
+      for (; p < pivots; ++p)
+        backward_piece<1>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
+      // pivots is a multiple of three: blocks of three from the end
+      for (std::int64_t first = pivots - 3; first >= 0; first -= 3) {
+        backward_piece<3>(pivots - first - 3, panel + first * front.ld + first + 3, front.ld,
+                          x + (first + 3) * lane_count, x + first * lane_count);
+        for (std::int64_t q = first + 2; q >= first; --q) {
+          Eight value = load_eight(x + q * lane_count);
+          for (std::int64_t r = q + 1; r < first + 3; ++r)
+            value -= load_eight(x + r * lane_count) * panel[q * front.ld + r];
+          store(x + q * lane_count, value * panel[q * front.ld + q]);
+        }
+      }
+    }
+  }
+
+  static constexpr FactorKernels<Real> table{factor, forward, backward, forward_lanes, backward_lanes};
+};
 
 void dot_lanes(std::int64_t rows, const double* a, const double* b, double* out) {
   Lanes sum[4]{};
@@ -344,7 +385,6 @@ void add_lanes(std::int64_t rows, const double* factor, const double* x, double*
 
 namespace FOREFEEL_ISA {
 extern const FrontKernels front_kernels;
-const FrontKernels front_kernels{factor,         forward,   backward, forward_lanes,
-                                 backward_lanes, dot_lanes, add_lanes};
+const FrontKernels front_kernels{Fronts<double>::table, Fronts<float>::table, dot_lanes, add_lanes};
 }  // namespace FOREFEEL_ISA
 }  // namespace forefeel

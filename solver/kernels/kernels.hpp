@@ -78,14 +78,25 @@ struct FrontTree {
   std::int64_t block_count = 0;
 };
 
-struct FrontKernels {
+// Real: of the factor and of the vectors that are solved with it. A factor in single precision takes half the time and
+// memory; it serves where its errors are corrected, as a preconditioner.
+template <class Real>
+struct FactorKernels {
   // False if a pivot is not positive. corner (3 x 3, row-major) receives K.
-  bool (*factor)(const FrontTree&, const double* blocks, double* panels, double* stack, double* corner);
+  bool (*factor)(const FrontTree&, const double* blocks, Real* panels, Real* stack, double* corner);
   // U^T y = b, then U x = y - U_c x_c, where x_c is the row of the contact (0: a plain solve).
-  void (*forward)(const FrontTree&, const double* panels, double* b, double* work);
-  void (*backward)(const FrontTree&, const double* panels, double* b, double* work);
-  void (*forward_lanes)(const FrontTree&, const double* panels, double* b, double* work);  // (n+1) x 3 x 8
-  void (*backward_lanes)(const FrontTree&, const double* panels, double* b, double* work);
+  void (*forward)(const FrontTree&, const Real* panels, Real* b, Real* work);
+  void (*backward)(const FrontTree&, const Real* panels, Real* b, Real* work);
+  void (*forward_lanes)(const FrontTree&, const Real* panels, Real* b, Real* work);  // (n+1) x 3 x 8
+  void (*backward_lanes)(const FrontTree&, const Real* panels, Real* b, Real* work);
+};
+// Numbers of a vector register; rows of panels and update matrices are padded to a multiple of it.
+template <class Real>
+inline constexpr int row_padding = 64 / int(sizeof(Real));
+
+struct FrontKernels {
+  FactorKernels<double> exact;
+  FactorKernels<float> single;
   // Eight vectors of `rows` entries side by side: out = a . b, and y += factor x, each lane with its own
   // factor.
   void (*dot_lanes)(std::int64_t rows, const double* a, const double* b, double* out);

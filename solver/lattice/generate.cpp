@@ -52,7 +52,8 @@ class Sweep {
   }
 
   void run_sweep() {
-    const SweepOptions sweep = sweep_options(*body_, options_, options_.stop, solved_);
+    SweepOptions sweep = sweep_options(*body_, options_, options_.stop, solved_);
+    sweep.precision = fitting_precision(d_);
     for (int i = 0; i < report_.threads; ++i) workers_.push_back(std::make_unique<SweepWorker>(d_, sweep));
     march_coarse();
     if (!stopped()) fill_cells();
@@ -68,8 +69,8 @@ class Sweep {
     for (const auto& [number, members] : levels) {
       for_each(members.size(), [&, &list = members](SweepWorker& worker, std::size_t i) {
         SweepNode& node = coarse_[place_.at(list[i])];
-        node = solve_coarse_node(worker, list[i], options_.spacing, solved_);
-        if (plan_.is_wanted({2 * list[i][0], 2 * list[i][1], 2 * list[i][2]})) emit(node);
+        node = solve_coarse_node(worker, list[i]);
+        if (plan_.is_wanted(list[i])) emit(node);
       });
       if (stopped()) return;
     }
@@ -78,7 +79,7 @@ class Sweep {
   // Solves the fine states by groups, outward from rest.
   void fill_cells() {
     for_each(plan_.groups().size(), [&](SweepWorker& worker, std::size_t i) {
-      for (const SweepNode& node : solve_fine_nodes(worker, plan_.groups()[i], options_.spacing, solved_))
+      for (const SweepNode& node : solve_fine_nodes(worker, plan_.groups()[i]))
         if (plan_.is_wanted(node.index)) emit(node);
     });
   }

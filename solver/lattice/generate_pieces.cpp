@@ -99,15 +99,15 @@ struct LatticePieces::Impl {
     for (const LatticeIndex& c : outward) {
       const std::size_t id = pieces.size();
       coarse_piece[c] = id;
-      pieces.push_back({.kind = PieceKind::coarse, .index = c, .fine = {{2 * c[0], 2 * c[1], 2 * c[2]}}});
-      for (const LatticeIndex& p : towards_rest(c)) wait_for(id, p);
+      pieces.push_back({.kind = PieceKind::coarse, .index = c, .fine = {c}});
+      for (const LatticeIndex& p : towards_rest(plan.planes(), c)) wait_for(id, p);
     }
   }
   void add_cells() {
     for (const std::vector<LatticeIndex>& group : plan.groups()) {
       const std::size_t id = pieces.size();
       pieces.push_back({.kind = PieceKind::cell, .index = group.front(), .fine = group});
-      for (const LatticeIndex& corner : corners_of(group)) wait_for(id, corner);
+      for (const LatticeIndex& corner : corners_of(plan.planes(), group)) wait_for(id, corner);
     }
   }
   void wait_for(std::size_t id, const LatticeIndex& coarse) {
@@ -126,7 +126,7 @@ struct LatticePieces::Impl {
     std::vector<const SweepNode*> needed;
     if (worker > 0) {
       std::set<LatticeIndex>& there = sent[worker];
-      for (const LatticeIndex& c : nodes_looked_at(piece.fine, spacing))
+      for (const LatticeIndex& c : nodes_looked_at(plan.planes(), piece.fine))
         if (const SweepNode* node = nodes->find(c); node && there.insert(c).second) needed.push_back(node);
     }
     message.add(std::uint32_t(needed.size()));
@@ -142,17 +142,13 @@ struct LatticePieces::Impl {
     for (const LatticeIndex& k : piece.fine) {
       found.push_back(unpack_node(result));
       const SweepNode& node = found.back();
-      const bool same = node.index == (piece.kind == PieceKind::coarse ? piece.index : k);
-      if (!same || node.state.at != position_at(piece, k)) throw MalformedMessage("another position");
+      if (node.index != k || node.state.at != position_of(k, spacing))
+        throw MalformedMessage("another position");
       if (piece.kind == PieceKind::coarse && node.solved() && node.field.u.empty())
         throw MalformedMessage("a solution without displacements");
     }
     result.expect_end();
     return found;
-  }
-  Vec3 position_at(const Piece& piece, const LatticeIndex& fine) const {
-    return piece.kind == PieceKind::coarse ? position_of(piece.index, 2 * spacing)
-                                           : position_of(fine, spacing);
   }
 
   void emit(State state) {
@@ -235,7 +231,12 @@ struct LatticeHand::Impl {
         d(std::make_shared<const Discretisation>(discretise(*body))),
         options(its_options),
         nodes(std::move(its_nodes)),
-        worker(d, sweep_options(*body, options, options.stop, solved)) {}
+        worker(d, fitting(d, sweep_options(*body, options, options.stop, solved))) {}
+
+  static SweepOptions fitting(const std::shared_ptr<const Discretisation>& d, SweepOptions options) {
+    options.precision = fitting_precision(d);
+    return options;
+  }
 
   std::shared_ptr<const Body> body;
   std::shared_ptr<const Discretisation> d;
@@ -259,19 +260,18 @@ LatticeHand::LatticeHand(std::shared_ptr<const Body> body, const GenerateOptions
 LatticeHand::~LatticeHand() = default;
 
 std::optional<Bytes> LatticeHand::solve(Unpacker piece) {
-  const double spacing = impl_->options.spacing;
   const auto kind = static_cast<PieceKind>(piece.number<std::uint8_t>());
   const LatticeIndex index = unpack_index(piece);
   std::vector<LatticeIndex> fine;
   for (auto count = piece.number<std::uint32_t>(); count > 0; --count) fine.push_back(unpack_index(piece));
   for (auto count = piece.number<std::uint32_t>(); count > 0; --count) impl_->nodes->keep(unpack_node(piece));
   piece.expect_end();
-  impl_->looked_at = nodes_looked_at(fine, spacing);
+  impl_->looked_at = nodes_looked_at(impl_->worker.options().planes, fine);
   std::vector<SweepNode> found;
   if (kind == PieceKind::coarse)
-    found.push_back(solve_coarse_node(impl_->worker, index, spacing, impl_->solved));
+    found.push_back(solve_coarse_node(impl_->worker, index));
   else
-    found = solve_fine_nodes(impl_->worker, fine, spacing, impl_->solved);
+    found = solve_fine_nodes(impl_->worker, fine);
   Packer result;
   result.add(std::uint32_t(found.size()));
   for (SweepNode& node : found) {

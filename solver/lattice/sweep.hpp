@@ -1,11 +1,12 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
-// 1. The coarse lattice (2h) outward from rest. Each state is predicted to second order from its parent and
-//    corrected by Newton, which reuses a factor while it contracts.
+// 1. The coarse nodes, where planes 2h apart and the ends of the box cross (sweep_planes.hpp), outward from rest. Each
+//    state is predicted to second order from its parent and corrected by Newton, which reuses a factor while it
+//    contracts.
 // 2. The fine states of each coarse cell (seven of its eight), or of a few small cells at the border of the box. They
 //    are predicted from the coarse corners around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite
-//    value of error O(h^4), and outside of the corners by the cubic through two of them. They are solved together with
-//    one factor, except those whose prediction is far from an equilibrium: these are solved by Newton alone.
+//    value of error O(h^4). They are solved together with one factor, except those whose prediction is far from an
+//    equilibrium: these are solved by Newton alone.
 // A state whose iteration does not contract, or that does not fit the states around it, is solved along its
 // straight path from rest (sweep_rays.cpp), which defines the reference branch. A state's value depends on
 // the body, the lattice and its position alone: not on the number of threads, and not on what a resumed file
@@ -18,10 +19,9 @@
 
 #include "solver/equilibrium/continuation.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "solver/lattice/sweep_planes.hpp"
 
 namespace forefeel {
-
-using LatticeIndex = std::array<int, 3>;  // x = h k, or 2h k on the coarse lattice
 
 struct SweepNode {
   LatticeIndex index{};
@@ -32,10 +32,12 @@ struct SweepNode {
 
 struct SweepOptions {
   double spacing = 0.006;  // h [m]
+  CoarsePlanes planes;
+  Precision precision = Precision::exact;  // of the factors; fitting_precision()
   // Of the lanes, |r_f| / |f|. The force is corrected by V^T r_f afterwards and is far more accurate.
   double residual_tolerance = 1e-5;
   std::stop_token stop;
-  // The solved node of the coarse lattice, or null. Called only for nodes nearer to rest than the one being
+  // The solved coarse node, or null. Called only for nodes nearer to rest than the one being
   // solved.
   std::function<const SweepNode*(const LatticeIndex&)> coarse;
 };
@@ -44,6 +46,7 @@ struct SweepOptions {
 class SweepWorker {
  public:
   SweepWorker(std::shared_ptr<const Discretisation> discretisation, const SweepOptions& options);
+  const SweepOptions& options() const { return options_; }
 
   // Solves a coarse node. parents: solved coarse nodes nearer to rest; the solve starts from the first (none:
   // from rest). beyond: the node opposite to this one across the first parent, or null.
@@ -53,20 +56,19 @@ class SweepWorker {
   void solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners);
 
  private:
+  void predict_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond);
+  std::vector<double> extrapolated(const SweepNode& node, const SweepNode& parent,
+                                   const SweepNode* beyond) const;
+  std::optional<std::vector<double>> predict_mixed(const SweepNode& node) const;
   void predict_fine(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
-  // Where a fine state lies among the corners around it.
-  struct Place {
-    std::array<bool, 3> between{};
-    Vec3 beyond = Vec3::Zero();  // [m]
-  };
-  std::optional<Place> place_of(const SweepNode& node, const std::vector<const SweepNode*>& corners) const;
-  LocalField extrapolated(const SweepNode& corner, const Vec3& step) const;
   bool predict_hermite(SweepNode& node, const std::vector<const SweepNode*>& corners) const;
   void take(SweepNode& node, const NewtonReport& report);  // of path_
   void fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts);
   void correct_alone(SweepNode& node);
   bool doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours, bool coarse) const;
   bool jumps(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const;
+  bool bends(const SweepNode& node, const std::vector<const SweepNode*>& neighbours) const;
+  double misfit(const LocalField& from, const LocalField& to, const Vec3& move) const;
 
   void run_lanes(std::vector<SweepNode*> nodes);
 

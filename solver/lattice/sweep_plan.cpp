@@ -9,41 +9,62 @@
 namespace forefeel {
 namespace {
 
-bool is_coarse(const LatticeIndex& k) {
-  return k[0] % 2 == 0 && k[1] % 2 == 0 && k[2] % 2 == 0;
-}
-
-LatticeIndex twice(const LatticeIndex& k) {
-  return {2 * k[0], 2 * k[1], 2 * k[2]};
-}
-
-// The coarse cell that a fine index lies in, named by its lowest corner.
-LatticeIndex cell_of(const LatticeIndex& k) {
-  LatticeIndex cell{};
-  for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(std::floor(0.5 * k[axis]));
+// The corners of the cell, face or edge that a fine position lies on. Nothing if it lies outside of the box.
+using CellAround = std::array<std::pair<int, int>, 3>;
+std::optional<CellAround> cell_around(const CoarsePlanes& planes, const Vec3& q) {
+  CellAround cell;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto found = planes.around(axis, q[static_cast<int>(axis)]);
+    if (!found) return std::nullopt;
+    cell[axis] = *found;
+  }
   return cell;
 }
 
-// All indices between two corners, both included.
-std::vector<LatticeIndex> between(const LatticeIndex& low, const LatticeIndex& high) {
-  std::vector<LatticeIndex> all;
-  for (int i = low[0]; i <= high[0]; ++i)
-    for (int j = low[1]; j <= high[1]; ++j)
-      for (int k = low[2]; k <= high[2]; ++k) all.push_back({i, j, k});
-  return all;
+std::vector<LatticeIndex> corners_of(const CellAround& cell) {
+  std::set<LatticeIndex> corners;
+  for (unsigned i = 0; i < 8; ++i)
+    corners.insert({(i & 1) != 0 ? cell[0].second : cell[0].first,
+                    (i & 2) != 0 ? cell[1].second : cell[1].first,
+                    (i & 4) != 0 ? cell[2].second : cell[2].first});
+  return {corners.begin(), corners.end()};
 }
 
-// Coarse corners around a fine index.
-std::vector<LatticeIndex> corners_of(const LatticeIndex& k) {
-  LatticeIndex low = cell_of(k), high = low;
-  for (std::size_t axis = 0; axis < 3; ++axis) high[axis] += k[axis] % 2 != 0 ? 1 : 0;
-  return between(low, high);
+std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, const LatticeIndex& k) {
+  const auto cell = cell_around(planes, Vec3(k[0], k[1], k[2]));
+  return cell ? corners_of(*cell) : std::vector<LatticeIndex>{};
+}
+
+// The coarse cell that a fine index lies in, named by the numbers of its lower planes.
+LatticeIndex cell_of(const CoarsePlanes& planes, const LatticeIndex& k) {
+  LatticeIndex cell{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    cell[axis] =
+        static_cast<int>(std::ranges::upper_bound(planes.at[axis], k[axis]) - planes.at[axis].begin());
+  return cell;
 }
 
 // Fine positions that are solved together, and the coarse cells that hold them.
 struct CellGroup {
   std::vector<LatticeIndex> cells, fine;
 };
+
+// Positions further apart than this [h] along an axis are seldom solved with one factor.
+constexpr int widest_group = 3;
+
+int width_of(const std::vector<LatticeIndex>& some, const std::vector<LatticeIndex>& others) {
+  int widest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    int low = some.front()[axis], high = low;
+    for (const auto* list : {&some, &others})
+      for (const LatticeIndex& k : *list) {
+        low = std::min(low, k[axis]);
+        high = std::max(high, k[axis]);
+      }
+    widest = std::max(widest, high - low);
+  }
+  return widest;
+}
 
 // Joins neighbouring groups while they fill at most half of the lanes each.
 void join_small(std::vector<CellGroup>& groups, std::map<LatticeIndex, std::size_t>& group_of) {
@@ -60,6 +81,7 @@ void join_small(std::vector<CellGroup>& groups, std::map<LatticeIndex, std::size
             const auto at = group_of.find(next);
             if (at == group_of.end() || at->second == g) continue;
             const std::size_t size = groups[at->second].fine.size();
+            if (width_of(groups[at->second].fine, groups[g].fine) > widest_group) continue;
             if (size > most && size + groups[g].fine.size() <= lane_count) best = at->second, most = size;
           }
       if (best == g) continue;
@@ -71,9 +93,15 @@ void join_small(std::vector<CellGroup>& groups, std::map<LatticeIndex, std::size
 }
 
 // The node opposite to `coarse` across its parent.
-LatticeIndex beyond(const LatticeIndex& coarse, const LatticeIndex& parent) {
+std::optional<LatticeIndex> beyond(const CoarsePlanes& planes, const LatticeIndex& coarse,
+                                   const LatticeIndex& parent) {
   LatticeIndex b = parent;
-  for (std::size_t axis = 0; axis < 3; ++axis) b[axis] += parent[axis] - coarse[axis];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (parent[axis] == coarse[axis]) continue;
+    const auto next = planes.next(axis, parent[axis], parent[axis] > coarse[axis] ? 1 : -1);
+    if (!next) return std::nullopt;
+    b[axis] = *next;
+  }
   return b;
 }
 
@@ -94,21 +122,24 @@ int level(const LatticeIndex& k) {
   return std::abs(k[0]) + std::abs(k[1]) + std::abs(k[2]);
 }
 
-std::vector<LatticeIndex> towards_rest(const LatticeIndex& k) {
+std::vector<LatticeIndex> towards_rest(const CoarsePlanes& planes, const LatticeIndex& coarse) {
   std::array<std::size_t, 3> axes{0, 1, 2};
   std::stable_sort(axes.begin(), axes.end(),
-                   [&](std::size_t a, std::size_t b) { return std::abs(k[a]) > std::abs(k[b]); });
+                   [&](std::size_t a, std::size_t b) { return std::abs(coarse[a]) > std::abs(coarse[b]); });
   std::vector<LatticeIndex> parents;
   for (const std::size_t axis : axes) {
-    if (k[axis] == 0) continue;
-    LatticeIndex p = k;
-    p[axis] -= k[axis] > 0 ? 1 : -1;
+    if (coarse[axis] == 0) continue;
+    LatticeIndex p = coarse;
+    const auto next = planes.next(axis, coarse[axis], coarse[axis] > 0 ? -1 : 1);
+    if (!next) continue;
+    p[axis] = *next;
     parents.push_back(p);
   }
   return parents;
 }
 
-SweepPlan::SweepPlan(const GenerateOptions& options, const std::vector<State>& known) {
+SweepPlan::SweepPlan(const GenerateOptions& options, const std::vector<State>& known)
+    : planes_(coarse_planes(options.box, options.spacing)) {
   std::set<LatticeIndex> there;
   for (const State& state : known) {
     const LatticeIndex k = fine_index(state.at, options.spacing);
@@ -129,16 +160,16 @@ void SweepPlan::plan_coarse() {
   std::set<LatticeIndex> needed;
   std::vector<LatticeIndex> open;
   const auto need = [&](const LatticeIndex& c) {
-    if (all_.contains(twice(c)) && needed.insert(c).second) open.push_back(c);
+    if (needed.insert(c).second) open.push_back(c);
   };
   for (const LatticeIndex& k : missing_)
-    if (is_coarse(k)) need(cell_of(k));
+    if (planes_.holds(k)) need(k);
   for (const auto& group : groups_)
-    for (const LatticeIndex& corner : corners_of(group)) need(corner);
+    for (const LatticeIndex& corner : corners_of(planes_, group)) need(corner);
   while (!open.empty()) {
     const LatticeIndex c = open.back();
     open.pop_back();
-    for (const LatticeIndex& p : towards_rest(c)) need(p);
+    for (const LatticeIndex& p : towards_rest(planes_, c)) need(p);
   }
   coarse_.assign(needed.begin(), needed.end());
 }
@@ -148,8 +179,8 @@ void SweepPlan::plan_groups(const std::vector<Vec3>& outward, double spacing) {
   std::map<LatticeIndex, std::size_t> group_of;
   for (const Vec3& x : outward) {
     const LatticeIndex k = fine_index(x, spacing);
-    if (is_coarse(k)) continue;
-    const auto [at, added] = group_of.emplace(cell_of(k), cells.size());
+    if (planes_.holds(k)) continue;
+    const auto [at, added] = group_of.emplace(cell_of(planes_, k), cells.size());
     if (added) cells.push_back({{at->first}, {}});
     cells[at->second].fine.push_back(k);
   }
@@ -159,10 +190,10 @@ void SweepPlan::plan_groups(const std::vector<Vec3>& outward, double spacing) {
       groups_.push_back(std::move(group.fine));
 }
 
-std::vector<LatticeIndex> corners_of(std::span<const LatticeIndex> fine) {
+std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const LatticeIndex> fine) {
   std::set<LatticeIndex> corners;
   for (const LatticeIndex& k : fine)
-    for (const LatticeIndex& c : corners_of(k)) corners.insert(c);
+    for (const LatticeIndex& c : corners_of(planes, k)) corners.insert(c);
   return {corners.begin(), corners.end()};
 }
 
@@ -172,39 +203,40 @@ SweepOptions sweep_options(const Body& body, const GenerateOptions& options, con
     return law_entry(material.law).softens || material.poisson >= 0.49;
   });
   return {.spacing = options.spacing,
+          .planes = coarse_planes(options.box, options.spacing),
           .residual_tolerance = (soft ? 5 : 20) * options.tolerance,
           .stop = stop,
           .coarse = std::move(solved)};
 }
 
-SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse, double spacing,
-                            const SolvedNodes& solved) {
+SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse) {
+  const SweepOptions& options = worker.options();
   SweepNode node;
   node.index = coarse;
-  node.state.at = position_of(coarse, 2 * spacing);
+  node.state.at = position_of(coarse, options.spacing);
   std::vector<const SweepNode*> parents;
   const SweepNode* opposite = nullptr;
-  for (const LatticeIndex& p : towards_rest(coarse))
-    if (const SweepNode* parent = solved(p)) {
-      const LatticeIndex b = beyond(coarse, p);
-      if (parents.empty() && level(b) < level(p)) opposite = solved(b);
+  for (const LatticeIndex& p : towards_rest(options.planes, coarse))
+    if (const SweepNode* parent = options.coarse(p)) {
+      const auto b = beyond(options.planes, coarse, p);
+      if (parents.empty() && b && level(*b) < level(p)) opposite = options.coarse(*b);
       parents.push_back(parent);
     }
   worker.solve_coarse(node, parents, opposite);
   return node;
 }
 
-std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine,
-                                        double spacing, const SolvedNodes& solved) {
+std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine) {
+  const SweepOptions& options = worker.options();
   std::vector<SweepNode> nodes;
   std::vector<std::vector<const SweepNode*>> corners;
   for (const LatticeIndex& k : fine) {
     SweepNode node;
     node.index = k;
-    node.state.at = position_of(k, spacing);
+    node.state.at = position_of(k, options.spacing);
     corners.emplace_back();
-    for (const LatticeIndex& c : corners_of(k))
-      if (const SweepNode* corner = solved(c)) corners.back().push_back(corner);
+    for (const LatticeIndex& c : corners_of(options.planes, k))
+      if (const SweepNode* corner = options.coarse(c)) corners.back().push_back(corner);
     std::stable_sort(
         corners.back().begin(), corners.back().end(),
         [](const SweepNode* a, const SweepNode* b) { return level(a->index) < level(b->index); });
@@ -223,47 +255,29 @@ State state_of(const SweepNode& node, const Discretisation& d, const Body& body,
   return state;
 }
 
-std::vector<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing) {
-  std::vector<LatticeIndex> nodes;
+std::vector<LatticeIndex> nodes_looked_at(const CoarsePlanes& planes, std::span<const LatticeIndex> fine) {
+  std::set<LatticeIndex> nodes;
+  const auto look = [&](const Vec3& q) {
+    const auto cell = cell_around(planes, q);
+    if (!cell) return;
+    for (const LatticeIndex& c : corners_of(*cell)) nodes.insert(c);
+  };
   for (const LatticeIndex& k : fine) {
-    for (const LatticeIndex& c : corners_of(k)) {
-      LatticeIndex inner = c;  // from which a prediction is extrapolated outward
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        inner[axis] -= k[axis] % 2 == 0 || c[axis] == 0 ? 0 : c[axis] > 0 ? 1 : -1;
-      for (const LatticeIndex& n :
-           between({std::min(c[0], inner[0]), std::min(c[1], inner[1]), std::min(c[2], inner[2])},
-                   {std::max(c[0], inner[0]), std::max(c[1], inner[1]), std::max(c[2], inner[2])}))
-        nodes.push_back(n);
+    const Vec3 q(k[0], k[1], k[2]);
+    look(q);
+    if (planes.holds(k)) {
+      for (const LatticeIndex& p : inner_corners(planes, k)) nodes.insert(p);
+      for (const LatticeIndex& p : towards_rest(planes, k))
+        if (const auto b = beyond(planes, k, p)) nodes.insert(*b);
     }
-    if (is_coarse(k))
-      for (const LatticeIndex& p : towards_rest(cell_of(k))) {
-        nodes.push_back(p);
-        nodes.push_back(beyond(cell_of(k), p));
-      }
     // the corners around every point of the straight path from rest in steps of at most h (sweep_rays.cpp)
-    const Vec3 x = position_of(k, spacing);
-    const int steps = std::max(1, static_cast<int>(std::ceil(x.norm() / spacing)));
-    LatticeIndex last_low{1, 1, 1}, last_high{};             // of no box
+    const int steps = std::max(1, static_cast<int>(std::ceil(q.norm())));
     for (const int parts : {steps, std::max(1, steps - 1)})  // rounding decides between the two
-      for (int step = 1; step <= steps; ++step) {
-        LatticeIndex low{}, high{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const double q = 0.5 * k[axis] * std::min(1.0, static_cast<double>(step) / parts);
-          low[axis] = static_cast<int>(std::floor(q - 1e-6));
-          high[axis] = static_cast<int>(std::ceil(q + 1e-6));
-        }
-        if (low == last_low && high == last_high) continue;
-        last_low = low;
-        last_high = high;
-        for (const LatticeIndex& c : between(low, high)) nodes.push_back(c);
-      }
+      for (int step = 1; step < parts; ++step) look(q * step / parts);
   }
-  std::ranges::sort(nodes);
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  std::erase_if(nodes, [&](const LatticeIndex& c) {
-    return std::ranges::any_of(fine, [&](const LatticeIndex& k) { return is_coarse(k) && cell_of(k) == c; });
-  });
-  return nodes;
+  for (const LatticeIndex& k : fine)
+    if (planes.holds(k)) nodes.erase(k);
+  return {nodes.begin(), nodes.end()};
 }
 
 }  // namespace forefeel

@@ -17,8 +17,8 @@ namespace forefeel {
 LatticeIndex fine_index(const Vec3& x, double spacing);
 Vec3 position_of(const LatticeIndex& k, double spacing);
 int level(const LatticeIndex& k);  // steps along the axes to rest
-// One step towards rest along an axis; the axes are tried from the longest component down.
-std::vector<LatticeIndex> towards_rest(const LatticeIndex& k);
+// The coarse nodes one plane nearer to rest along an axis; the axes are tried from the longest component down.
+std::vector<LatticeIndex> towards_rest(const CoarsePlanes& planes, const LatticeIndex& coarse);
 
 class SweepPlan {
  public:
@@ -31,6 +31,7 @@ class SweepPlan {
   bool is_wanted(const LatticeIndex& fine) const { return wanted_.contains(fine); }
   // The coarse nodes that missing states depend on, with all on the paths from rest to them; sorted by index.
   const std::vector<LatticeIndex>& coarse() const { return coarse_; }
+  const CoarsePlanes& planes() const { return planes_; }
   // The fine positions with missing states, in groups that are solved together, outward from rest. A group holds all
   // fine positions of a coarse cell, or of a few small neighbouring cells at the border of the box, also those already
   // known: so the values do not depend on what a resumed file holds.
@@ -39,27 +40,26 @@ class SweepPlan {
  private:
   void plan_coarse();
   void plan_groups(const std::vector<Vec3>& outward, double spacing);
+  CoarsePlanes planes_;
   std::set<LatticeIndex> all_, wanted_;
   std::vector<LatticeIndex> missing_, coarse_;
   std::vector<std::vector<LatticeIndex>> groups_;
 };
 
-// The coarse nodes at the corners of the cells, or on the edges and faces, on which fine positions lie.
-std::vector<LatticeIndex> corners_of(std::span<const LatticeIndex> fine);
+// The coarse nodes at the corners of the cells, or of the edges and faces, on which fine positions lie.
+std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const LatticeIndex> fine);
 
 // The solved coarse node of that index, or null.
 using SolvedNodes = std::function<const SweepNode*(const LatticeIndex&)>;
 
 SweepOptions sweep_options(const Body& body, const GenerateOptions& options, const std::stop_token& stop,
                            SolvedNodes solved);
-SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse, double spacing,
-                            const SolvedNodes& solved);
-std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine,
-                                        double spacing, const SolvedNodes& solved);
+SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse);
+std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine);
 // The node's state, with the displacements of all nodes of the body if they are wanted.
 State state_of(const SweepNode& node, const Discretisation& d, const Body& body, bool want_displacements);
 // The coarse nodes that solving these fine positions may need, and possibly some more. The positions themselves are
 // not included. Sorted.
-std::vector<LatticeIndex> nodes_looked_at(std::span<const LatticeIndex> fine, double spacing);
+std::vector<LatticeIndex> nodes_looked_at(const CoarsePlanes& planes, std::span<const LatticeIndex> fine);
 
 }  // namespace forefeel

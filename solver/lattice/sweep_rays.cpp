@@ -34,25 +34,27 @@ double distance(const std::vector<double>& a, const std::vector<double>& b, std:
 // The least det F over the corners, or nothing if not all of them are known.
 std::optional<double> SweepWorker::predict_between(const SweepNode& node, const Vec3& x,
                                                    LocalField& field) const {
-  const double spacing = 2 * options_.spacing;
+  const double spacing = options_.spacing;
   const std::size_t size = static_cast<std::size_t>(d_->local_size());
   field.u.assign(size, 0.0);
   field.tangent.assign(3 * size, 0.0);
-  LatticeIndex low{};
+  std::array<std::pair<int, int>, 3> cell;
   Vec3 share;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double q = x[static_cast<int>(axis)] / spacing, nearest = std::round(q);
-    const double at = std::abs(q - nearest) < 1e-9 ? nearest : std::floor(q);
-    low[axis] = static_cast<int>(at);
-    share[static_cast<int>(axis)] = std::abs(q - nearest) < 1e-9 ? 0.0 : q - at;
+    const double q = x[static_cast<int>(axis)] / spacing;
+    const auto found = options_.planes.around(axis, q);
+    if (!found) return std::nullopt;
+    cell[axis] = *found;
+    const int width = cell[axis].second - cell[axis].first;
+    share[static_cast<int>(axis)] = width > 0 ? (q - cell[axis].first) / width : 0.0;
   }
   for (int corner = 0; corner < 8; ++corner) {
-    LatticeIndex c = low;
+    LatticeIndex c{};
     double weight = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const bool high = ((corner >> axis) & 1) != 0;
-      c[axis] += high ? 1 : 0;
+      c[axis] = high ? cell[axis].second : cell[axis].first;
       weight *= high ? share[static_cast<int>(axis)] : 1 - share[static_cast<int>(axis)];
     }
     if (weight == 0) continue;
@@ -128,19 +130,24 @@ std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<Swe
   return anchors;
 }
 
-// True if the trapezium rule on V leads from the anchor to the node's equilibrium: no jump lies between them.
-bool SweepWorker::linked(const Anchor& anchor, const SweepNode& node) const {
-  const std::size_t size = node.field.u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
-  const Vec3 half = 0.5 * (1 - static_cast<double>(anchor.step) / anchor.steps) * node.state.at;
-  const double *va = anchor.field.tangent.data(), *vb = node.field.tangent.data();
+// max |u_b - u_a - (V_a + V_b) move / 2| [m]: the error of the trapezium rule on V, large if the branch jumps between.
+double SweepWorker::misfit(const LocalField& from, const LocalField& to, const Vec3& move) const {
+  const std::size_t size = to.u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  const double *va = from.tangent.data(), *vb = to.tangent.data();
   double largest = 0;
   for (std::size_t i = 0; i < rows; ++i) {
-    double left = node.field.u[i] - anchor.field.u[i];
+    double left = to.u[i] - from.u[i];
     for (std::size_t c = 0; c < 3; ++c)
-      left -= half[static_cast<int>(c)] * (va[c * size + i] + vb[c * size + i]);
+      left -= 0.5 * move[static_cast<int>(c)] * (va[c * size + i] + vb[c * size + i]);
     largest = std::max(largest, std::abs(left));
   }
-  return largest <= smooth_move * options_.spacing;
+  return largest;
+}
+
+// True if no jump lies between the anchor and the node's equilibrium.
+bool SweepWorker::linked(const Anchor& anchor, const SweepNode& node) const {
+  const Vec3 move = (1 - static_cast<double>(anchor.step) / anchor.steps) * node.state.at;
+  return misfit(anchor.field, node.field, move) <= smooth_move * options_.spacing;
 }
 
 void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {

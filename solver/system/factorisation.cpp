@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <variant>
 
 namespace forefeel {
 namespace {
@@ -61,8 +63,8 @@ std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free
   return result;
 }
 
-std::int64_t padded(std::int64_t count) {
-  return (count + lane_count - 1) / lane_count * lane_count;
+std::int64_t padded(std::int64_t count, std::int64_t multiple) {
+  return (count + multiple - 1) / multiple * multiple;
 }
 
 }  // namespace
@@ -76,14 +78,17 @@ struct FactorLayout {
   std::int64_t free_nodes = 0, panel_size = 0, stack_size = 0, most_rest = 0;
   double flops = 0;
 
-  FactorLayout(const BlockPattern& pattern, std::int64_t n) : row_start(pattern.row_start), free_nodes(n) {
+  std::int64_t padding;  // of rows
+
+  FactorLayout(const BlockPattern& pattern, std::int64_t n, std::int64_t pad)
+      : row_start(pattern.row_start), free_nodes(n), padding(pad) {
     place_fronts(supernodes(pattern, n));
     place_blocks(pattern);
     place_stack();
   }
 
-  std::size_t panels() const { return static_cast<std::size_t>(panel_size + 2 * lane_count); }
-  std::size_t stacks() const { return static_cast<std::size_t>(stack_size + 2 * lane_count); }
+  std::size_t panels() const { return static_cast<std::size_t>(panel_size + 2 * padding); }
+  std::size_t stacks() const { return static_cast<std::size_t>(stack_size + 2 * padding); }
 
   FrontTree tree() const {
     FrontTree t;
@@ -120,10 +125,10 @@ struct FactorLayout {
       f.rows = static_cast<std::int64_t>(rows.size());
       rows.insert(rows.end(), s.rest.begin(), s.rest.end());
       if (!s.rest.empty() && s.rest[0] < free_nodes) f.parent = owner[static_cast<std::size_t>(s.rest[0])];
-      f.ld = padded(3 * (f.pivots + f.rest));
+      f.ld = padded(3 * (f.pivots + f.rest), padding);
       f.panel = panel_size;
       panel_size += 3 * f.pivots * f.ld;
-      f.update_ld = padded(3 * f.rest);
+      f.update_ld = padded(3 * f.rest, padding);
       most_rest = std::max<std::int64_t>(most_rest, f.rest);
       flops += elimination_flops(f.pivots, f.rest);
       fronts.push_back(f);
@@ -184,49 +189,114 @@ struct FactorLayout {
   }
 };
 
-struct Factorisation::Impl {
-  std::shared_ptr<const FactorLayout> layout;
-  const FrontKernels& kernels = front_kernels();
-  std::vector<double> panels, stack;
-  mutable std::vector<double> work;
-  double corner[9] = {};
-  std::int64_t free_nodes;
+namespace {
 
-  explicit Impl(const Discretisation& d)
-      : layout(d.layout ? d.layout : std::make_shared<const FactorLayout>(d.pattern, d.free_nodes)),
-        free_nodes(d.free_nodes) {
-    panels.resize(layout->panels());
-    stack.resize(layout->stacks());
-    work.resize(static_cast<std::size_t>((3 * layout->most_rest + lane_count) * lane_count));
+std::shared_ptr<const FactorLayout> make_layout(const Discretisation& d, Precision precision) {
+  const int padding = precision == Precision::exact ? row_padding<double> : row_padding<float>;
+  return std::make_shared<const FactorLayout>(d.pattern, d.free_nodes, padding);
+}
+
+const FactorKernels<double>& kernels_of(const double*) {
+  return front_kernels().exact;
+}
+const FactorKernels<float>& kernels_of(const float*) {
+  return front_kernels().single;
+}
+
+// The numbers of a factor, and the vectors that are solved with it.
+template <class Real>
+struct Numbers {
+  const FactorLayout& layout;
+  const FactorKernels<Real>& kernels = kernels_of(static_cast<const Real*>(nullptr));
+  std::vector<Real> panels, stack;
+  mutable std::vector<Real> work, vectors;
+
+  explicit Numbers(const FactorLayout& its_layout)
+      : layout(its_layout),
+        panels(layout.panels()),
+        stack(layout.stacks()),
+        work(static_cast<std::size_t>((3 * layout.most_rest + layout.padding) * lane_count)) {}
+
+  // b: local vectors, `count` of them side by side
+  void solve(double* b, int count) const {
+    const FrontTree tree = layout.tree();
+    const auto rows = static_cast<std::size_t>(3 * layout.free_nodes * count),
+               contact = 3 * static_cast<std::size_t>(count);
+    Real* v = taken(b, rows + contact);
+    std::fill_n(v + rows, contact, Real(0));
+    (count == 1 ? kernels.forward : kernels.forward_lanes)(tree, panels.data(), v, work.data());
+    std::fill_n(v + rows, contact, Real(0));
+    (count == 1 ? kernels.backward : kernels.backward_lanes)(tree, panels.data(), v, work.data());
+    give(v, b, rows + contact);
+  }
+  void tangent(double* v) const {
+    const auto n = static_cast<std::size_t>(3 * layout.free_nodes);
+    vectors.assign((n + 6) * lane_count, Real(0));
+    for (std::size_t c = 0; c < 3; ++c) vectors[(n + c) * lane_count + c] = 1;
+    kernels.backward_lanes(layout.tree(), panels.data(), vectors.data(), work.data());
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < n + 6; ++i)
+        v[c * (n + 6) + i] = static_cast<double>(vectors[i * lane_count + c]);
+  }
+
+ private:
+  Real* taken(double* b, std::size_t size) const {
+    if constexpr (std::is_same_v<Real, double>) {
+      return b;
+    } else {
+      vectors.resize(std::max(vectors.size(), size));
+      for (std::size_t i = 0; i < size; ++i) vectors[i] = static_cast<Real>(b[i]);
+      return vectors.data();
+    }
+  }
+  void give(const Real* v, double* b, std::size_t size) const {
+    if constexpr (!std::is_same_v<Real, double>)
+      for (std::size_t i = 0; i < size; ++i) b[i] = static_cast<double>(v[i]);
   }
 };
 
-Factorisation::Factorisation(const Discretisation& discretisation)
-    : impl_(std::make_unique<Impl>(discretisation)) {}
+}  // namespace
+
+struct Factorisation::Impl {
+  std::shared_ptr<const FactorLayout> layout;
+  std::variant<Numbers<double>, Numbers<float>> numbers;
+  double corner[9] = {};
+
+  Impl(const Discretisation& d, Precision precision)
+      : layout(d.layout && precision == Precision::exact ? d.layout : make_layout(d, precision)),
+        numbers(make_numbers(*layout, precision)) {}
+
+  static std::variant<Numbers<double>, Numbers<float>> make_numbers(const FactorLayout& layout,
+                                                                    Precision precision) {
+    if (precision == Precision::exact) return Numbers<double>(layout);
+    return Numbers<float>(layout);
+  }
+};
+
+Factorisation::Factorisation(const Discretisation& discretisation, Precision precision)
+    : impl_(std::make_unique<Impl>(discretisation, precision)) {}
 Factorisation::~Factorisation() = default;
 Factorisation::Factorisation(Factorisation&&) noexcept = default;
 
+Precision Factorisation::precision() const {
+  return impl_->numbers.index() == 0 ? Precision::exact : Precision::single;
+}
+
 bool Factorisation::compute(const double* blocks) {
   Impl& f = *impl_;
-  return f.kernels.factor(f.layout->tree(), blocks, f.panels.data(), f.stack.data(), f.corner);
+  return std::visit(
+      [&](auto& n) {
+        return n.kernels.factor(f.layout->tree(), blocks, n.panels.data(), n.stack.data(), f.corner);
+      },
+      f.numbers);
 }
 
 void Factorisation::solve(double* b) const {
-  const Impl& f = *impl_;
-  const FrontTree tree = f.layout->tree();
-  std::fill_n(b + 3 * f.free_nodes, 3, 0.0);
-  f.kernels.forward(tree, f.panels.data(), b, f.work.data());
-  std::fill_n(b + 3 * f.free_nodes, 3, 0.0);
-  f.kernels.backward(tree, f.panels.data(), b, f.work.data());
+  std::visit([&](const auto& n) { n.solve(b, 1); }, impl_->numbers);
 }
 
 void Factorisation::solve_lanes(double* b) const {
-  const Impl& f = *impl_;
-  const FrontTree tree = f.layout->tree();
-  std::fill_n(b + 3 * f.free_nodes * lane_count, 3 * lane_count, 0.0);
-  f.kernels.forward_lanes(tree, f.panels.data(), b, f.work.data());
-  std::fill_n(b + 3 * f.free_nodes * lane_count, 3 * lane_count, 0.0);
-  f.kernels.backward_lanes(tree, f.panels.data(), b, f.work.data());
+  std::visit([&](const auto& n) { n.solve(b, lane_count); }, impl_->numbers);
 }
 
 Mat3 Factorisation::stiffness() const {
@@ -234,21 +304,15 @@ Mat3 Factorisation::stiffness() const {
 }
 
 void Factorisation::tangent(double* v) const {
-  const Impl& f = *impl_;
-  const std::int64_t n = 3 * f.free_nodes;
-  std::vector<double> lanes(static_cast<std::size_t>((n + 6) * lane_count), 0.0);
-  for (int c = 0; c < 3; ++c) lanes[static_cast<std::size_t>((n + c) * lane_count + c)] = 1;
-  f.kernels.backward_lanes(f.layout->tree(), f.panels.data(), lanes.data(), f.work.data());
-  for (int c = 0; c < 3; ++c)
-    for (std::int64_t i = 0; i < n + 6; ++i)
-      v[c * (n + 6) + i] = lanes[static_cast<std::size_t>(i * lane_count + c)];
+  std::visit([&](const auto& n) { n.tangent(v); }, impl_->numbers);
 }
 
 namespace {
 
 FactorCost cost_of(const FactorLayout& l) {
-  return {static_cast<std::int64_t>(l.fronts.size()), l.flops, 8 * static_cast<std::int64_t>(l.panels()),
-          8 * static_cast<std::int64_t>(l.stacks())};
+  const auto bytes = l.padding == row_padding<float> ? sizeof(float) : sizeof(double);
+  return {static_cast<std::int64_t>(l.fronts.size()), l.flops, static_cast<std::int64_t>(bytes * l.panels()),
+          static_cast<std::int64_t>(bytes * l.stacks())};
 }
 
 }  // namespace
@@ -259,7 +323,7 @@ FactorCost Factorisation::cost() const {
 
 std::shared_ptr<const Discretisation> analyse(const Body& body) {
   auto made = std::make_shared<Discretisation>(discretise(body));
-  made->layout = std::make_shared<const FactorLayout>(made->pattern, made->free_nodes);
+  made->layout = make_layout(*made, Precision::exact);
   return made;
 }
 

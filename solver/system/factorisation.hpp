@@ -17,6 +17,10 @@ struct FactorCost {
   std::int64_t factor_bytes = 0, stack_bytes = 0;
 };
 
+// Of the factor. single: half the time and memory; its relative error, some 1e-7 times the condition of H, must be
+// corrected by an iteration with H itself.
+enum class Precision { exact, single };
+
 // The discretisation of a body with the symbolic analysis of its factors, for solvers of several threads.
 std::shared_ptr<const Discretisation> analyse(const Body& body);
 // Of a factor with this analysis, without making it. The discretisation must have one.
@@ -24,8 +28,9 @@ FactorCost cost_of_factor(const Discretisation& discretisation);
 
 class Factorisation {
  public:
-  // Does the symbolic analysis unless the discretisation has one. The discretisation must outlive this.
-  explicit Factorisation(const Discretisation& discretisation);
+  // Does the symbolic analysis unless the discretisation has one (of exact factors). The discretisation must outlive
+  // this.
+  explicit Factorisation(const Discretisation& discretisation, Precision precision = Precision::exact);
   ~Factorisation();
   Factorisation(Factorisation&&) noexcept;
 
@@ -37,6 +42,7 @@ class Factorisation {
   Mat3 stiffness() const;             // K [N/m]
   void tangent(double* v) const;  // three local vectors du/dx_c one after the other; contact = I, clamp = 0
   FactorCost cost() const;
+  Precision precision() const;
 
  private:
   struct Impl;
