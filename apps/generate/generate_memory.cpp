@@ -14,13 +14,15 @@
 namespace forefeel {
 
 double bytes_of_lattice(const Scene& scene) {
-  const double positions = ((scene.space.box.size() / scene.space.spacing).array().floor() + 1).prod();
+  const Eigen::Array3d along = (scene.space.box.size() / scene.space.spacing).array().floor() + 1;
+  const double positions = along.prod();
   constexpr double of_index = 48;  // in a set
   const double of_position = sizeof(State) + 3 * of_index;
   if (is_linear(*scene.body)) return positions * of_position;
   const double unknowns = 3 * static_cast<double>(scene.body->mesh.nodes.size());
   const double of_coarse = sizeof(State) + of_index + 4 * sizeof(double) * unknowns;
-  return positions * (of_position + of_coarse / 8);
+  const double coarse = along.min(0.5 * along + 1.5).prod();  // every second plane, and both ends
+  return positions * of_position + coarse * of_coarse;
 }
 
 void check_memory_of_lattice(const Scene& scene, double bytes_left) {

@@ -5,8 +5,8 @@
 
 namespace forefeel {
 
-// Bytes, within about a third: all positions and their states, and for each coarse node (every eighth position)
-// the displacements of the body and their derivatives.
+// Bytes, within about a third: all positions and their states, and for each coarse node (every second position
+// along each axis, and the ends) the displacements of the body and their derivatives.
 double bytes_of_lattice(const Scene& scene);
 // InputError, with the place of the box, if that is more than bytes_left.
 void check_memory_of_lattice(const Scene& scene, double bytes_left);

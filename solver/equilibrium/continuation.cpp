@@ -99,12 +99,11 @@ NewtonReport Continuation::correct_trial(const Vec3& x, double tolerance, int ma
   if (report.status != SolveStatus::converged) return report;
   if (!newton_.condense(trial_, newton_.contraction(), field_.tangent.data(), stiffness_)) {
     has_tangent_ = false;
-    if (!newton_.factorise(trial_)) {  // an equilibrium, but not a stable one
+    // an equilibrium, but not a stable one, or no factor fits it
+    if (!newton_.factorise(trial_) || !newton_.condense(trial_, 0, field_.tangent.data(), stiffness_)) {
       report.status = SolveStatus::diverged;
       return report;
     }
-    newton_.condense(trial_, 0, field_.tangent.data(),
-                     stiffness_);  // in single precision as far as it settles
   }
   std::swap(field_.u, trial_);
   at_ = x;

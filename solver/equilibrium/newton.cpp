@@ -149,7 +149,7 @@ bool NewtonSolver::condense(const std::vector<double>& u, double left, double* t
   stiffness = factor_.stiffness();
   if (left == 0 && factor_.precision() == Precision::exact) return true;
   constexpr double settled_share = 1e-5, largest_gain = 1e-3;  // as in lane_solver.cpp
-  constexpr int most_rounds = 3;
+  const int most_rounds = left > 0 ? 3 : 12;  // beyond three a new factor is cheaper, unless this one is new
   const std::size_t size = u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
   product_.resize(3 * size);
   lanes_.resize(size * lane_count);

@@ -1,16 +1,16 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
 // 1. The coarse nodes, where planes 2h apart and the ends of the box cross (sweep_planes.hpp), outward from rest. Each
-//    state is predicted to second order from its parent and corrected by Newton, which reuses a factor while it
-//    contracts.
+//    state is predicted from one node nearer to rest or from all nodes between it and rest, whichever gives the least
+//    residual (sweep_predict.cpp), and corrected by Newton, which reuses a factor while it contracts.
 // 2. The fine states of each coarse cell (seven of its eight), or of a few small cells at the border of the box. They
 //    are predicted from the coarse corners around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite
 //    value of error O(h^4). They are solved together with one factor, except those whose prediction is far from an
 //    equilibrium: these are solved by Newton alone.
 // A state whose iteration does not contract, or that does not fit the states around it, is solved along its
 // straight path from rest (sweep_rays.cpp), which defines the reference branch. A state's value depends on
-// the body, the lattice and its position alone: not on the number of threads, and not on what a resumed file
-// already holds.
+// the body, the spacing, the box and its position alone: not on the number of threads, and not on what a resumed file
+// already holds. Factors may be in single precision; residuals, forces and stiffnesses are in double precision.
 
 #include <array>
 #include <functional>
@@ -37,8 +37,7 @@ struct SweepOptions {
   // Of the lanes, |r_f| / |f|. The force is corrected by V^T r_f afterwards and is far more accurate.
   double residual_tolerance = 1e-5;
   std::stop_token stop;
-  // The solved coarse node, or null. Called only for nodes nearer to rest than the one being
-  // solved.
+  // The solved coarse node, or null. Called only for nodes nearer to rest than the one being solved.
   std::function<const SweepNode*(const LatticeIndex&)> coarse;
 };
 
