@@ -178,10 +178,11 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   for (const RegionComponent& c : set.regions.components)
     if (c.label == Label::gap && ++gaps <= 5)
       say(globals,
-          fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe part{}",
-                      1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
-                      c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(),
-                      c.safe_neighbours.size() == 1 ? "" : "s"));
+          fmt::format(
+              "gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe component{}",
+              1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
+              c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(),
+              c.safe_neighbours.size() == 1 ? "" : "s"));
   answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
                               set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
                                   ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)

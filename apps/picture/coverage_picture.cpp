@@ -38,6 +38,16 @@ std::string legend_line(const CoveragePicture& picture, Label label) {
                      picture.components[i] == 1 ? "" : "s");
 }
 
+// A panel too flat for the name of its upward axis between two numbers has it in the caption.
+bool is_flat(double height) {
+  return height < 46;
+}
+std::string caption(const CoveragePicture& picture, const Slice& slice, double height) {
+  const auto name_of = [](int axis) { return axis_name[static_cast<std::size_t>(axis)]; };
+  return fmt::format("{} = {:.4g} mm{}", name_of(slice.normal), 1e3 * picture.through[slice.normal],
+                     is_flat(height) ? fmt::format(", {} \u2191", name_of(slice.v)) : "");
+}
+
 // Rectangles of one label: runs along a row, merged with equal runs in the rows above.
 void svg_areas(const Slice& slice, double scale, std::string& out) {
   struct Run {
@@ -77,11 +87,9 @@ void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, 
   const double width = slice.columns * scale, height = slice.rows * scale;
   const auto x_of = [&](double x) { return (x - picture.box.low[slice.u]) / slice.pixel * scale; };
   const auto y_of = [&](double y) { return height - (y - picture.box.low[slice.v]) / slice.pixel * scale; };
-  const auto u = static_cast<std::size_t>(slice.u), v = static_cast<std::size_t>(slice.v),
-             n = static_cast<std::size_t>(slice.normal);
-  out += fmt::format(
-      "<g transform=\"translate({:.1f} {:.1f})\">\n<text x=\"0\" y=\"-8\">{} = {:.4g} mm</text>\n", left,
-      top + panel - height, axis_name[n], 1e3 * picture.through[slice.normal]);
+  const auto u = static_cast<std::size_t>(slice.u), v = static_cast<std::size_t>(slice.v);
+  out += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n<text x=\"0\" y=\"-8\">{}</text>\n", left,
+                     top + panel - height, caption(picture, slice, height));
   svg_areas(slice, scale, out);
   out += fmt::format("<svg width=\"{0:.1f}\" height=\"{1:.1f}\" viewBox=\"0 0 {0:.1f} {1:.1f}\">\n", width,
                      height);
@@ -108,9 +116,12 @@ void svg_slice(const CoveragePicture& picture, const Slice& slice, double left, 
       axis_name[u]);
   out += fmt::format(
       "<text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text><text x=\"-6\" y=\"10\" "
-      "text-anchor=\"end\">{:.4g}"
-      "</text><text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{} \u2191</text>\n</g>\n",
-      height, 1e3 * picture.box.low[slice.v], 1e3 * picture.box.high[slice.v], height / 2, axis_name[v]);
+      "text-anchor=\"end\">{:.4g}</text>",
+      height, 1e3 * picture.box.low[slice.v], 1e3 * picture.box.high[slice.v]);
+  if (!is_flat(height))
+    out += fmt::format("<text x=\"-6\" y=\"{:.1f}\" text-anchor=\"end\">{} \u2191</text>", height / 2,
+                       axis_name[v]);
+  out += "\n</g>\n";
 }
 
 std::string states_line(const CoveragePicture& picture, bool too_many) {
@@ -288,14 +299,13 @@ void png_slice(const CoveragePicture& picture, const Slice& slice, double left, 
   png_marks(picture, slice, left, top, scale, canvas);
   canvas.frame(left, top, width, height);
   const auto mm = [](double metres) { return fmt::format("{:.4g}", 1e3 * metres); };
-  canvas.text(left, top - 8, "left",
-              name_of(slice.normal) + " = " + mm(picture.through[slice.normal]) + " mm");
+  canvas.text(left, top - 8, "left", caption(picture, slice, height));
   canvas.text(left, top + height + 16, "left", mm(picture.box.low[slice.u]));
   canvas.text(left + width, top + height + 16, "right", mm(picture.box.high[slice.u]) + " mm");
   canvas.text(left + width / 2, top + height + 16, "center", name_of(slice.u) + " \u2192");
   canvas.text(left - 6, top + height, "right", mm(picture.box.low[slice.v]));
   canvas.text(left - 6, top + 10, "right", mm(picture.box.high[slice.v]));
-  canvas.text(left - 6, top + height / 2, "right", name_of(slice.v) + " \u2191");
+  if (!is_flat(height)) canvas.text(left - 6, top + height / 2, "right", name_of(slice.v) + " \u2191");
 }
 
 void png_legend(const CoveragePicture& picture, bool too_many, Canvas& canvas) {

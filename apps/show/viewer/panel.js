@@ -230,7 +230,7 @@ function legend() {
     const percent = all > 0 ? 100 * scene.states.volume[i] / all : 0;
     part.innerHTML = swatch(name) + name + ' ' + digits(1e6 * scene.states.volume[i], 3) + ' cm³, ' +
                      percent.toFixed(1) + ' %, ' +
-                     scene.states.components[i] + (scene.states.components[i] === 1 ? ' part' : ' parts');
+                     scene.states.components[i] + (scene.states.components[i] === 1 ? ' component' : ' components');
     byId('panel').appendChild(part);
   });
 }
