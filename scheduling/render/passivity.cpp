@@ -12,12 +12,10 @@ std::string_view name(Passivity passivity) {
 
 namespace {
 
-constexpr double lagging = 0.95;  // factor of s in a frame that the slew limit holds back
-
-// The gain falls to `wanted` at once and rises by a share of the difference.
-double followed(double gain, double wanted, double rise) {
-  return wanted < gain ? wanted : gain + rise * (wanted - gain);
-}
+constexpr double lagging = 0.99;         // factor of s in a frame that the slew limit holds back
+constexpr double reserve = 2;            // v over the highest smoothed speed [1]
+constexpr double newest_share = 0.3;     // of a step in the smoothed one [1]
+constexpr double memory_of_speed = 0.3;  // [s]
 
 // Largest eigenvalue of the symmetric part of -jacobian [N/m]. Returns 0 if the Frobenius norm, an upper bound of the
 // eigenvalue, does not exceed `enough`.
@@ -47,7 +45,7 @@ Vec3 within(const Vec3& force, const ForceRoom& room) {
 }  // namespace
 
 PassivityControl::PassivityControl(const PassivityOptions& options, double frame)
-    : options_(options), rise_(1 - std::exp(-frame / options.recovery)) {
+    : options_(options), frame_(frame) {
   report_.on = options.mode == Passivity::control;
   report_.coupling = options.coupling;
 }
@@ -62,43 +60,55 @@ void PassivityControl::note_model(const Vec3& x, const ModelView& model, bool ta
   share_ = end > 0 ? std::clamp((4 * middle / end + 1) / 6, 0.1, 1.0) : 0.5;
   if (!taken) return;
   const double now = stored_energy(coupling_ * model.here, x, share_, options_.force_limit);
-  report_.refused += std::max(0.0, gain_ * now - std::max(energy_ + quantum(), gain_ * potential_));
+  report_.refused += std::max(0.0, gain_ * now - std::max(tank_.energy + quantum(), gain_ * tank_.potential));
 }
 
 Vec3 PassivityControl::shape(const Vec3& force, const Vec3& x) noexcept {
   const double s = stiffness_ > options_.coupling ? options_.coupling / stiffness_ : 1;
-  coupling_ = followed(coupling_, s, rise_);
+  coupling_ = s < coupling_ ? s : coupling_ + (1 - std::exp(-frame_ / options_.recovery)) * (s - coupling_);
   const Vec3 coupled = coupling_ * force;
-  potential_ = stored_energy(coupled, x, share_, options_.force_limit);
-  most_ = std::max(most_, std::min(coupled.norm(), options_.force_limit));
-  const double work = begun_ ? -coupled.dot(x - last_x_) : 0, room = energy_ + quantum();
-  const double g = 2 * room >= potential_ ? 1 : std::max(0.0, 2 * room / potential_);
-  if (work > 0)  // the hand presses in: its work fills the tank
-    gain_ += (1 - gain_) * std::min(1.0, 4 * work / (potential_ + quantum()));
-  else if (work < 0)
-    gain_ = followed(gain_, g, rise_);
+  tank_.potential = stored_energy(coupled, x, share_, options_.force_limit);
   report_.coupled += coupling_ < 0.999;
-  report_.drained += gain_ < 0.999;
-  report_.least_gain = std::min(report_.least_gain, coupling_ * gain_);
-  return gain_ * coupled;
+  return coupled;
 }
 
-Vec3 PassivityControl::step_to(const Vec3& x) noexcept {
-  const Vec3 dx = begun_ ? Vec3(x - last_x_) : Vec3::Zero();
-  begun_ = true;
-  last_x_ = x;
-  return dx;
+// room: largest step of the force in this frame [N].
+void PassivityControl::note_speed(const Vec3& dx, double room) noexcept {
+  motion_.smooth_step += newest_share * (dx - motion_.smooth_step);
+  motion_.smooth_room =
+      motion_.begun ? motion_.smooth_room + newest_share * (room - motion_.smooth_room) : room;
+  const double now = motion_.smooth_room > 0 ? motion_.smooth_step.norm() / motion_.smooth_room : 0;
+  motion_.softest = std::max(now, std::exp(-frame_ / memory_of_speed) * motion_.softest);
+}
+
+// The largest g in [0, 1] with E' + q >= g^2 |F|^2 / (2 K_b), where E' = E - (g F + F_before) . dx / 2.
+double PassivityControl::paid_share(const Vec3& force, const Vec3& dx, const Vec3& before) const noexcept {
+  const double softness = std::max(1 / options_.coupling, reserve * motion_.softest);  // 1 / K_b
+  const double a = 0.5 * force.squaredNorm() * softness, b = 0.5 * force.dot(dx);
+  const double left = tank_.energy + quantum() - 0.5 * before.dot(dx);
+  if (a + b <= left) return 1;
+  const double root = b * b + 4 * a * left;
+  if (!(a > 0))
+    return b > 0 ? std::clamp(left / b, 0.0, 1.0) : 0;  // no limit of stiffness, the tip was at rest
+  return root >= 0 ? std::clamp((std::sqrt(root) - b) / (2 * a), 0.0, 1.0) : 0;
 }
 
 Vec3 PassivityControl::settle(const Vec3& force, const Vec3& x, const ForceRoom& room) noexcept {
-  const Vec3 dx = begun_ ? Vec3(x - last_x_) : Vec3::Zero();
-  Vec3 sent = force;
+  const Vec3 dx = step_to(x);
+  note_speed(dx, room.step);
   if ((force - room.before).norm() >= room.step * (1 - 1e-9)) coupling_ *= lagging;
-  const double after = energy_ - 0.5 * (force + room.before).dot(dx) + quantum();
+  gain_ = paid_share(force, dx, room.before);
+  const double home = std::max(0.0, 2 * (tank_.energy + quantum()));
+  if (force.dot(dx) > 0 && tank_.potential > home) gain_ = std::min(gain_, home / tank_.potential);
+  report_.drained += gain_ < 0.999;
+  report_.least_gain = std::min(report_.least_gain, coupling_ * gain_);
+  Vec3 sent = gain_ < 1 ? within(gain_ * force, room) : force;
+  const double after = tank_.energy - 0.5 * (sent + room.before).dot(dx) + quantum();
   if (const double length = dx.squaredNorm(); after < 0 && length > 0) {
-    sent = within(force + 2 * after / length * dx, room);
+    const Vec3 damped = within(sent + 2 * after / length * dx, room);
     ++report_.controlled;
-    report_.dissipated += 0.5 * (force - sent).dot(dx);
+    report_.dissipated += 0.5 * (sent - damped).dot(dx);
+    sent = damped;
   }
   account(sent, x, room.before);
   return sent;
@@ -106,8 +116,11 @@ Vec3 PassivityControl::settle(const Vec3& force, const Vec3& x, const ForceRoom&
 
 void PassivityControl::account(const Vec3& sent, const Vec3& x, const Vec3& before) noexcept {
   const Vec3 dx = step_to(x);
-  energy_ = std::min(energy_ - 0.5 * (sent + before).dot(dx), most_ * x.norm());
-  report_.lowest = std::min(report_.lowest, energy_ + quantum());
+  motion_.begun = true;
+  motion_.last_x = x;
+  tank_.most_sent = std::max(tank_.most_sent, sent.norm());
+  tank_.energy = std::min(tank_.energy - 0.5 * (sent + before).dot(dx), tank_.most_sent * x.norm());
+  report_.lowest = std::min(report_.lowest, tank_.energy + quantum());
 }
 
 }  // namespace forefeel

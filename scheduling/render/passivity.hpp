@@ -4,20 +4,29 @@
 //   coupling   f <- s f,  s = min(1, K_c / K),  K [N/m]: largest stiffness of the newest model at x. For a linear body
 //              this is a virtual coupling by a spring K_vc in series, 1 / K_vc = 1 / K_c - 1 / K, with the proxy at
 //              the place where both forces agree. K_c is below the stability limit (motion/loop_limit.hpp). s falls at
-//              once and rises with the time constant `recovery`. It also falls by 5 % in each frame in which the slew
+//              once and rises with the time constant `recovery`. It also falls by 1 % in each frame in which the slew
 //              limit acts, because a force that lags generates energy.
 //   tank       E [J]: energy that the hand has put in and not got back, by the trapezoid rule (record/stability.hpp)
-//                E <- min(E - (F + F_before) . dx / 2, |f|max |x|)
-//              U [J]: energy that the model gives back on the straight path from x to rest, by Simpson's rule. A switch
-//              that raises U above E would generate energy.
-//              f <- g f. While the tip moves out, g follows min(1, 2 (E + q) / U): it falls at once and rises with
-//              `recovery`. So the force fades on the way out, and E + q stays above zero; the force need not be
-//              removed at rest. While the hand presses in, g rises towards 1 with the work of the hand.
+//                E <- min(E - (F + F_before) . dx / 2, |F|max |x|),   |F|max: largest force sent so far [N]
+//   reserve    F <- g F with the largest g in [0, 1] that leaves
+//                E + q >= |F|^2 / (2 K_b),   K_b = min(K_c, S / v)    [N/m]
+//              S [N/s]: slew limit. v [m/s]: twice the highest smoothed speed of the tip of about the last 0.3 s. A force
+//              that falls to zero at the slew limit, while the tip moves along it at v, returns v |F|^2 / (2 S). If the
+//              tank holds that much and the tip is not faster than v, then it does so again one frame later with the
+//              force lowered by S T, since (|F| + |F'|) v T / 2 = v (|F|^2 - |F'|^2) / (2 S). So the tank is never
+//              empty before the force is zero. Where the rule holds force back, F is that of a spring K_b that stores
+//              E + q: the way in and the way out agree, and a loop with K_b <= K_c is stable.
+//   way out    U [J]: energy that the model gives back on the straight path from x to rest, by Simpson's rule. A switch
+//              that raises U above E would generate energy. While the tip moves out, also g <= 2 (E + q) / U, so that
+//              the force fades early.
 //   controller F <- F - a dx with the smallest a that keeps E + q >= 0, as far as force and slew limit allow
-//              (Hannaford and Ryu 2002).
-// q [J]: dead zone of one quantum of the encoder, sqrt(3) r |f|max, because the rounding of positions is not energy of
+//              (Hannaford and Ryu 2002). It acts where the tip was faster than v.
+// g has no memory: a g that rises slowly made oscillations grow in 1 to 65 of 504 simulated loops, this one in none.
+// The price: a spring K gets |F|^2 / (2 K) from the hand. So a hand faster than S / (2 K) feels a spring softer than K,
+// and a force that no motion of the hand has paid for stays small until the hand presses further.
+// q [J]: dead zone of one quantum of the encoder, sqrt(3) r |F|max, because the rounding of positions is not energy of
 // the loop. Energy tanks: F. Ferraguti, C. Secchi, C. Fantuzzi, ICRA 2013. Virtual coupling: J. E. Colgate, M. C.
-// Stanley, J. M. Brown, IROS 1995. Nothing here allocates, locks or throws.
+// Stanley, J. M. Brown, IROS 1995. The reserve follows from the equations above. Nothing here allocates, locks or throws.
 
 #include <limits>
 #include <string_view>
@@ -56,7 +65,7 @@ class PassivityControl {
 
   // The newest model at x; taken: it is new in this frame. Call this when a model is taken, and every few frames.
   void note_model(const Vec3& x, const ModelView& model, bool taken) noexcept;
-  // f: after guard, watchdog and ramp, before the force limit. Returns s g f.
+  // f: after guard, watchdog and ramp, before the force limit. Returns s f.
   Vec3 shape(const Vec3& force, const Vec3& x) noexcept;
   // force: within the limits of `room`. Returns F, also within them.
   Vec3 settle(const Vec3& force, const Vec3& x, const ForceRoom& room) noexcept;
@@ -68,16 +77,29 @@ class PassivityControl {
   const PassivityReport& report() const { return report_; }
 
  private:
-  double quantum() const noexcept { return 1.7320508075688772 * options_.resolution * most_; }
-  Vec3 step_to(const Vec3& x) noexcept;
+  struct Tank {
+    double energy = 0, potential = 0, most_sent = 0;  // E [J], U [J], |F|max [N]
+  };
+  struct Motion {
+    Vec3 last_x = Vec3::Zero(), smooth_step = Vec3::Zero();  // [m]
+    double smooth_room = 0;                                  // of the steps of force [N]
+    double softest = 0;                                      // v / S, highest of the last while [m/N]
+    bool begun = false;
+  };
+
+  double quantum() const noexcept { return 1.7320508075688772 * options_.resolution * tank_.most_sent; }
+  Vec3 step_to(const Vec3& x) const noexcept {
+    return motion_.begun ? Vec3(x - motion_.last_x) : Vec3::Zero();
+  }
+  void note_speed(const Vec3& dx, double room) noexcept;
+  double paid_share(const Vec3& force, const Vec3& dx, const Vec3& before) const noexcept;
 
   PassivityOptions options_;
-  double rise_;                                   // share of the missing gain that is regained in a frame
-  double coupling_ = 1, gain_ = 1;                // s, g
-  double stiffness_ = 0, share_ = 0.5;            // K [N/m]; U / (-f . x) [1]
-  double energy_ = 0, potential_ = 0, most_ = 0;  // E [J], U [J], |f|max [N]
-  Vec3 last_x_ = Vec3::Zero();
-  bool begun_ = false;
+  double frame_;                        // [s]
+  double coupling_ = 1, gain_ = 1;      // s, g
+  double stiffness_ = 0, share_ = 0.5;  // K [N/m]; U / (-f . x) [1]
+  Tank tank_;
+  Motion motion_;
   int since_ = 1 << 20;
   PassivityReport report_;
 };
