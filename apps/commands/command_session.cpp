@@ -348,8 +348,11 @@ void add_session(CommandLine& line) {
           ". clairvoyant is an upper bound: it simulates all eight schedules, then runs the best; it takes "
           "about eight times as long");
   sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
-  sub.option("--shape-rate", given->shape_rate,
-             "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none");
+  sub.option(
+      "--shape-rate", given->shape_rate,
+      "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none. The points are moved "
+      "already: in ParaView, Warp By Vector of displacement by -1 shows the body at rest, by k - 1 the "
+      "motion k times as large");
   sub.option("--switch", given->switching,
              "How the force changes from one model to the next: paper, smooth or none");
   sub.option("--cost", given->cost,

@@ -1,7 +1,8 @@
 #pragma once
 // A body that moves, as files for ParaView: SERIES.pvd lists the times, one .vtu each holds the moved nodes
 //   points        X + u [m], Float32: X position at rest in the mesh, u displacement
-//   displacement  u [m], Float32, point data; X = point - u
+//   displacement  u [m], Float32, point data; X = point - u. The points are moved already: ParaView's Warp By Vector of
+//                 displacement by -1 shows the body at rest, by k - 1 the motion k times as large
 //   node          number of the node in the mesh, from 0
 //   cells         triangles of the surface, outward, or all tetrahedra
 //   TimeValue [s], tip [m]   field data: the time, and the position of the HIP from rest

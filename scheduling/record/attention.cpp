@@ -32,6 +32,8 @@ std::string unstable(const StabilityReport& report, const SessionSummary::Safety
   std::string line = fmt::format("ran, but unstable at {:.3g} s", report.since);
   if (report.generated > 0)
     line += fmt::format("; the loop generated {:.3g} J within a second", report.generated);
+  if (report.hold > held_too_much)
+    line += fmt::format("; the hand got {:.3g} J in all because each force is held for a frame", report.hold);
   if (std::isfinite(report.frequency))
     line += fmt::format("; the hand shakes at {:.3g} Hz, {:.2g} mm RMS", report.frequency,
                         1e3 * report.amplitude);

@@ -194,7 +194,8 @@ void add_stability(std::vector<Column>& columns, const SessionSummary& summary) 
       .number("growth", s.growth, "1", "growth of the vibration per period, if it grew over three")
       .number("put_in_J", known(s.put_in), "J", "energy that the hand put in")
       .number("given_back_J", known(s.given_back), "J", "energy that the hand got back")
-      .number("hold_J", known(s.hold), "J", "energy added because a force is held for a frame")
+      .number("hold_J", known(s.hold), "J",
+              "energy added because a force is held for a frame; not in generated_J")
       .number("switches_J", known(s.by_switches), "J", "work of the switches: rendered less newest model")
       .number("switch_max_J", known(s.by_a_switch), "J", "largest work of one switch");
   for (const Label label : all_labels)

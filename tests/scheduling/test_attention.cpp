@@ -56,6 +56,16 @@ TEST_CASE("what passivity control changes of the force is said, as the errors do
   CHECK(attention(summary).empty());
 }
 
+TEST_CASE("what holding the force for a frame gives to the hand is said of unstable sessions alone") {
+  SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
+  summary.energy.stability = StabilityReport{.stable = false, .since = 0.1, .hold = 0.0335};
+  REQUIRE(attention(summary).size() == 1);
+  CHECK_THAT(attention(summary)[0],
+             Catch::Contains("the hand got 0.0335 J in all because each force is held"));
+  summary.energy.stability->stable = true;  // damping absorbed it
+  CHECK(attention(summary).empty());
+}
+
 TEST_CASE("an error bar that held too seldom in a label is said with that label") {
   SessionResult result = quiet_run();
   for (std::size_t k = 0; k < 100; ++k) {
