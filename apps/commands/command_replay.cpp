@@ -12,6 +12,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
+#include "scheduling/replay/frame_table.hpp"
 #include "scheduling/replay/input_replay.hpp"
 
 namespace forefeel {
@@ -38,7 +39,7 @@ std::string in_words(const ForceDifference& difference) {
                      in_words(difference.recorded), in_words(difference.replayed));
 }
 
-nlohmann::ordered_json to_json(const ReplayReport& report) {
+nlohmann::ordered_json to_json(const ReplayReport& report, std::size_t rows) {
   nlohmann::ordered_json first;
   if (report.first)
     first = {{"frame", report.first->frame},
@@ -56,12 +57,19 @@ nlohmann::ordered_json to_json(const ReplayReport& report) {
           {"models", report.models},
           {"bytes", report.bytes},
           {"recorded_by", report.made_by},
-          {"replayed_by", report.replayed_by}};
+          {"replayed_by", report.replayed_by},
+          {"frames_csv_rows", rows}};
 }
 
-void tell(const Globals& globals, const ReplayReport& report) {
+void tell(const Globals& globals, const ReplayReport& report, std::size_t rows) {
   answer(globals, fmt::format("{} of {} frames equal: {:.3f} s, {} states, {} models", report.equal,
                               report.frames, report.seconds, report.states, report.models));
+  answer(
+      globals,
+      rows > 0
+          ? fmt::format(
+                "compared: session.inputs, and the same positions and forces in {} rows of frames.csv", rows)
+          : std::string("compared: session.inputs alone; there is no frames.csv beside it"));
   if (report.first) answer(globals, in_words(*report.first));
 }
 
@@ -70,6 +78,8 @@ int run_replay(const Globals& globals, const std::string& run) {
   Progress progress(globals, "replay");
   const ReplayReport report =
       replay_inputs(file, program_text(), [&](double t) { progress.show(fmt::format("{:.1f} s", t)); });
+  // A record that does not replay says so itself.
+  const std::size_t rows = report.first ? 0 : compare_frame_table(file.parent_path() / "frames.csv", file);
   if (!report.whole)
     warn(globals,
          fmt::format("{}: ends early, because the run was killed or its disk was full: {} frames are "
@@ -79,9 +89,9 @@ int run_replay(const Globals& globals, const std::string& run) {
     warn(globals, fmt::format("recorded by {}, replayed by {}: forces may differ in their last bits",
                               report.made_by, report.replayed_by));
   if (globals.json)
-    print_json(to_json(report));
+    print_json(to_json(report, rows));
   else
-    tell(globals, report);
+    tell(globals, report, rows);
   flush_warnings();
   return report.first || report.frames == 0 || !report.whole ? 1 : 0;
 }
@@ -92,8 +102,9 @@ void add_replay(CommandLine& line) {
   const auto run = std::make_shared<std::string>();
   Command sub = line.add(
       "replay",
-      "Render a recorded run again and compare each force with the recorded one, bit by bit. Exit code 1: a "
-      "force differs, or the record ends early");
+      "Render a recorded run again and compare each force with the recorded one, bit by bit. A frames.csv of "
+      "another run beside the record is refused; other files of the run are not read. Exit code 1: a force "
+      "differs, or the record ends early");
   sub.runs([run](const Globals& globals) { return run_replay(globals, *run); });
   sub.option("RUN", *run, "Folder of a session, whose session.inputs is read").required();
   sub.reads_no_scene();

@@ -43,6 +43,7 @@ TEST_CASE("real and virtual runs replay to the same bits by the command", "[repl
     CHECK(words.code == 0);
     const std::string frames = std::to_string(run["frames"].get<int>());
     CHECK_THAT(words.out, Catch::StartsWith(frames + " of " + frames + " frames equal"));
+    CHECK_THAT(words.out, Catch::Contains("forces in " + frames + " rows of frames.csv"));
     CHECK(words.err.empty());
   }
 }
@@ -101,6 +102,16 @@ TEST_CASE("a changed record is a difference, a damaged or missing one is refused
   shop.shell("rm damaged/session.inputs");
   check_refused(shop, "replay damaged", {"damaged/session.inputs", "no such file", "session.record"});
   check_refused(shop, "replay nowhere", {"nowhere", "no such folder"});
+
+  // The table of another run beside the record, or one with more frames.
+  run_json(shop, "session beam.toml --clock virtual --seconds 0.5 --set session.seed=2 -o other");
+  shop.shell(
+      "cp -r run mixed; cp other/frames.csv mixed; cp -r run longer; tail -n 1 run/frames.csv >> "
+      "longer/frames.csv");
+  check_refused(shop, "replay mixed", {"mixed/frames.csv:", "is not that of session.inputs", "of one run"});
+  check_refused(shop, "replay longer", {"longer/frames.csv:502", "holds 500 frames, the table 501"});
+  shop.shell("rm mixed/frames.csv");
+  CHECK_THAT(shop.forefeel("replay mixed").out, Catch::Contains("session.inputs alone"));
 
   run_json(shop, "session beam.toml --clock virtual --seconds 0.2 --set session.record=false -o without");
   CHECK(shop.shell("test -e without/session.inputs").code != 0);
