@@ -126,7 +126,7 @@ Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, s
 }
 
 struct BaselineRun {
-  double per_state = 0;  // [s], all threads together
+  double per_state = 0;  // [s] of a solved state, all threads together
   std::size_t states = 0, failed = 0;
   double iterations = 0;
   double factor_bytes = unknown;  // of one solver
@@ -185,7 +185,7 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
   }
   run.states = run.solved.size();
   run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));
-  run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states));
+  run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states - run.failed));
   return run;
 }
 
@@ -342,10 +342,10 @@ void print_text(const Globals& globals, const BenchCase& bench, int threads, Sol
                            1e-6 * m.bytes_per_thread, 1e-6 * m.last_cholmod.factor_bytes,
                            m.bytes_per_thread / m.last_cholmod.factor_bytes));
   say(globals,
-      fmt::format(
-          "baselines: {} and {} states of the last round, each from its lattice neighbour's equilibrium (not "
-          "charged), on the same threads",
-          m.last_eigen.states, m.last_cholmod.states));
+      fmt::format("baselines: {} and {} states of the last round ({} and {} failed; time per solved state), "
+                  "each from its "
+                  "lattice neighbour's equilibrium (not charged), on the same threads",
+                  m.last_eigen.states, m.last_cholmod.states, m.last_eigen.failed, m.last_cholmod.failed));
   say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}",
                            m.errors.values.size(), m.errors.at(0.5), m.errors.at(0.95), m.errors.at(1)));
 }
