@@ -12,15 +12,15 @@
 namespace forefeel {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 
-// The ceil((n + 1) p)-th least of n scores; infinite if there are fewer.
+// The ceil((n + 1) p)-th least of n scores; no_bar if there are fewer.
 double conformal_quantile(std::vector<double>& scores, double p) {
   const auto rank = static_cast<std::size_t>(std::ceil((static_cast<double>(scores.size()) + 1) * p - 1e-9));
-  if (rank > scores.size()) return infinite;
+  if (rank > scores.size()) return no_bar;
   const auto at = scores.begin() + static_cast<std::ptrdiff_t>(rank - 1);
   std::ranges::nth_element(scores, at);
   return *at;
@@ -56,7 +56,7 @@ Factors factors_of(std::span<const BarSample> samples, double constant, std::opt
     for (std::size_t label = 0; label < 4; ++label)
       for (std::size_t level = 0; level < bar_levels.size(); ++level) {
         std::vector<double>& own = scores.of_label[outside][label];
-        double& q = factors[outside][label][level] = infinite;
+        double& q = factors[outside][label][level] = no_bar;
         if (own.size() >= least_of_label) q = conformal_quantile(own, bar_levels[level]);
         if (std::isinf(q)) q = conformal_quantile(scores.all[outside], bar_levels[level]);
         if (std::isinf(q) && !outside) q = conformal_quantile(every, bar_levels[level]);
@@ -184,7 +184,7 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
   std::vector<double> errors;
   for (const BarSample& s : samples_) errors.push_back(s.error);
   const double usual = median(std::move(errors));
-  double best = infinite;
+  double best = no_bar;
   for (const double share : constants) {
     fill_bars(samples_, share * usual);
     const double score = interval_score(samples_);
@@ -199,7 +199,7 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
 
 BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
   BarWidths none;
-  none.fill(infinite);
+  none.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return none;
   return times(factors_[outside][static_cast<std::size_t>(label)], scale + constant_);
 }

@@ -136,14 +136,14 @@ double ModelData::Hull::outside(const double y[3], double gradient[3]) const noe
   }
   gradient[0] = gradient[1] = gradient[2] = 0;
   if (largest == 0) return 0;
-  double sum = 0, weight[13];
+  double powers = 0, weight[13];
   for (int k = 0; k < 13; ++k) {
     const double t = g[k] / largest, t2 = t * t, t4 = t2 * t2;
     weight[k] = t4 * t2 * t;
-    sum += t4 * t4;
+    powers += t4 * t4;
   }
-  const double root = std::sqrt(std::sqrt(std::sqrt(sum)));
-  const double scale_down = root / sum;  // d/dg_k = (g_k / largest)^7 sum^(-7/8)
+  const double root = std::sqrt(std::sqrt(std::sqrt(powers)));
+  const double scale_down = root / powers;  // d/dg_k = (g_k / largest)^7 sum^(-7/8)
   for (int k = 0; k < 13; ++k)
     for (int d = 0; d < 3; ++d) gradient[d] += scale_down * weight[k] * axes.d[k][d];
   return largest * root;

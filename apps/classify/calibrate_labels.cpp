@@ -146,7 +146,7 @@ void write_tables(const Calibration& found, const fs::path& folder) {
 }
 
 // One group of kinds per label: a bar from the median to 95 %, a point for the largest error.
-Picture picture(const Calibration& found, double tolerance) {
+LaboratoryPicture picture(const Calibration& found, double tolerance) {
   std::string script, plot, tics;
   const double width = 0.8 / static_cast<double>(found.kinds.size());
   for (std::size_t kind = 0; kind < found.kinds.size(); ++kind) {

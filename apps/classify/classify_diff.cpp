@@ -20,10 +20,6 @@
 namespace forefeel {
 namespace {
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 // The result of `forefeel classify --diff A B`.
 struct DiffResult {
   std::array<Classified, 2> set;

@@ -139,10 +139,6 @@ void remove_parts(const fs::path& folder) {
     if (std::regex_match(entry.path().filename().string(), ours)) fs::remove(entry.path());
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 struct Moment {
   double t = 0;            // [s]
   std::size_t states = 0;  // number known by then

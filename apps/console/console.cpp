@@ -25,6 +25,10 @@ std::int64_t now_ns() {
 
 }  // namespace
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 void flush_warnings() {
   const std::lock_guard lock(waiting_mutex);
   for (const std::string& line : waiting_warnings) std::cerr << "forefeel: warning: " << line << '\n';

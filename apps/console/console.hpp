@@ -2,12 +2,16 @@
 // Output to the terminal, shared by all commands: their common options, lines for people, warnings, and one
 // progress line.
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace forefeel {
+
+// Wall time since `start` [s].
+double seconds_since(std::chrono::steady_clock::time_point start);
 
 struct Globals {
   bool json = false;  // print one JSON document to stdout and all other text to stderr

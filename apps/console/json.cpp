@@ -6,6 +6,7 @@
 
 #include "apps/console/console.hpp"
 #include "apps/console/json_text.hpp"
+#include "geometry/common/sha256.hpp"
 
 namespace forefeel {
 
@@ -16,6 +17,10 @@ nlohmann::ordered_json number(double value) {
 
 nlohmann::ordered_json vector3(const Eigen::Ref<const Eigen::Vector3d>& value) {
   return nlohmann::ordered_json::array({number(value.x()), number(value.y()), number(value.z())});
+}
+
+std::string sum_of(const nlohmann::ordered_json& value) {
+  return Sha256().add(json_text(value)).hex();
 }
 
 std::string json_text(const nlohmann::ordered_json& document, int indent) {

@@ -104,7 +104,7 @@ const char* line_colour(std::size_t index) {
   return colours[index % 8];
 }
 
-std::string draw_into(const fs::path& folder, const Picture& picture) {
+std::string draw_into(const fs::path& folder, const LaboratoryPicture& picture) {
   const std::optional<std::string> svg =
       draw_svg(picture.name, picture.width, picture.height, picture.script);
   if (!svg) return "<p class=\"note\">A picture is missing: gnuplot was not found or failed.</p>\n";

@@ -64,14 +64,14 @@ extern const char* const plot_style;
 const char* line_colour(std::size_t index);
 
 // A picture of an experiment, for its page.
-struct Picture {
+struct LaboratoryPicture {
   std::string name;  // file name without extension
   std::string caption;
   int width = 960, height = 420;
   std::string script;  // gnuplot, see plot.hpp
 };
 // Writes NAME.svg into the folder and returns a <figure> with it; without gnuplot, a note instead.
-std::string draw_into(const std::filesystem::path& folder, const Picture& picture);
+std::string draw_into(const std::filesystem::path& folder, const LaboratoryPicture& picture);
 // HTML table of rows of cells; the first row is the header. Escapes the text.
 std::string html_table(const std::vector<std::vector<std::string>>& rows);
 

@@ -114,7 +114,7 @@ std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, con
 
 // ---- results
 
-struct Judge {
+struct Threshold {
   double share, absolute;  // of the JND
   double jnd(const Vec3& force) const { return std::max(share * force.norm(), absolute); }
 };
@@ -127,7 +127,7 @@ struct Effect {
   double settled = unknown;  // time until the force equals the newest model's [s]
 };
 
-std::array<Effect, groups> effects(const Run& run, const Script& script, const Judge& judge) {
+std::array<Effect, groups> effects(const Run& run, const Script& script, const Threshold& judge) {
   std::array<Effect, groups> found;
   for (std::size_t k = 1; k < run.frames.size(); ++k) {
     const FrameRecord &a = run.frames[k - 1], &b = run.frames[k];
@@ -158,7 +158,7 @@ struct Reading {
   double worst_error = unknown;                       // of the newest model, while groups arrive
 };
 
-Reading read(const Run& run, const Script& script, const Judge& judge, const State& tight, double floor) {
+Reading read(const Run& run, const Script& script, const Threshold& judge, const State& tight, double floor) {
   Reading reading;
   reading.effects = effects(run, script, judge);
   for (const Effect& e : reading.effects) {
@@ -247,8 +247,8 @@ std::size_t worst_group(const Reading& reading) {
 }
 
 // Force over the session; relative change from frame to frame; and the second after the worst group.
-Picture picture(const std::vector<Run>& runs, const std::vector<Reading>& readings, const Script& script,
-                const State& tight) {
+LaboratoryPicture picture(const std::vector<Run>& runs, const std::vector<Reading>& readings,
+                          const Script& script, const State& tight) {
   const double zoom = script.first + static_cast<double>(worst_group(readings[0])) * script.interval;
   const double span = std::min(1.0, 0.5 * script.interval);
   std::string out;
@@ -356,7 +356,7 @@ Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& optio
   const Script script = write_script(ground, options);
   write_inputs(script, ground, folder);
   const SessionOptions& session = laboratory.scene().session;
-  const Judge judge{session.switching.jnd_share, session.switching.jnd_floor};
+  const Threshold judge{session.switching.jnd_share, session.switching.jnd_floor};
   const State tight = laboratory.references(std::array{ground.at(script.held_at)}).front();
   const std::vector<Run> runs =
       run_ways(laboratory, ground, script, folder,

@@ -32,7 +32,7 @@ constexpr double small = 1.2, large = 2.5;  // half axes of fixed and moving loo
 constexpr std::size_t most_in_one = 4000;   // limit of states in the offline-rbf model, whose cost is cubic
 constexpr double quarter = 0.25;            // travel after which a new model is made, in spacings
 
-struct Row {
+struct EnergyRow {
   std::string method, set;
   double half_axis = 0;        // the larger of its loops, in spacings
   std::vector<double> ratios;  // net / gross of each loop
@@ -134,11 +134,11 @@ class Moving {
   bool started_ = false;
 };
 
-void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::vector<Row>& rows,
+void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::vector<EnergyRow>& rows,
                 std::vector<std::string>& notes) {
   const auto all = loops(space.options(), small);
   for (const Kind& kind : kinds(space.size())) {
-    Row row{kind.name, "fixed", small, {}};
+    EnergyRow row{kind.name, "fixed", small, {}};
     for (const auto& loop : all) {
       const Model model =
           fit_model(nearest(space, middle(loop), kind.model.neighbours), kind.model, middle(loop));
@@ -146,7 +146,7 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
     }
     rows.push_back(std::move(row));
   }
-  Row row{"energy interpolant, n 25", "fixed", small, {}};
+  EnergyRow row{"energy interpolant, n 25", "fixed", small, {}};
   for (const auto& loop : all) {
     const std::vector<State> set = nearest(space, middle(loop), 25);
     std::vector<const State*> pointers;
@@ -168,7 +168,7 @@ void fixed_rows(const StateSpace& space, const std::vector<State>& states, std::
           {.model = {.kernel = Kernel::cubic, .data = Data::force, .length = space.options().spacing},
            .spacing = space.options().spacing,
            .centres = 0});
-      Row older{std::string(name(method)), "fixed", large, {}};
+      EnergyRow older{std::string(name(method)), "fixed", large, {}};
       for (const auto& loop : loops(space.options(), large))
         older.ratios.push_back(loop_energy(loop, [&](const Vec3& x) { return field.force(x); }).ratio());
       rows.push_back(std::move(older));
@@ -184,12 +184,12 @@ struct Damping {
   double largest = 0;  // jump between models, relative to the bound of one frame
 };
 
-Damping moving_rows(const StateSpace& space, std::vector<Row>& rows) {
+Damping moving_rows(const StateSpace& space, std::vector<EnergyRow>& rows) {
   Damping damping;
-  std::vector<Row> smooth;
+  std::vector<EnergyRow> smooth;
   for (const SwitchRule rule : {SwitchRule::none, SwitchRule::smooth})
     for (const Kind& kind : kinds(space.size())) {
-      Row row{kind.name, rule == SwitchRule::none ? "moving" : "moving, smooth switch", large, {}};
+      EnergyRow row{kind.name, rule == SwitchRule::none ? "moving" : "moving, smooth switch", large, {}};
       for (const auto& loop : loops(space.options(), large)) {
         Moving field(space, kind.model, rule);
         for (const Vec3& x : loop) field(x);
@@ -206,19 +206,19 @@ Damping moving_rows(const StateSpace& space, std::vector<Row>& rows) {
   return damping;
 }
 
-Picture picture(const std::vector<Row>& rows) {
+LaboratoryPicture picture(const std::vector<EnergyRow>& rows) {
   std::vector<std::string> sets;
-  for (const Row& row : rows)
+  for (const EnergyRow& row : rows)
     if (std::ranges::find(sets, row.set) == sets.end()) sets.push_back(row.set);
   std::vector<std::string> names;
-  for (const Row& row : rows)
+  for (const EnergyRow& row : rows)
     if (std::ranges::find(names, row.method) == names.end()) names.push_back(row.method);
   std::string script, tics, plot;
   for (std::size_t i = 0; i < names.size(); ++i)
     tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "", names[i], names.size() - i);
   for (std::size_t s = 0; s < sets.size(); ++s) {
     std::string lines;
-    for (const Row& row : rows)
+    for (const EnergyRow& row : rows)
       if (row.set == sets[s])
         for (std::size_t i = 0; i < names.size(); ++i)
           if (names[i] == row.method)
@@ -255,13 +255,13 @@ Picture picture(const std::vector<Row>& rows) {
 struct EnergyFindings {
   StateSpaceOptions space = {};
   std::size_t states = 0;
-  std::vector<Row> rows = {};
+  std::vector<EnergyRow> rows = {};
   std::vector<std::string> notes = {};
   Damping damping = {};
 
   // Statistic of net / gross energy of a row; unknown if there is no such row.
   double median(std::string_view method, std::string_view set) const {
-    for (const Row& row : rows)
+    for (const EnergyRow& row : rows)
       if (row.method == method && row.set == set) return quantile_of(row.ratios, 0.5);
     return unknown;
   }
@@ -283,7 +283,7 @@ std::size_t loops_beyond(const StateSpaceOptions& space) {
 
 std::string csv_of(const EnergyFindings& found) {
   std::string csv = "method,set,half_axis,loops,net_over_gross_p50,net_over_gross_max\n";
-  for (const Row& row : found.rows)
+  for (const EnergyRow& row : found.rows)
     csv += fmt::format("\"{}\",\"{}\",{:.6g},{},{:.4g},{:.4g}\n", row.method, row.set,
                        row.half_axis * found.space.spacing, row.ratios.size(), quantile_of(row.ratios, 0.5),
                        quantile_of(row.ratios, 1));
@@ -294,7 +294,7 @@ std::string table_of(const EnergyFindings& found) {
   std::vector<std::vector<std::string>> cells{
       {"method", "set", "half axes of the loops", "net / gross, median", "most"}};
   const double h = found.space.spacing;
-  for (const Row& row : found.rows)
+  for (const EnergyRow& row : found.rows)
     cells.push_back({row.method, row.set,
                      fmt::format("{:.3g}, {:.3g} mm", 1e3 * row.half_axis * h, 800 * row.half_axis * h),
                      fmt::format("{:.2g}", quantile_of(row.ratios, 0.5)),
@@ -319,7 +319,7 @@ nlohmann::ordered_json summary_of(const EnergyFindings& found) {
                        {"damped", found.damping.damped},
                        {"largest_jump_over_bound", number(found.damping.largest)}};
   summary["rows"] = nlohmann::ordered_json::array();
-  for (const Row& row : found.rows)
+  for (const EnergyRow& row : found.rows)
     summary["rows"].push_back({{"method", row.method},
                                {"set", row.set},
                                {"loops", row.ratios.size()},

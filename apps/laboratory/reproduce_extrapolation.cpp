@@ -96,7 +96,7 @@ std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, b
 }
 
 // Three situations as rows; force and error as columns, as in the paper.
-Picture picture(const Fig2& fig, const PaperGround& ground) {
+LaboratoryPicture picture(const Fig2& fig, const PaperGround& ground) {
   std::string script;
   double most = 0;
   std::string tight;

@@ -41,7 +41,7 @@ std::optional<PaperTimes> paper_times(std::size_t n) {
   return {};
 }
 
-struct Row {
+struct TimingRow {
   std::string method;
   ModelOptions model;
   std::vector<double> select, direct, refit, update, evaluate, replaced, errors;  // [us], [1], [1]
@@ -75,7 +75,7 @@ std::vector<Vec3> motion(const StateSpaceOptions& options, std::size_t count) {
   return path;
 }
 
-void measure(Row& row, const StateSpace& space, std::size_t rounds) {
+void measure(TimingRow& row, const StateSpace& space, std::size_t rounds) {
   const std::vector<Vec3> path = motion(space.options(), rounds);
   NeighbourSelector selector(space, row.model);
   ModelUpdater fresh(space, row.model), kept(space, row.model);
@@ -119,7 +119,8 @@ void measure(Row& row, const StateSpace& space, std::size_t rounds) {
   if (!sum.allFinite() || !std::isfinite(sink)) row.evaluate.assign(1, unknown);
 }
 
-void measure_errors(Row& row, const StateSpace& space, const std::vector<State>& references, double floor) {
+void measure_errors(TimingRow& row, const StateSpace& space, const std::vector<State>& references,
+                    double floor) {
   ModelUpdater updater(space, row.model);
   Model model;
   for (const State& s : references) {
@@ -130,8 +131,8 @@ void measure_errors(Row& row, const StateSpace& space, const std::vector<State>&
   }
 }
 
-std::vector<Row> methods(std::size_t states) {
-  std::vector<Row> rows;
+std::vector<TimingRow> methods(std::size_t states) {
+  std::vector<TimingRow> rows;
   for (const std::size_t n : {std::size_t{100}, std::size_t{300}})
     for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
       if (n <= states)
@@ -157,7 +158,7 @@ std::vector<Row> methods(std::size_t states) {
   return rows;
 }
 
-nlohmann::ordered_json to_json(const Row& row) {
+nlohmann::ordered_json to_json(const TimingRow& row) {
   nlohmann::ordered_json r;
   r["method"] = row.method;
   r["n"] = row.model.neighbours;
@@ -185,11 +186,11 @@ std::string in_us(double us) {
                             : fmt::format("{:.3g} µs", us);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<TimingRow>& rows) {
   std::string text =
       "method,n,select_us,direct_us,refit_us,update_us,replaced,evaluate_us,paper_update_us,paper_evaluate_"
       "us,error_p50,error_p95,error_max\n";
-  for (const Row& row : rows) {
+  for (const TimingRow& row : rows) {
     const auto paper = row.model.data == Data::force ? paper_times(row.model.neighbours) : std::nullopt;
     const auto value = [](double v) { return std::isfinite(v) ? fmt::format("{:.5g}", v) : std::string(); };
     text += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{}\n", row.method, row.model.neighbours,
@@ -203,11 +204,11 @@ std::string csv(const std::vector<Row>& rows) {
   return text;
 }
 
-std::string table(const std::vector<Row>& rows) {
+std::string table(const std::vector<TimingRow>& rows) {
   std::vector<std::vector<std::string>> cells{{"method", "paper: update", "evaluation", "here: select",
                                                "Eq. 2 by LU", "refit", "update", "replaced k", "evaluation",
                                                "error p50", "p95", "max"}};
-  for (const Row& row : rows) {
+  for (const TimingRow& row : rows) {
     const auto paper = row.model.data == Data::force ? paper_times(row.model.neighbours) : std::nullopt;
     const auto error = [&](double share) { return fmt::format("{:.2g}", quantile_of(row.errors, share)); };
     cells.push_back({row.method, paper ? in_us(paper->update) : "–",
@@ -222,28 +223,28 @@ std::string table(const std::vector<Row>& rows) {
   return html_table(cells);
 }
 
-Picture picture(const std::vector<Row>& rows) {
+LaboratoryPicture picture(const std::vector<TimingRow>& rows) {
   struct Kind {
     const char* title;
-    double (*of)(const Row&);
+    double (*of)(const TimingRow&);
     int point;
     std::size_t colour;
   };
   const std::vector<Kind> kinds{
       {"paper: update",
-       [](const Row& r) {
+       [](const TimingRow& r) {
          return r.model.data == Data::force ? paper_times(r.model.neighbours)->update : unknown;
        },
        4, 0},
       {"paper: evaluation",
-       [](const Row& r) {
+       [](const TimingRow& r) {
          return r.model.data == Data::force ? paper_times(r.model.neighbours)->evaluate_high : unknown;
        },
        6, 0},
-      {"Eq. 2 by LU", [](const Row& r) { return median(r.direct); }, 5, 4},
-      {"our refit", [](const Row& r) { return median(r.refit); }, 9, 1},
-      {"our update, as the HIP moves", [](const Row& r) { return median(r.update); }, 13, 1},
-      {"our evaluation", [](const Row& r) { return median(r.evaluate); }, 7, 2}};
+      {"Eq. 2 by LU", [](const TimingRow& r) { return median(r.direct); }, 5, 4},
+      {"our refit", [](const TimingRow& r) { return median(r.refit); }, 9, 1},
+      {"our update, as the HIP moves", [](const TimingRow& r) { return median(r.update); }, 13, 1},
+      {"our evaluation", [](const TimingRow& r) { return median(r.evaluate); }, 7, 2}};
   std::string script, tics, plot;
   for (std::size_t i = 0; i < rows.size(); ++i)
     tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "", rows[i].method, i);
@@ -268,10 +269,10 @@ Picture picture(const std::vector<Row>& rows) {
           960, 400, script};
 }
 
-std::string what_we_found(const std::vector<Row>& rows) {
+std::string what_we_found(const std::vector<TimingRow>& rows) {
   std::string text =
       fmt::format("On this machine, one thread, {} instructions: ", name(approx_instruction_set()));
-  for (const Row& row : rows) {
+  for (const TimingRow& row : rows) {
     const double direct = median(row.direct);
     text += fmt::format(
         "{}: {}our refit {}, our update {} (a quarter spacing of motion replaces {:.0f} "
@@ -282,8 +283,8 @@ std::string what_we_found(const std::vector<Row>& rows) {
   }
   text.resize(text.size() - 2);
   text += ".";
-  for (const Row& r : rows)
-    for (const Row& r3 : rows)
+  for (const TimingRow& r : rows)
+    for (const TimingRow& r3 : rows)
       if (r.model.kernel == Kernel::linear && r3.model.kernel == Kernel::cubic &&
           r3.model.data == Data::force && r.model.neighbours == r3.model.neighbours)
         text += fmt::format(
@@ -312,7 +313,7 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
   }
   const std::vector<State> references = laboratory.references(
       at, [&](double share, const std::string& text) { show(0.4 + 0.4 * share, text); });
-  std::vector<Row> rows = methods(states.size());
+  std::vector<TimingRow> rows = methods(states.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     show(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(rows.size()), rows[i].method);
     measure_errors(rows[i], space, references, laboratory.scene().session.judging.error_floor);
@@ -324,7 +325,7 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
   findings.summary["states"] = states.size();
   findings.summary["instruction_set"] = name(approx_instruction_set());
   findings.summary["rows"] = nlohmann::ordered_json::array();
-  for (const Row& row : rows) findings.summary["rows"].push_back(to_json(row));
+  for (const TimingRow& row : rows) findings.summary["rows"].push_back(to_json(row));
   const std::string found = what_we_found(rows);
   findings.html = paragraph("The paper found",
                             "For 100 states an update of the coefficients takes 160 ms on average and a "

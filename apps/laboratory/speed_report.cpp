@@ -190,7 +190,7 @@ std::vector<NamedSpeeds> curves_of(const SpeedFindings& found) {
   return curves;
 }
 
-Picture picture_of(const SpeedFindings& found) {
+LaboratoryPicture picture_of(const SpeedFindings& found) {
   const std::vector<NamedSpeeds> curves = curves_of(found);
   std::string blocks, plot = "plot ";
   for (std::size_t i = 0; i < curves.size(); ++i) {

@@ -167,7 +167,7 @@ std::string data_of(const ShapeLog& log) {
       base64(surface.corners));
 }
 
-std::string percent(double share) {
+std::string percent_of_size(double share) {
   return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "–";
 }
 
@@ -186,7 +186,8 @@ std::string shape_view(const ShapeLog& log, const ShapeSummary& s) {
              "aria-label=\"time\"> <span id=\"shape-now\"></span><figcaption>Drag to turn. Grey: at rest, "
              "red: moved "
              "most. All shapes are in shape.pvd, for ParaView.</figcaption></figure>\n",
-             s.shapes, s.rate, percent(s.error.p50), percent(s.error.p95), s.error.samples, last, last / 2) +
+             s.shapes, s.rate, percent_of_size(s.error.p50), percent_of_size(s.error.p95), s.error.samples,
+             last, last / 2) +
          "<script type=\"application/json\" id=\"shape-data\">" + data_of(log) + "</script>\n<script>" +
          std::string(script) + "</script>\n";
 }

@@ -29,13 +29,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t rule = 2;    // version of the measurement; a new number invalidates kept values
+constexpr std::int64_t measuring_rule =
+    2;                              // version of the measurement; a new number invalidates kept values
 constexpr int lower_priority = 10;  // nice value of the thread
 
 fs::path file_of(const Scene& scene, std::span<const Vec3> positions, const fs::path& folder) {
   if (folder.empty()) return {};
   Sha256 hash;
-  hash.add(rule).add(solver_revision());
+  hash.add(measuring_rule).add(solver_revision());
   for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
   for (const Vec3& x : positions)
     for (const double c : x) hash.add(c);
@@ -45,10 +46,6 @@ fs::path file_of(const Scene& scene, std::span<const Vec3> positions, const fs::
 
 Json to_file(const MeshError& e) {
   return {{"error", e.error}, {"positions", e.positions}, {"method", name(e.method)}, {"finer", e.finer}};
-}
-
-std::string sum_of(const Json& kept) {
-  return Sha256().add(json_text(kept)).hex();
 }
 
 // Nothing where the file is missing, incomplete or altered: the error is then measured again.

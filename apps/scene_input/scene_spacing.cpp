@@ -21,12 +21,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t rule = 2;  // version of the choosing rule; a new number invalidates kept choices
+constexpr std::int64_t spacing_rule =
+    2;  // version of the rule of choice; a new number invalidates kept choices
 
 fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options, const fs::path& folder) {
   if (folder.empty()) return {};
   Sha256 hash;
-  hash.add(rule).add(solver_revision());
+  hash.add(spacing_rule).add(solver_revision());
   for (const auto& [key, value] : identity) hash.add(key + "=" + value + "\n");
   for (const Vec3& corner : {options.box.low, options.box.high})
     for (const double x : corner) hash.add(x);
@@ -49,10 +50,6 @@ Json to_file(const SpacingChoice& c) {
   return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)},
           {"safe", c.safe},       {"above", c.above},     {"share_above_bound", c.share_bound},
           {"states", c.states},   {"solves", c.solves},   {"holds", c.holds}};
-}
-
-std::string sum_of(const Json& kept) {
-  return Sha256().add(json_text(kept)).hex();
 }
 
 // False if the file is missing, incomplete or of another form. If its checksum does not match, a warning says

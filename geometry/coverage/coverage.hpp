@@ -18,6 +18,8 @@
 
 namespace forefeel {
 
+inline constexpr double threshold_slack = 1e-9;  // relative tolerance of the thresholds of labels
+
 enum class Label : std::uint8_t { safe, sparse, gap, blank };
 std::string_view name(Label label);
 

@@ -7,8 +7,6 @@
 namespace forefeel {
 namespace {
 
-constexpr double slack = 1e-9;
-
 double cosine_of(double degrees) {
   return std::cos(degrees * std::numbers::pi / 180);
 }
@@ -34,11 +32,11 @@ void gather(const PointOctree& points, const Vec3& q, double radius, double merg
 }  // namespace
 
 Thresholds::Thresholds(const CoverageOptions& options, double spacing, double merge_distance)
-    : safe_spread(options.safe_spread * spacing * (1 + slack)),
-      safe_radius(options.safe_cone_radius * spacing * (1 + slack)),
+    : safe_spread(options.safe_spread * spacing * (1 + threshold_slack)),
+      safe_radius(options.safe_cone_radius * spacing * (1 + threshold_slack)),
       safe_cos(cosine_of(options.safe_angle_deg)),
-      sparse_distance(options.sparse_distance * spacing * (1 + slack)),
-      gap_radius(options.gap_cone_radius * spacing * (1 + slack)),
+      sparse_distance(options.sparse_distance * spacing * (1 + threshold_slack)),
+      gap_radius(options.gap_cone_radius * spacing * (1 + threshold_slack)),
       gap_cos(cosine_of(options.gap_angle_deg)),
       merge(merge_distance),
       cell_suffices(options.safe_angle_deg >= 90) {}
@@ -112,7 +110,7 @@ Coverage CoverageQuery::coverage(const Vec3& q, const Thresholds& limits) const 
   } else {
     const EmptyCone cone = largest_empty_cone(q, limits.gap_radius, limits.merge);
     result.gamma_deg = std::acos(std::clamp(cone.cos_half, -1.0, 1.0)) * 180 / std::numbers::pi;
-    result.label = cone.cos_half >= limits.gap_cos - slack ? Label::gap : Label::blank;
+    result.label = cone.cos_half >= limits.gap_cos - threshold_slack ? Label::gap : Label::blank;
   }
   return result;
 }

@@ -11,7 +11,6 @@
 namespace forefeel {
 namespace {
 
-constexpr double slack = 1e-9;
 constexpr double merge = 1e-9;  // in spacings: a state nearer than this is at q itself
 
 // The 26 directions to the neighbours of a cube.
@@ -59,8 +58,8 @@ OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
   offsets.clear();
   ids.clear();
   Near result;
-  const double rho = options_.safe_cone_radius * s * (1 + slack),
-               reach = options_.sparse_distance * s * (1 + slack);
+  const double rho = options_.safe_cone_radius * s * (1 + threshold_slack),
+               reach = options_.sparse_distance * s * (1 + threshold_slack);
   double nearest = std::numeric_limits<double>::infinity();
   points_.for_each_within(q, std::max(rho, reach), [&](std::uint32_t id, const Vec3& offset, double squared) {
     nearest = std::min(nearest, squared);
@@ -71,7 +70,7 @@ OctreeIndex::Near OctreeIndex::look_near(const Vec3& q, double s) const {
   result.any = nearest <= reach * reach;
   if (!result.any) return result;
   result.local = least_spread(offsets, s);
-  if (!(result.local.spread <= options_.safe_spread * s * (1 + slack))) return result;
+  if (!(result.local.spread <= options_.safe_spread * s * (1 + threshold_slack))) return result;
   const double here = merge * s;
   if (result.local.solid && nearest > here * here && options_.safe_angle_deg >= 90) {
     result.safe = true;
@@ -113,8 +112,8 @@ Label OctreeIndex::label(const Vec3& q, PathWalk& walk) const {
   const double s = spacing_at(q);
   std::array<double, 4> weight;
   if (walk.version == version_ && options_.safe_angle_deg >= 90 && walk.holds(q, weight)) {
-    const double limit = options_.safe_spread * s * (1 + slack),
-                 rho = options_.safe_cone_radius * s * (1 + slack);
+    const double limit = options_.safe_spread * s * (1 + threshold_slack),
+                 rho = options_.safe_cone_radius * s * (1 + threshold_slack);
     double sum = 0, farthest = 0, nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {
       const double squared = (walk.at[i] - q).squaredNorm();
@@ -191,7 +190,7 @@ std::vector<AdaptiveLattice::Point> OctreeIndex::proposals() const {
   if (!lattice_) return {};
   std::vector<AdaptiveLattice::Point> result = lattice_->points();
   std::erase_if(result, [&](const AdaptiveLattice::Point& point) {
-    return points_.nearest(point.at, 0.5 * point.spacing * (1 - slack)).id != 0xffffffffu;
+    return points_.nearest(point.at, 0.5 * point.spacing * (1 - threshold_slack)).id != PointOctree::nobody;
   });
   return result;
 }

@@ -11,9 +11,9 @@
 namespace forefeel {
 namespace {
 
-constexpr double tolerance = 1e-9;  // on cosines
-constexpr double beyond = 1e-11;    // a direction lies beyond a facet when it is farther by this
-constexpr double flat = 1e-7;       // height below which directions count as coplanar
+constexpr double tolerance = 1e-9;       // on cosines
+constexpr double beyond = 1e-11;         // a direction lies beyond a facet when it is farther by this
+constexpr double flat_direction = 1e-7;  // height below which directions count as coplanar
 
 FOREFEEL_CLONES
 double largest_product(const double* __restrict x, const double* __restrict y, const double* __restrict z,
@@ -77,14 +77,14 @@ bool ConeSolver::start(const Directions& directions) {
   const Vec3 p = directions[0], q = directions[corner[1]];
   plane_ = p.unitOrthogonal();
   const Vec3 along = q - p;
-  if (along.norm() < flat) return false;
+  if (along.norm() < flat_direction) return false;
   double best = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double area = (directions[i] - p).cross(along).squaredNorm();
     if (area > best) best = area, corner[2] = i;
   }
   Vec3 normal = along.cross(directions[corner[2]] - p);
-  if (normal.norm() < flat * along.norm()) {
+  if (normal.norm() < flat_direction * along.norm()) {
     plane_ = along.unitOrthogonal();
     return false;
   }
@@ -96,7 +96,7 @@ bool ConeSolver::start(const Directions& directions) {
   above -= normal.dot(p);
   below += normal.dot(p);
   corner[3] = above >= below ? high : low;
-  if (std::max(above, below) < flat) return false;
+  if (std::max(above, below) < flat_direction) return false;
   inside_ = 0.25 * (p + q + directions[corner[2]] + directions[corner[3]]);
   const auto at = [&](int i) { return static_cast<std::uint32_t>(corner[static_cast<std::size_t>(i)]); };
   push_facet(directions, at(0), at(1), at(2));

@@ -6,9 +6,9 @@
 namespace forefeel {
 namespace {
 
-constexpr double far_away = 16;  // of the artificial corners, in scales
-constexpr double penalty = 1e8;  // their squared distance: larger than that of any state
-constexpr double flat = 1e-7;    // relative height of tetrahedra that count as coplanar
+constexpr double far_away = 16;            // of the artificial corners, in scales
+constexpr double penalty = 1e8;            // their squared distance: larger than that of any state
+constexpr double flat_tetrahedron = 1e-7;  // relative height of tetrahedra that count as coplanar
 constexpr std::uint32_t artificial = 0xfffffffcu;
 
 // Corners v (in scales) and costs of a tetrahedron around the origin, with the inverse of its edges from v_0.
@@ -49,7 +49,7 @@ Basis start() {
   return basis;
 }
 
-// Replaces the corner whose weight falls to zero first by `p`; false if the tetrahedron would become flat.
+// Replaces the corner whose weight falls to zero first by `p`; false if the tetrahedron would become flat_tetrahedron.
 bool pivot(Basis& basis, const Vec3& p, double cost, std::uint32_t index) {
   const std::array<double, 4> share = basis.coordinates(p);
   std::size_t out = 4;
@@ -113,7 +113,7 @@ LocalSpread least_spread(std::span<const Vec3> offsets, double scale) {
   }
   if (strange > 1e-9) return result;
   result.spread = std::sqrt(sum) * scale;
-  result.solid = basis.real() && std::abs(basis.volume) > flat * longest * longest * longest;
+  result.solid = basis.real() && std::abs(basis.volume) > flat_tetrahedron * longest * longest * longest;
   result.corner = basis.corner;
   return result;
 }

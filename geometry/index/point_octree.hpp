@@ -17,9 +17,10 @@ namespace forefeel {
 
 class PointOctree {
  public:
+  static constexpr std::uint32_t nobody = 0xffffffffu;  // id where there is no point
   struct Neighbour {
     double squared = std::numeric_limits<double>::infinity();  // squared distance [m^2]
-    std::uint32_t id = 0xffffffffu;
+    std::uint32_t id = nobody;
     friend bool operator<(const Neighbour& a, const Neighbour& b) {
       return a.squared < b.squared || (a.squared == b.squared && a.id < b.id);
     }
@@ -29,7 +30,7 @@ class PointOctree {
   void insert(std::uint32_t id, const Vec3& at);
   bool erase(std::uint32_t id, const Vec3& at);  // false: not there
 
-  // The nearest point within `reach` [m]; id 0xffffffff if there is none. The lowest id wins a tie.
+  // The nearest point within `reach` [m]; id `nobody` if there is none. The lowest id wins a tie.
   Neighbour nearest(const Vec3& q, double reach = std::numeric_limits<double>::infinity()) const;
   // The n nearest by distance, ties by id.
   void nearest(const Vec3& q, std::size_t n, std::vector<Neighbour>& out) const;

@@ -9,7 +9,6 @@
 namespace forefeel {
 namespace {
 
-constexpr std::uint32_t nobody = 0xffffffffu;
 constexpr double touching = 1e-9;  // relative width of the shell of a ball where rounding decides
 
 double beyond(const Box& box, const Box& other) {
@@ -83,18 +82,18 @@ void BlockCover::triangulate() {
 bool BlockCover::foreign(const Vec3& centre, double radius, std::uint32_t& state) const {
   const PointOctree::Neighbour nearest = states_.points.nearest(centre, radius * (1 - touching));
   state = nearest.id;
-  if (state != nobody && seen_[state] != runs_) return true;
-  state = nobody;
+  if (state != PointOctree::nobody && seen_[state] != runs_) return true;
+  state = PointOctree::nobody;
   states_.points.for_each_within(centre, radius * (1 + touching), [&](std::uint32_t id, const Vec3&, double) {
     if (seen_[id] != runs_) state = std::min(state, id);
   });
-  return state != nobody;
+  return state != PointOctree::nobody;
 }
 
 // Adds a state of the ball of this cell; false if the cell is one of all states.
 bool BlockCover::extend(const Spread& spread) {
   const Vec3 centre = circumcentre(spread.at);
-  std::uint32_t state = nobody;
+  std::uint32_t state = PointOctree::nobody;
   if (!centre.allFinite() || !foreign(centre, (centre - spread.at[0]).norm(), state)) return false;
   seen_[state] = runs_;
   local_.push_back(state);
@@ -111,7 +110,8 @@ std::uint8_t BlockCover::mark_at(const Vec3& q) {
     if (spread.spread <= limits_.safe_spread) return mark::safe;
     if (!extend(spread)) break;
   }
-  return states_.points.nearest(q, limits_.sparse_distance).id != nobody ? mark::sparse : mark::unset;
+  return states_.points.nearest(q, limits_.sparse_distance).id != PointOctree::nobody ? mark::sparse
+                                                                                      : mark::unset;
 }
 
 std::array<std::size_t, 3> BlockCover::voxel(std::size_t index) const {
@@ -198,7 +198,7 @@ void BlockCover::label(CellRaster& raster, const CoverBlock& block, BlockFinding
     if (!meets && !mine_too) continue;
     const Vec3 centre = whole ? circumcentre(at) : Vec3(at[0]);
     const double shell = cell.circumradius * (1 + touching);
-    std::uint32_t other = nobody;
+    std::uint32_t other = PointOctree::nobody;
     const bool exact = whole && (holds(known_, centre, shell) || !foreign(centre, cell.circumradius, other));
     if (!exact)
       for (const StateId id : cell.states) open[id.value] = 1;

@@ -19,15 +19,13 @@
 namespace forefeel {
 namespace {
 
-constexpr std::uint32_t nobody = 0xffffffffu;
-
 // Along a Z-curve, without those that repeat an earlier one.
 CoveredStates index_states(std::span<const Vec3> states, const Box& box, double spacing, double merge) {
   CoveredStates kept;
   kept.at.reserve(states.size());
   for (const std::uint32_t i : morton_order(states, box, spacing)) {
     const Vec3& at = states[i];
-    if (kept.points.nearest(at, merge).id != nobody) continue;
+    if (kept.points.nearest(at, merge).id != PointOctree::nobody) continue;
     kept.points.insert(static_cast<std::uint32_t>(kept.at.size()), at);
     kept.at.push_back(at);
     kept.largest = std::max(kept.largest, at.cwiseAbs().maxCoeff());
@@ -111,7 +109,7 @@ void CoverageMap::Impl::add_large_cells() {
   std::vector<EmptyBall> empty;
   StateId near;
   for (const EmptyBall& ball : balls) {
-    if (states.points.nearest(ball.centre, ball.radius * (1 - 1e-9)).id != nobody) continue;
+    if (states.points.nearest(ball.centre, ball.radius * (1 - 1e-9)).id != PointOctree::nobody) continue;
     fill = std::max(fill, ball.radius);
     empty.push_back(ball);
     const Spread spread = large.spread(ball.centre, near);

@@ -10,7 +10,6 @@ namespace forefeel {
 namespace {
 
 constexpr std::int32_t root_width = 32;  // [voxels]
-constexpr std::uint32_t nobody = 0xffffffffu;
 
 class FarLabels {
  public:
@@ -28,7 +27,7 @@ class FarLabels {
     const Vec3 q = grid.low_of(low) + Vec3::Constant(0.5 * grid.side * width);
     const double e = reach(low, width) * (1 + 1e-9), tiny = 1e-9 * grid.side;
     const PointOctree::Neighbour nearest = points_.nearest(q);
-    if (nearest.id == nobody) return fill(low, end, Label::blank);
+    if (nearest.id == PointOctree::nobody) return fill(low, end, Label::blank);
     if (std::sqrt(nearest.squared) > limits_.sparse_distance + e + tiny) {
       Vec3 axis = Vec3::Zero();
       if (const auto label = proof_.label(limits_, q, e, at_[nearest.id] - q, axis))
@@ -75,7 +74,7 @@ class FarLabels {
     return whole;
   }
   Label label_of(const Vec3& q) const {
-    if (points_.nearest(q, limits_.sparse_distance).id != nobody) return Label::sparse;
+    if (points_.nearest(q, limits_.sparse_distance).id != PointOctree::nobody) return Label::sparse;
     return query_.enclosed(q, limits_.gap_radius, limits_.gap_cos, limits_.merge) ? Label::gap : Label::blank;
   }
 

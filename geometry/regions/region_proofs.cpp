@@ -6,7 +6,6 @@
 namespace forefeel {
 namespace {
 
-constexpr int block_level = 2;  // largest leaves that are proven sparse or safe: 4 voxels, h wide
 constexpr std::uint32_t nobody = 0xffffffffu;
 
 }  // namespace

@@ -9,7 +9,6 @@
 namespace forefeel {
 namespace {
 
-constexpr int block_level = 2;  // 4 voxels: h wide
 constexpr std::size_t most_roots = 1u << 21;
 
 std::int32_t child_of(const RegionNode& node, const std::array<std::int32_t, 3>& voxel) {

@@ -38,6 +38,8 @@
 
 namespace forefeel {
 
+inline constexpr int block_level = 2;  // largest leaves that are proven sparse or safe: 4 voxels, h wide
+
 struct RegionNode {
   enum class Kind : std::uint8_t { unresolved, leaf, branch, outside };
   // Bits of `below`: 1 << label for each label; further:

@@ -28,6 +28,7 @@ enum class SolveStatus : std::uint8_t { converged, diverged, stalled, inverted, 
 std::string_view name(SolveStatus status);
 std::optional<SolveStatus> solve_status(std::string_view name);  // the inverse of name()
 
+inline constexpr double largest_number = 1e100;  // of a value in a state; squares must not overflow
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct State {

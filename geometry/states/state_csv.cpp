@@ -88,8 +88,6 @@ class NamedRows {
   std::size_t width_ = 0;
 };
 
-constexpr double largest_number = 1e100;
-
 Mat3 read_stiffness(NamedRows& in) {
   Mat3 stiffness;
   int known = 0;

@@ -19,7 +19,6 @@ namespace {
 
 constexpr int application_id = 0x46465331;  // "FFS1"
 constexpr int schema_version = 1;
-constexpr double largest_number = 1e100;  // squares must not overflow
 
 constexpr const char* schema = R"sql(
 CREATE TABLE identity (key TEXT PRIMARY KEY, value TEXT NOT NULL);

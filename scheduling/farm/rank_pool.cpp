@@ -12,9 +12,6 @@
 namespace forefeel {
 namespace {
 
-constexpr auto pause = std::chrono::microseconds(300);
-constexpr double longest_step = 0.1;  // [s] counted between two polls; rank 0 was stopped in any longer time
-
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -110,7 +107,7 @@ std::vector<RankEvent> RankPool::wait_until_loaded(double seconds) {
     for (RankEvent& event : poll()) all.push_back(std::move(event));
     pending = false;
     for (int rank = 1; rank <= ranks(); ++rank) pending = pending || is_pending(rank);
-    if (pending) std::this_thread::sleep_for(pause);
+    if (pending) std::this_thread::sleep_for(poll_pause);
   }
   return all;
 }
@@ -124,7 +121,7 @@ std::vector<RankEvent> RankPool::stop() {
   while (std::ranges::any_of(ranks_, awaited)) {
     for (RankEvent& event : poll())
       if (event.kind == RankEvent::Kind::result) results.push_back(std::move(event));
-    std::this_thread::sleep_for(pause);
+    std::this_thread::sleep_for(poll_pause);
   }
   return results;
 }

@@ -7,6 +7,8 @@
 // patience, it counts as hanging, and its work goes to others. If rank 0 is silent for orphaned_seconds, the other ranks
 // end.
 
+#include <chrono>
+
 namespace forefeel {
 
 enum class RankTag : int {
@@ -23,6 +25,9 @@ enum class RankTag : int {
   left
 };
 
+inline constexpr std::chrono::microseconds poll_pause{300};
+inline constexpr double longest_step =
+    0.1;  // [s] counted between two polls; in any longer time the process was stopped
 inline constexpr double beat_seconds = 0.5, orphaned_seconds = 120;
 
 // Throws InputError with key --patience.

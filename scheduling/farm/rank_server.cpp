@@ -15,9 +15,7 @@ namespace forefeel {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-constexpr auto pause = std::chrono::microseconds(300);
 constexpr auto patience_with_thread = std::chrono::seconds(3);
-constexpr double longest_step = 0.1;  // [s] counted between two polls; longer times mean a stopped process
 
 struct Outgoing {
   RankTag tag;
@@ -68,7 +66,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
   // Waits a little for something to send.
   void rest() {
     std::unique_lock lock(mutex_);
-    said_.wait_for(lock, pause, [&] { return !outgoing_.empty(); });
+    said_.wait_for(lock, poll_pause, [&] { return !outgoing_.empty(); });
   }
 
  private:

@@ -11,8 +11,6 @@
 namespace forefeel {
 namespace {
 
-constexpr double two_pi = 6.283185307179586476925286766559;
-
 // Adds tremor and sensor noise to a motion. Both fade in over 0.25 s: the motion starts exactly at rest.
 class Disturbance {
  public:
@@ -20,8 +18,8 @@ class Disturbance {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < waves; ++k) {
         const std::uint64_t key = random::mix(seed, 100 + static_cast<std::uint64_t>(i * waves + k));
-        wave_[i][k] = {tremor * std::sqrt(2.0 / waves), two_pi * (8 + 4 * random::uniform(key)),
-                       two_pi * random::uniform(random::mix(key, 1))};
+        wave_[i][k] = {tremor * std::sqrt(2.0 / waves), random::two_pi * (8 + 4 * random::uniform(key)),
+                       random::two_pi * random::uniform(random::mix(key, 1))};
       }
   }
 

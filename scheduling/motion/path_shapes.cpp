@@ -11,8 +11,6 @@
 namespace forefeel {
 namespace {
 
-constexpr double two_pi = 6.283185307179586476925286766559;
-
 // Distance from rest to the border of the box along a direction [m]. If rest is outside the box: a quarter of
 // the box's largest side.
 double reach(const Box& box, const Vec3& direction) {
@@ -64,7 +62,7 @@ PathShape circle(const Frame& f) {
   PathShape shape{{Vec3::Zero(), f.at(0, 0, 0.5)}, {}};
   const double radius = 0.7 * std::min({f.u_low, f.u_high, f.v_low, f.v_high});
   for (int i = 0; i < 180; ++i) {
-    const double angle = two_pi * i / 180;
+    const double angle = random::two_pi * i / 180;
     shape.loop.push_back(f.at(0, 0, 0.5) + radius * (std::cos(angle) * f.u + std::sin(angle) * f.v));
   }
   return shape;
@@ -73,7 +71,7 @@ PathShape circle(const Frame& f) {
 PathShape lissajous(const Frame& f) {
   PathShape shape{{Vec3::Zero(), f.at(0, 0, 0.4)}, {}};
   for (int i = 0; i < 720; ++i) {
-    const double angle = two_pi * i / 720;
+    const double angle = random::two_pi * i / 720;
     shape.loop.push_back(
         f.at(0.75 * std::sin(3 * angle), 0.75 * std::sin(2 * angle), 0.4 + 0.35 * std::sin(5 * angle)));
   }

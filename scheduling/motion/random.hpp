@@ -27,9 +27,10 @@ inline double uniform(std::uint64_t key) noexcept {
   return (static_cast<double>(mix(key) >> 12) + 0.5) * 0x1p-52;
 }
 
+inline constexpr double two_pi = 6.283185307179586476925286766559;
+
 // Standard normal (Box and Muller 1958).
 inline double normal(std::uint64_t key) noexcept {
-  constexpr double two_pi = 6.283185307179586476925286766559;
   return std::sqrt(-2 * std::log(uniform(key))) * std::cos(two_pi * uniform(mix(key, 0x5bd1e995)));
 }
 

@@ -16,8 +16,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double reach = 2;   // of a state, in spacings H
-constexpr double surely = 2;  // deviation of a prediction at which half its weight goes to the box [spacings]
+constexpr double reach = 2;                                 // of a state, in spacings H
 constexpr double least_need = 1e-15;                        // a need below this counts as none
 constexpr std::uint32_t nobody = 0xffffffffu;               // no point, in PointOctree
 constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};  // H / h
@@ -189,7 +188,7 @@ void CoverageNeed::weigh(const PlannerView& view) {
   std::vector<double> near(box_.size());
   for (const Prediction& p : view.predicted) {
     const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
-    const double sure = 1 / (1 + std::pow(p.deviation / (surely * h), 2)), width = std::max(p.deviation, h);
+    const double sure = sureness(p.deviation, h), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     const auto nearest = index_->points.nearest(
         place.at, index_->limits[0].sparse_distance);  // the coarsest scale's, the largest distance

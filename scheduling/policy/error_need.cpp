@@ -18,10 +18,9 @@ constexpr std::size_t most_cubes = 300;  // of the box
 constexpr std::size_t most_residuals = 300;
 constexpr double far = 5;                // distance of a state where none is known [spacings]
 constexpr double nearest_of_all = 0.05;  // delta below which the error is taken as that there [spacings]
-constexpr double surely = 2;  // deviation at which half of a prediction's weight goes around it [spacings]
-constexpr double least_share = 1e-5;  // of the need of all places: below it a place needs nothing
-constexpr double local = 3;           // width of r [spacings]
-constexpr double local_strength = 2;  // residuals that r = 0 counts as
+constexpr double least_share = 1e-5;     // of the need of all places: below it a place needs nothing
+constexpr double local = 3;              // width of r [spacings]
+constexpr double local_strength = 2;     // residuals that r = 0 counts as
 // The prior of a, b, c with its strength, of v with its strength [states]. Fits to the errors at 320 to 780 states of
 // three bodies gave a -3.7 to -1.5, b 1.1 to 1.9, c -0.2 to 2.3 and v 0.8 to 1.3.
 const Eigen::Vector3d prior(-2.5, 1.6, 1.3), strength(4, 8, 4);
@@ -143,7 +142,7 @@ void ErrorNeed::weigh(const PlannerView& view) {
   places_.clear();
   for (const Prediction& p : view.predicted) {
     const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve_) / on_path : 0;
-    const double sure = 1 / (1 + std::pow(p.deviation / (surely * spacing_), 2));
+    const double sure = sureness(p.deviation, spacing_);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     see(place, known_);
     for (const Residual& residual : residuals_) add(residual, 1, place);

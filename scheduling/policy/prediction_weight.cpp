@@ -10,6 +10,10 @@ double urgency(double t, double solve) {
   return late > 0 ? 1 / (1 + late * late) : 1 / (1 - late);
 }
 
+double sureness(double deviation, double h) {
+  return 1 / (1 + std::pow(deviation / (2 * h), 2));
+}
+
 Vec3 folded(const Vec3& x, const Box& box) {
   Vec3 inside = box.low;
   for (int i = 0; i < 3; ++i) {

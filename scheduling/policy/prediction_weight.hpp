@@ -10,6 +10,10 @@ namespace forefeel {
 //   u = 1 / (1 + l^2) for l = (T - t) / T > 0, else 1 / (1 - l)     [1]
 double urgency(double t, double solve);
 
+// The share of a prediction's weight that its position keeps; the rest goes to its surroundings.
+//   sure = 1 / (1 + (deviation / 2 h)^2)   for the spacing h [m]     [1]
+double sureness(double deviation, double h);
+
 // A hand that leaves the box turns back. A position predicted outside is mirrored at the faces of the box, as
 // often as needed to be inside.
 Vec3 folded(const Vec3& x, const Box& box);

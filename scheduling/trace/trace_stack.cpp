@@ -10,7 +10,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t rows_searched = 40, rows_above = 8;
+constexpr std::size_t rows_read = 40, rows_above = 8;
 
 // "X", "x" and "X1" are x.
 bool is_called(std::string_view cell, const std::string& wanted) {
@@ -101,13 +101,13 @@ std::optional<StackedColumns> columns_below(const std::vector<TraceRow>& rows, s
 std::optional<StackedColumns> stacked_columns(const std::vector<TraceRow>& rows,
                                               const std::vector<std::string>& wanted, bool timed,
                                               const std::string& tool) {
-  for (std::size_t row = 0; row < std::min(rows.size(), rows_searched); ++row)
+  for (std::size_t row = 0; row < std::min(rows.size(), rows_read); ++row)
     if (auto found = columns_below(rows, row, wanted, timed, tool)) return found;
   return {};
 }
 
 std::vector<std::string> stacked_tools(const std::vector<TraceRow>& rows, const std::string& x) {
-  for (std::size_t axes = 0; axes < std::min(rows.size(), rows_searched); ++axes) {
+  for (std::size_t axes = 0; axes < std::min(rows.size(), rows_read); ++axes) {
     const Stack stack(rows, axes);
     const std::vector<std::size_t> columns = stack.columns(x);
     if (columns.size() < 2) continue;

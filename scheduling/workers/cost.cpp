@@ -89,7 +89,7 @@ class RecordedModel final : public CostModel {
   std::uint64_t seed_;
 };
 
-Registry<CostFactory>& registry() {
+Registry<CostFactory>& cost_registry() {
   static Registry<CostFactory> costs("cost", {});
   return costs;
 }
@@ -115,7 +115,7 @@ struct Maker {
     return std::make_unique<RecordedModel>(std::move(measured), context.seed);
   }
   std::unique_ptr<CostModel> operator()(const Registered& cost) const {
-    const auto factory = registry().find(cost.name);
+    const auto factory = cost_registry().find(cost.name);
     if (!factory)
       throw InputError({.key = "cost", .value = to_text(cost)},
                        fmt::format("unknown model, expected {}", cost_kinds()));
@@ -129,11 +129,11 @@ void register_cost(const std::string& name, CostFactory factory) {
   for (const char* built_in : {"constant", "lognormal", "paper", "recorded"})
     if (name == built_in)
       throw InputError("register cost", fmt::format("'{}' is built in, expected another name", name));
-  registry().add(name, std::move(factory));
+  cost_registry().add(name, std::move(factory));
 }
 
 std::vector<std::string> registered_costs() {
-  return registry().names();
+  return cost_registry().names();
 }
 
 std::string cost_kinds() {

@@ -6,7 +6,7 @@
 namespace forefeel {
 namespace {
 
-Registry<WorkersKind>& registry() {
+Registry<WorkersKind>& workers_registry() {
   static Registry<WorkersKind> kinds(
       "workers", {{"threads", {.real = make_worker_threads, .simulated = make_simulated_workers}}});
   return kinds;
@@ -34,27 +34,27 @@ void register_workers(const std::string& name, WorkersKind kind) {
   if (!kind.real && !kind.simulated)
     throw InputError("register workers",
                      name + " makes no workers, expected at least one of the two factories");
-  registry().add(name, std::move(kind));
+  workers_registry().add(name, std::move(kind));
 }
 
 std::vector<std::string> workers_names() {
-  return registry().names();
+  return workers_registry().names();
 }
 
 std::unique_ptr<RealWorkers> make_real_workers(const WorkersSpec& workers,
                                                const RealWorkersContext& context) {
-  const WorkersKind kind = registry().at(workers.name);
+  const WorkersKind kind = workers_registry().at(workers.name);
   return make_registered(real_of(kind, workers), "workers", workers, context);
 }
 
 std::unique_ptr<VirtualWorkers> make_virtual_workers(const WorkersSpec& workers,
                                                      const VirtualWorkersContext& context) {
-  const WorkersKind kind = registry().at(workers.name);
+  const WorkersKind kind = workers_registry().at(workers.name);
   return make_registered(simulated_of(kind, workers), "workers", workers, context);
 }
 
 void check_workers(const WorkersSpec& workers, bool virtual_clock) {
-  const WorkersKind kind = registry().at(workers.name);
+  const WorkersKind kind = workers_registry().at(workers.name);
   if (virtual_clock)
     simulated_of(kind, workers);
   else

@@ -161,4 +161,15 @@ class Judge {
   RealMatrix solution_;
 };
 
+// The kinds of fit that every test of fits goes through.
+struct FitCase {
+  Kernel kernel;
+  Data data;
+};
+inline const std::vector<FitCase> fit_cases = {{Kernel::linear, Data::force},
+                                               {Kernel::cubic, Data::force},
+                                               {Kernel::quintic, Data::force},
+                                               {Kernel::cubic, Data::force_and_stiffness},
+                                               {Kernel::quintic, Data::force_and_stiffness}};
+
 }  // namespace forefeel::testing

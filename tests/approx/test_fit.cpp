@@ -11,16 +11,6 @@ using namespace forefeel::testing;
 
 namespace {
 
-struct Case {
-  Kernel kernel;
-  Data data;
-};
-const std::vector<Case> cases = {{Kernel::linear, Data::force},
-                                 {Kernel::cubic, Data::force},
-                                 {Kernel::quintic, Data::force},
-                                 {Kernel::cubic, Data::force_and_stiffness},
-                                 {Kernel::quintic, Data::force_and_stiffness}};
-
 int power_of(Kernel kernel) {
   return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
 }
@@ -39,7 +29,7 @@ std::vector<Vec3> random_points(std::size_t n, double size, unsigned seed) {
 }  // namespace
 
 TEST_CASE("A model interpolates its states and equals the saddle system solved in long double") {
-  for (const auto& [kernel, data] : cases) {
+  for (const auto& [kernel, data] : fit_cases) {
     CAPTURE(name(kernel), name(data));
     const auto states = states_at(random_points(40, 0.03, 7));
     const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3::Zero());
@@ -58,7 +48,7 @@ TEST_CASE("A model interpolates its states and equals the saddle system solved i
 }
 
 TEST_CASE("The Jacobian is the derivative of the force, inside, between and far outside") {
-  for (const auto& [kernel, data] : cases) {
+  for (const auto& [kernel, data] : fit_cases) {
     CAPTURE(name(kernel), name(data));
     const auto states = states_at(random_points(40, 0.03, 7));
     const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3(0.01, 0, 0));
@@ -106,7 +96,7 @@ TEST_CASE("Kernel and degree step down by rank") {
   CHECK(model(line, Kernel::linear, Data::force).kernel() == Kernel::linear);
   CHECK(model(plane, Kernel::quintic, Data::force_and_stiffness).kernel() == Kernel::cubic);
   CHECK(model(two_planes, Kernel::quintic, Data::force_and_stiffness).kernel() == Kernel::quintic);
-  for (const auto& [kernel, data] : cases)
+  for (const auto& [kernel, data] : fit_cases)
     for (const auto* set : {&line, &plane, &two_planes}) {
       CAPTURE(name(kernel), name(data), set->size());
       const Model m = model(*set, kernel, data);
@@ -132,7 +122,7 @@ TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their lev
     std::vector<Vec3> points;
     for (int i = 0; i < 30; ++i) points.push_back(plane ? on_plane() : on_line());
     const auto states = states_at(points);
-    for (const auto& [kernel, data] : cases) {
+    for (const auto& [kernel, data] : fit_cases) {
       CAPTURE(plane, name(kernel), name(data));
       const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3::Zero());
       const Judge judge(states, power_of(model), model.degree(), model.uses_stiffness());
@@ -148,7 +138,7 @@ TEST_CASE("Exactly coplanar and collinear sets give the interpolant of their lev
 
 TEST_CASE("One state, duplicates of one, and no state") {
   const State state = field_state({0.01, -0.004, 0.007});
-  for (const auto& [kernel, data] : cases)
+  for (const auto& [kernel, data] : fit_cases)
     for (const std::size_t copies : {1, 2, 5}) {
       CAPTURE(name(kernel), name(data), copies);
       const std::vector<State> states(copies, state);
@@ -165,7 +155,7 @@ TEST_CASE("One state, duplicates of one, and no state") {
     }
   // Duplicates among others change nothing.
   auto states = states_at(random_points(30, 0.03, 1));
-  for (const auto& [kernel, data] : cases) {
+  for (const auto& [kernel, data] : fit_cases) {
     auto doubled = states;
     doubled.push_back(states[3]);
     doubled.push_back(states[17]);
@@ -182,7 +172,7 @@ TEST_CASE("One state, duplicates of one, and no state") {
 TEST_CASE("Offsets of a kilometre and other units change nothing beyond rounding") {
   const auto points = random_points(40, 0.03, 21);
   const auto states = states_at(points);
-  for (const auto& [kernel, data] : cases) {
+  for (const auto& [kernel, data] : fit_cases) {
     CAPTURE(name(kernel), name(data));
     const ModelOptions options{.kernel = kernel, .data = data};
     const Model model = fit_model(states, options, Vec3::Zero());
@@ -217,7 +207,7 @@ TEST_CASE("Beyond a flat front: finite, continuous, never above the bound") {
     for (int j = -6; j <= 6; ++j)
       for (int k = -6; k <= 6; ++k) all.emplace_back(i * h, j * h, k * h);
   const double front = -2 * h;
-  for (const auto& [kernel, data] : cases)
+  for (const auto& [kernel, data] : fit_cases)
     for (const std::size_t n : {4, 9, 25, 50, 100, 300})
       for (const double out : {0.006, 0.012, 0.018, 0.024, 0.06, 0.12}) {
         if (data == Data::force_and_stiffness && n > 100 && out != 0.024) continue;  // slow

@@ -12,16 +12,6 @@ using namespace forefeel::testing;
 
 namespace {
 
-struct Case {
-  Kernel kernel;
-  Data data;
-};
-const std::vector<Case> cases = {{Kernel::linear, Data::force},
-                                 {Kernel::cubic, Data::force},
-                                 {Kernel::quintic, Data::force},
-                                 {Kernel::cubic, Data::force_and_stiffness},
-                                 {Kernel::quintic, Data::force_and_stiffness}};
-
 Sample sample_of(const std::vector<State>& states, std::size_t i) {
   return {{static_cast<std::uint32_t>(i)}, states[i].at, states[i].force, states[i].stiffness};
 }
@@ -105,7 +95,7 @@ Errors errors_of(const Model& model, const Judge& judge, const std::vector<State
 // The largest errors over the last sets, so that no single rounding error decides.
 TEST_CASE("10,000 replacements without refactorisation stay within five times a fresh solve", "[replace]") {
   for (const char* kind : {"lattice", "near-duplicate", "coplanar", "collinear", "clustered"})
-    for (const auto& [kernel, data] : cases)
+    for (const auto& [kernel, data] : fit_cases)
       for (const unsigned seed : {3, 4, 15}) {
         CAPTURE(kind, name(kernel), name(data), seed);
         const std::size_t n = 16;
@@ -135,7 +125,7 @@ TEST_CASE("10,000 replacements without refactorisation stay within five times a 
 }
 
 TEST_CASE("Replacing several at once equals a fresh fit", "[replace]") {
-  for (const auto& [kernel, data] : cases)
+  for (const auto& [kernel, data] : fit_cases)
     for (const std::size_t k : {1, 3, 4, 7, 13}) {
       CAPTURE(name(kernel), name(data), k);
       const std::size_t n = 40;
@@ -154,7 +144,7 @@ TEST_CASE("Replacing several at once equals a fresh fit", "[replace]") {
 }
 
 TEST_CASE("Automatic choice and travel: a set that moves along stays equal to a fresh fit", "[replace]") {
-  for (const auto& [kernel, data] : cases) {
+  for (const auto& [kernel, data] : fit_cases) {
     CAPTURE(name(kernel), name(data));
     const ModelOptions options{.kernel = kernel, .data = data, .neighbours = 30};
     const double h = 0.005;
