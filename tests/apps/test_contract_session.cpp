@@ -16,7 +16,7 @@ TEST_CASE("session", "[contract]") {
   for (const std::string clock : {"virtual", "real"}) {
     const json summary = run_json(shop, "session beam.toml --clock " + clock +
                                             " --seconds 0.5 --device path:press,speed=0.02 -o " + clock);
-    check_keys(summary, session_summary_keys);
+    check_keys(summary, forefeel::session_summary_keys);
     check_keys(summary, {"error.by_label", "provenance.command", "provenance.version", "provenance.commit",
                          "provenance.scene_hash", "provenance.libraries", "provenance.machine"});
     CHECK(summary["clock"] == clock);
