@@ -45,12 +45,12 @@ CLI::Validator range(Number low, Number high) {
 // What a value must be, for variables that are not text.
 template <class Number>
 void check_type(CLI::Option* option) {
-  const bool whole = std::is_integral_v<Number>;
-  option->check([whole](const std::string& text) {
+  option->check([](const std::string& text) {
     Number number{};
     if (reads_as(text, number)) return std::string();
     return fmt::format("{}, expected a {}number{}", text.empty() ? "is empty" : fmt::format("is '{}'", text),
-                       whole ? "whole " : "", std::is_unsigned_v<Number> ? " of at least 0" : "");
+                       std::is_integral_v<Number> ? "whole " : "",
+                       std::is_unsigned_v<Number> ? " of at least 0" : "");
   });
 }
 
