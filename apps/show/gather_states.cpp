@@ -25,7 +25,7 @@ LabelGrid sample(const StateSpace& space, const Box& box, double most, double ti
     grid.count[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(n);
     step[axis] = box.size()[axis] / n;
   }
-  const auto [nx, ny, nz] = grid.count;
+  const std::uint32_t nx = grid.count[0], ny = grid.count[1], nz = grid.count[2];
   grid.label.resize(std::size_t{nx} * ny * nz);
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::uint32_t k = 0; k < nz; ++k) {
